@@ -1,0 +1,25 @@
+# What every target of the project is compiled with.
+if(NOT CMAKE_BUILD_TYPE)
+  set(CMAKE_BUILD_TYPE Release CACHE STRING "" FORCE)
+endif()
+
+find_program(MVTP_CCACHE ccache)
+if(MVTP_CCACHE)
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${MVTP_CCACHE})
+endif()
+
+add_library(mvtp_options INTERFACE)
+add_library(mvtp::options ALIAS mvtp_options)
+target_include_directories(mvtp_options INTERFACE ${PROJECT_SOURCE_DIR})
+target_compile_options(mvtp_options INTERFACE
+  -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wnon-virtual-dtor -Woverloaded-virtual
+  # Every figure must be the same on every machine: no fused multiply-adds behind our back.
+  -ffp-contract=off)
+if(MVTP_WERROR)
+  target_compile_options(mvtp_options INTERFACE -Werror)
+endif()
+if(MVTP_SANITIZE)
+  target_compile_options(mvtp_options INTERFACE
+    -fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer)
+  target_link_options(mvtp_options INTERFACE -fsanitize=address,undefined)
+endif()

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "planner/problem/instance.hpp"
+
+namespace mvtp {
+
+/// A lane of a road network, normal or inside a junction (internal).
+struct Lane {
+  std::string id;
+  std::string edge;            ///< id of the edge it belongs to
+  int index = 0;               ///< on its edge, 0 = rightmost
+  double speed_limit = 13.89;  ///< [m/s]
+  double length = 0.0;         ///< [m]; may differ from the length of the centre line
+  double width = 3.2;          ///< [m]
+  bool internal = false;
+  bool drivable = true;        ///< open to passenger traffic
+  std::vector<Point> shape;    ///< centre line [m]
+};
+
+/// One way across a junction: from a normal lane over its internal lanes to the next normal lane.
+struct Connection {
+  std::string from_lane;
+  std::vector<std::string> via;  ///< the chain of internal lanes, in driving order; may be empty
+  std::string to_lane;
+};
+
+struct Junction {
+  std::string id;
+  std::string type;              ///< "priority", "traffic_light", "dead_end", ...
+  Point position;
+  Polygon shape;                 ///< not closed
+  std::vector<std::string> incoming_lanes;
+  std::vector<Connection> connections;
+  /// Do two of its connections cross or merge (come from different lanes and share ground)?
+  bool has_conflicts = false;
+};
+
+/// The geometry and topology of a road network, in metres; ordered by id throughout.
+struct RoadNetwork {
+  std::map<std::string, Lane> lanes;
+  std::map<std::string, Junction> junctions;
+  /// lanes of each normal edge, rightmost first
+  std::map<std::string, std::vector<std::string>> edges;
+};
+
+}  // namespace mvtp

@@ -1,0 +1,73 @@
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "coordinator/road_network.hpp"
+#include "planner/problem/pose.hpp"
+#include "planner/problem/vehicle.hpp"
+
+namespace mvtp {
+
+/// What the drivers of one type of vehicle do, beside the body's own limits.
+struct VehicleType {
+  std::string id;
+  Vehicle body;          ///< max_speed, max_accel, max_decel are those of the type
+  double min_gap = 2.5;  ///< [m] to the leader at rest
+  double tau = 1.0;      ///< [s] desired headway
+};
+
+/// One vehicle on the road after a step.
+struct VehicleState {
+  std::string id;
+  std::string type;           ///< VehicleType::id
+  Pose pose;                  ///< rear axle
+  double speed = 0.0;         ///< [m/s]
+  double speed_factor = 1.0;  ///< its own multiple of every speed limit
+  std::string lane;           ///< empty while off every lane
+  double lane_position = 0.0; ///< of the front bumper from the start of the lane [m]
+};
+
+/// The traffic that a coordinator drives: SUMO in production, a fake in tests.
+///
+/// Time advances in steps. A vehicle is driven by the traffic's own car following until taken over;
+/// then it goes only where place() puts it, once before every step(), until handed back.
+/// Every function may throw InputError for a scenario that turns out to be broken.
+class Traffic {
+ public:
+  virtual ~Traffic() = default;
+
+  [[nodiscard]] virtual const RoadNetwork& network() const = 0;
+  /// The vehicle types that the scenario has loaded, its defaults not included.
+  [[nodiscard]] virtual std::vector<std::string> types() const = 0;
+  [[nodiscard]] virtual VehicleType type(const std::string& id) const = 0;
+
+  [[nodiscard]] virtual double time() const = 0;         ///< [s]
+  [[nodiscard]] virtual double step_length() const = 0;  ///< [s]
+  /// False once no vehicle is left and none will enter.
+  [[nodiscard]] virtual bool running() const = 0;
+
+  /// All vehicles on the road after the last step, ordered by id.
+  [[nodiscard]] virtual std::span<const VehicleState> vehicles() const = 0;
+  /// The edges of its route, the one it is on (or, inside a junction, the one before) first.
+  [[nodiscard]] virtual std::vector<std::string> route(const std::string& id) const = 0;
+
+  virtual void take_over(const std::string& id) = 0;
+  /// Gives the vehicle back to the traffic's own driver, who goes on from its pose and speed.
+  virtual void hand_back(const std::string& id) = 0;
+  /// Where a taken-over vehicle is after the next step.
+  virtual void place(const std::string& id, const Pose& pose, double speed) = 0;
+  /// Makes a vehicle that is not taken over stop before the end of its lane (true), or go on.
+  virtual void hold(const std::string& id, bool stop) = 0;
+  /// Lowers the limit of a lane for every driver [m/s].
+  virtual void limit_speed(const std::string& lane, double speed) = 0;
+
+  virtual void step() = 0;
+
+  /// Pairs of vehicles that the traffic itself saw collide in the last step.
+  [[nodiscard]] virtual int collisions() const = 0;
+};
+
+}  // namespace mvtp
