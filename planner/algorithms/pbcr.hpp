@@ -1,0 +1,189 @@
+#pragma once
+
+#include <algorithm>
+#include <cassert>
+#include <concepts>
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <stdexcept>
+#include <utility>
+#include <vector>
+
+namespace mvtp {
+
+/// What PBCR asks of the world; the only thing it knows about vehicles, roads and obstacles.
+///
+/// A Motion is one step *and the safe stop after it*: the pose itself for a car that stands at
+/// the end of every step, the drive while braking to rest for a car with inertia. Motions of two
+/// robots are compared over their whole length, both stops running in lock-step, so that "everyone
+/// brakes now" stays collision-free after the step if the motions are.
+template <class W>
+concept StepWorld = requires(const W& world, int i, const typename W::State& state,
+                             const typename W::Motion& motion) {
+  requires std::copyable<typename W::State> && std::copyable<typename W::Motion>;
+  /// Motions of robot i from `state`, best first; those that hit an obstacle are left out.
+  { world.candidates(i, state) } -> std::same_as<std::vector<typename W::Motion>>;
+  /// The motion of a robot that brakes now (waits, if it stands). Never hits an obstacle.
+  { world.safe_stop(i, state) } -> std::same_as<typename W::Motion>;
+  /// Do the two motions, begun at the same time, overlap? Symmetric.
+  { world.conflict(i, motion, i, motion) } -> std::same_as<bool>;
+};
+
+struct PbcrOptions {
+  /// Candidates that may be withdrawn for one robot of highest priority before everything it pushes
+  /// may only brake; bounds the exponential worst case of backtracking. >= 0.
+  int max_withdrawn = 2000;
+};
+
+/// Priority inheritance and backtracking for car-like robots: one step of all robots.
+///
+/// Safety: if "everyone brakes now" is collision-free before the step, it is so after it. An
+/// undecided robot counts with its own safe stop, so that one is always left to it.
+/// Unlike classic PIBT, a withdrawn candidate undoes every decision made below it: with motions
+/// instead of cells, a pushed robot that keeps its decision may drive over the place of its pusher
+/// when that one stays, and not even waiting would be left.
+/// Source: ESCoT paper, Algorithm 1 (function PBCR); Okumura et al. 2022 (PIBT).
+template <StepWorld World>
+class Pbcr {
+ public:
+  using State = typename World::State;
+  using Motion = typename World::Motion;
+
+  explicit Pbcr(const World& world, PbcrOptions options = {}) : world_(world), options_(options) {}
+
+  /// The next motion of every robot.
+  ///
+  /// @param from     one state per robot; their safe stops do not conflict with each other.
+  /// @param order    every robot once, highest priority first.
+  /// @param decided  motions fixed beforehand, free of conflicts with each other; nullopt = free.
+  ///                 They have the highest priority: free robots in their way are pushed.
+  /// @return motions without conflicts, those of `decided` unchanged. nullopt only if the robots in
+  ///         the way of `decided` found no way out; never if `decided` is empty or all nullopt.
+  [[nodiscard]] std::optional<std::vector<Motion>> step(
+      std::span<const State> from, std::span<const int> order,
+      std::vector<std::optional<Motion>> decided = {}) const {
+    assert(order.size() == from.size() && (decided.empty() || decided.size() == from.size()));
+    decided.resize(from.size());
+    Step step(world_, from, order, std::move(decided), options_.max_withdrawn);
+    return step.run();
+  }
+
+ private:
+  class Step;
+
+  const World& world_;
+  PbcrOptions options_;
+};
+
+/// The state of one step: who is decided (OCCU of Algorithm 1), who is not (UNDE).
+template <StepWorld World>
+class Pbcr<World>::Step {
+ public:
+  Step(const World& world, std::span<const State> from, std::span<const int> order,
+       std::vector<std::optional<Motion>> decided, int max_withdrawn)
+      : world_(world),
+        from_(from),
+        order_(order),
+        decided_(std::move(decided)),
+        candidates_(from.size()),
+        max_withdrawn_(max_withdrawn) {
+    stops_.reserve(from.size());
+    for (int i = 0; i < int(from.size()); ++i) stops_.push_back(world.safe_stop(i, at(from_, i)));
+  }
+
+  std::optional<std::vector<Motion>> run() {
+    if (!push_out_of_the_way_of_decided()) return std::nullopt;
+    for (const int i : order_) {
+      if (at(decided_, i)) continue;
+      withdrawn_ = 0;
+      // No decided motion conflicts with the safe stop of an undecided robot, so one is left to i.
+      if (!decide(i)) throw std::logic_error("Pbcr: the safe stops before the step conflict");
+    }
+    std::vector<Motion> next;
+    next.reserve(decided_.size());
+    for (std::optional<Motion>& motion : decided_) next.push_back(*std::move(motion));
+    return next;
+  }
+
+ private:
+  template <class Vector>
+  static decltype(auto) at(Vector&& values, int i) {
+    return values[std::size_t(i)];
+  }
+
+  /// Gives robot i a motion, and with it every robot in its way; or changes nothing.
+  bool decide(int i) {
+    // Algorithm 1, lines 11-12. The safe stop comes last, even for a world that left it out.
+    if (withdrawn_ <= max_withdrawn_) {
+      for (const Motion& motion : candidates(i)) {
+        if (attempt(i, motion)) return true;
+        if (withdrawn_ > max_withdrawn_) break;
+      }
+    }
+    return attempt(i, at(stops_, i));
+  }
+
+  /// Decides `motion` for robot i if the decided robots leave room and the undecided ones can make
+  /// room; or changes nothing.
+  bool attempt(int i, const Motion& motion) {
+    if (conflicts_with_decided(i, motion)) return false;  // Algorithm 1, lines 15-16
+    const std::size_t mark = trail_.size();
+    at(decided_, i) = motion;  // line 17
+    trail_.push_back(i);
+    if (push_out_of_the_way_of(i)) return true;  // lines 18-21
+    withdraw(mark);                              // line 23
+    return false;
+  }
+
+  /// Priority inheritance: each undecided robot in the way of i is decided now, at i's priority.
+  bool push_out_of_the_way_of(int i) {
+    for (const int j : order_) {
+      if (at(decided_, j) || !world_.conflict(i, *at(decided_, i), j, at(stops_, j))) continue;
+      if (!decide(j)) return false;
+    }
+    return true;
+  }
+
+  /// Backtracking: undoes every decision made since the trail had `mark` entries.
+  void withdraw(std::size_t mark) {
+    ++withdrawn_;
+    while (trail_.size() > mark) {
+      at(decided_, trail_.back()).reset();
+      trail_.pop_back();
+    }
+  }
+
+  bool push_out_of_the_way_of_decided() {
+    std::vector<int> fixed;
+    for (int i = 0; i < int(decided_.size()); ++i) {
+      if (at(decided_, i)) fixed.push_back(i);
+    }
+    return std::ranges::all_of(fixed, [this](int i) { return push_out_of_the_way_of(i); });
+  }
+
+  bool conflicts_with_decided(int i, const Motion& motion) const {
+    for (int j = 0; j < int(decided_.size()); ++j) {
+      if (at(decided_, j) && world_.conflict(i, motion, j, *at(decided_, j))) return true;
+    }
+    return false;
+  }
+
+  const std::vector<Motion>& candidates(int i) {
+    std::optional<std::vector<Motion>>& list = at(candidates_, i);
+    if (!list) list = world_.candidates(i, at(from_, i));
+    return *list;
+  }
+
+  const World& world_;
+  std::span<const State> from_;
+  std::span<const int> order_;
+  std::vector<Motion> stops_;
+  std::vector<std::optional<Motion>> decided_;
+  std::vector<std::optional<std::vector<Motion>>> candidates_;  ///< computed when first asked for
+  std::vector<int> trail_;                                      ///< decided robots, oldest first
+  int withdrawn_ = 0;
+  int max_withdrawn_;
+};
+
+}  // namespace mvtp
