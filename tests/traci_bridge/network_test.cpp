@@ -1,0 +1,242 @@
+#include "traci_bridge/network.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <ranges>
+#include <string>
+#include <vector>
+
+#include "tests/traci_bridge/fixtures.hpp"
+#include "traci_bridge/configuration.hpp"
+
+namespace mvtp {
+namespace {
+
+using testing::ElementsAre;
+using testing::IsEmpty;
+using testing::MatchesRegex;
+using testing::SizeIs;
+using testing::StartsWith;
+
+RoadNetwork crossroads() { return read_network(project_file("networks/crossroads.net.xml")); }
+
+const Connection& connection(const Junction& junction, const std::string& from,
+                             const std::string& to) {
+  return *std::ranges::find_if(junction.connections, [&](const Connection& c) {
+    return c.from_lane == from && c.to_lane == to;
+  });
+}
+
+TEST(ReadNetwork, TheCrossroadsHaveFourArmsAndTwelveWays) {
+  const RoadNetwork network = crossroads();
+
+  EXPECT_THAT(network.edges, SizeIs(8));
+  EXPECT_THAT(network.junctions, SizeIs(5));
+  const Junction& c = network.junctions.at("C");
+  EXPECT_EQ(c.type, "priority");
+  EXPECT_EQ(c.position, (Point{0.0, 0.0}));
+  EXPECT_THAT(c.incoming_lanes, ElementsAre("Ni_0", "Ei_0", "Si_0", "Wi_0"));
+  EXPECT_THAT(c.connections, SizeIs(12));
+  EXPECT_TRUE(c.has_conflicts);
+  EXPECT_FALSE(network.junctions.at("E").has_conflicts);
+}
+
+TEST(ReadNetwork, LanesHaveTheirShapeAndLimits) {
+  const RoadNetwork network = crossroads();
+  const Lane& lane = network.lanes.at("Ei_0");
+
+  EXPECT_EQ(lane.edge, "Ei");
+  EXPECT_DOUBLE_EQ(lane.speed_limit, 13.89);
+  EXPECT_DOUBLE_EQ(lane.length, 292.8);
+  EXPECT_DOUBLE_EQ(lane.width, 3.2);
+  EXPECT_FALSE(lane.internal);
+  EXPECT_TRUE(lane.drivable);
+  EXPECT_THAT(lane.shape, ElementsAre(Point{300.0, 1.6}, Point{7.2, 1.6}));
+}
+
+// A left turn from the major road waits inside the junction: two internal lanes, end to end.
+TEST(ReadNetwork, ALeftTurnThatWaitsIsAChainOfTwoInternalLanes) {
+  const RoadNetwork network = crossroads();
+  const Connection& left = connection(network.junctions.at("C"), "Wi_0", "No_0");
+
+  ASSERT_THAT(left.via, ElementsAre(":C_11_0", ":C_13_0"));
+  EXPECT_TRUE(network.lanes.at(":C_13_0").internal);
+  EXPECT_EQ(network.lanes.at("Wi_0").shape.back(), network.lanes.at(":C_11_0").shape.front());
+  EXPECT_EQ(network.lanes.at(":C_11_0").shape.back(), network.lanes.at(":C_13_0").shape.front());
+  EXPECT_EQ(network.lanes.at(":C_13_0").shape.back(), network.lanes.at("No_0").shape.front());
+}
+
+class EveryNetwork : public testing::TestWithParam<const char*> {};
+
+TEST_P(EveryNetwork, ConnectionsAreContinuousFromLaneToLane) {
+  set_sumo_home();
+  std::string path = GetParam();
+  path = path.starts_with("tools/") ? std::string(std::getenv("SUMO_HOME")) + '/' + path
+                                    : project_file(path);
+  const RoadNetwork network = read_network(path);
+
+  int connections = 0;
+  for (const Junction& junction : std::views::values(network.junctions)) {
+    for (const Connection& c : junction.connections) {
+      ++connections;
+      EXPECT_THAT(junction.incoming_lanes, testing::Contains(c.from_lane));
+      std::vector<std::string> chain = {c.from_lane};
+      chain.insert(chain.end(), c.via.begin(), c.via.end());
+      chain.push_back(c.to_lane);
+      for (std::size_t i = 1; i < chain.size(); ++i) {
+        const Point a = network.lanes.at(chain[i - 1]).shape.back();
+        const Point b = network.lanes.at(chain[i]).shape.front();
+        EXPECT_LT(std::hypot(a.x - b.x, a.y - b.y), 0.02) << chain[i - 1] << " -> " << chain[i];
+      }
+    }
+  }
+  EXPECT_GE(connections, 12);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Shipped, EveryNetwork,
+    testing::Values("networks/crossroads.net.xml", "networks/crossroads-static.net.xml",
+                    "networks/crossroads-actuated.net.xml", "networks/crossroads2.net.xml",
+                    "networks/crossroads2-static.net.xml", "networks/crossroads2-actuated.net.xml",
+                    "tools/sumolib/scenario/scenarios/RealWorld/RiLSA_example1/net.net.xml"));
+
+TEST(ReadNetwork, TheTwinsWithALightHaveTheSameLanesOutsideTheJunction) {
+  for (const std::string name : {"crossroads", "crossroads2"}) {
+    const RoadNetwork plain = read_network(project_file("networks/" + name + ".net.xml"));
+    for (const std::string light : {"-static", "-actuated"}) {
+      const RoadNetwork twin = read_network(project_file("networks/" + name + light + ".net.xml"));
+      EXPECT_EQ(twin.junctions.at("C").type, "traffic_light");
+      EXPECT_EQ(twin.junctions.at("C").shape, plain.junctions.at("C").shape);
+      for (const Lane& lane : std::views::values(plain.lanes)) {
+        if (!lane.internal) {
+          EXPECT_EQ(twin.lanes.at(lane.id).shape, lane.shape);
+        }
+      }
+    }
+  }
+}
+
+/// Two one-way streets from the west and the south that cross at J, with `extra` elements.
+//
+//        n
+//        |
+//   w -- J -- e
+//        |
+//        s
+std::string crossing(const std::string& lanes_of_sj, const std::string& extra) {
+  return R"(<net>
+    <edge id=":J_0" function="internal"><lane id=":J_0_0" index="0" speed="10" length="10" shape="-5,0 5,0"/></edge>
+    <edge id=":J_1" function="internal"><lane id=":J_1_0" index="0" speed="10" length="10" shape="0,-5 0,5"/></edge>
+    <edge id="wJ" from="w" to="J"><lane id="wJ_0" index="0" speed="10" length="95" shape="-100,0 -5,0"/></edge>
+    <edge id="Je" from="J" to="e"><lane id="Je_0" index="0" speed="10" length="95" shape="5,0 100,0"/></edge>
+    <edge id="sJ" from="s" to="J">)" +
+         lanes_of_sj + R"(</edge>
+    <edge id="Jn" from="J" to="n"><lane id="Jn_0" index="0" speed="10" length="95" shape="0,5,1 0,100,1"/></edge>
+    <junction id="J" type="unregulated" x="0" y="0" incLanes="wJ_0 sJ_0" shape="-5,-5 5,-5 5,5 -5,5 -5,-5"/>
+    <connection from="wJ" to="Je" fromLane="0" toLane="0" via=":J_0_0"/>
+    <connection from=":J_0" to="Je" fromLane="0" toLane="0"/>
+    )" + extra +
+         "</net>";
+}
+
+const std::string kOpenLane =
+    R"(<lane id="sJ_0" index="0" speed="10" length="95" shape="0,-100 0,-5"/>)";
+const std::string kBusLane =
+    R"(<lane id="sJ_0" index="0" speed="10" length="95" allow="bus tram" shape="0,-100 0,-5"/>)";
+const std::string kStraightOn =
+    R"(<connection from="sJ" to="Jn" fromLane="0" toLane="0" via=":J_1_0"/>)";
+
+RoadNetwork parse(const std::string& net) {
+  const TemporaryDirectory directory;
+  return read_network(directory.write("test.net.xml", net));
+}
+
+TEST(ReadNetwork, WaysThatCrossAreInConflictEvenWhereNobodyYields) {
+  EXPECT_TRUE(parse(crossing(kOpenLane, kStraightOn)).junctions.at("J").has_conflicts);
+  EXPECT_FALSE(parse(crossing(kOpenLane, "")).junctions.at("J").has_conflicts);
+}
+
+TEST(ReadNetwork, WaysClosedToPassengersAreNotInConflict) {
+  const RoadNetwork network = parse(crossing(kBusLane, kStraightOn));
+  EXPECT_FALSE(network.lanes.at("sJ_0").drivable);
+  EXPECT_FALSE(network.junctions.at("J").has_conflicts);
+}
+
+TEST(ReadNetwork, HeightsAndTheClosingPointOfAPolygonAreDropped) {
+  const RoadNetwork network = parse(crossing(kOpenLane, ""));
+  EXPECT_THAT(network.lanes.at("Jn_0").shape, ElementsAre(Point{0.0, 5.0}, Point{0.0, 100.0}));
+  EXPECT_THAT(network.junctions.at("J").shape, SizeIs(4));
+}
+
+TEST(ReadNetwork, FootpathsAreLeftOut) {
+  const RoadNetwork network = parse(crossing(
+      kOpenLane,
+      R"(<edge id=":J_w0" function="walkingarea"><lane id=":J_w0_0" index="0" speed="1" length="5" shape="0,0 1,1"/></edge>
+         <connection from="sJ" to=":J_w0" fromLane="0" toLane="0"/>)"));
+  EXPECT_FALSE(network.lanes.contains(":J_w0_0"));
+  EXPECT_THAT(network.junctions.at("J").connections, SizeIs(1));
+}
+
+std::string error_of(const std::string& net) {
+  return message_of([&] { parse(net); });
+}
+
+TEST(ReadNetwork, ErrorsNameTheLineAndTheValue) {
+  EXPECT_THAT(error_of(crossing(
+                  R"(<lane id="sJ_0" index="0" speed="fast" length="95" shape="0,0 1,1"/>)", "")),
+              MatchesRegex(R"(.*/test\.net\.xml:6: <lane> speed: "fast" is not a finite number)"));
+  EXPECT_THAT(error_of(crossing(
+                  R"(<lane id="sJ_0" index="0" speed="-1" length="95" shape="0,0 1,1"/>)", "")),
+              MatchesRegex(R"(.*:6: <lane> speed: "-1" is not above 0)"));
+  EXPECT_THAT(error_of(crossing(
+                  R"(<lane id="sJ_0" index="0" speed="1" length="nan" shape="0,0 1,1"/>)", "")),
+              MatchesRegex(R"(.*:6: <lane> length: "nan" is not a finite number)"));
+  EXPECT_THAT(error_of(crossing(
+                  R"(<lane id="sJ_0" index="0" speed="1" length="1e999" shape="0,0 1,1"/>)", "")),
+              MatchesRegex(R"(.*:6: <lane> length: "1e999" is not a finite number)"));
+  EXPECT_THAT(
+      error_of(crossing(R"(<lane id="sJ_0" index="0" speed="1" length="9" shape="0,0 1;1"/>)", "")),
+      MatchesRegex(R"(.*:6: <lane> shape: "1;1" is not a point x,y)"));
+  EXPECT_THAT(
+      error_of(crossing(R"(<lane id="sJ_0" index="7" speed="1" length="9" shape="0,0 1,1"/>)", "")),
+      MatchesRegex(R"(.*:6: lane "sJ_0" is not the next of its edge)"));
+  EXPECT_THAT(error_of(crossing("", "")), MatchesRegex(R"(.*:6: edge "sJ" has no lanes)"));
+  EXPECT_THAT(
+      error_of(crossing(kOpenLane, R"(<connection from="sJ" to="Jn" fromLane="3" toLane="0"/>)")),
+      MatchesRegex(R"(.*:11: edge "sJ" has no lane 3)"));
+  EXPECT_THAT(error_of(crossing(
+                  kOpenLane, R"(<connection from="sJ" to="Jn" fromLane="0" toLane="0" via="?"/>)")),
+              MatchesRegex(R"(.*:11: the internal lanes from "sJ_0" to "Jn_0" do not end: "\?")"));
+}
+
+TEST(ReadNetwork, ACircleOfInternalLanesIsAnErrorNotALoop) {
+  EXPECT_THAT(error_of(crossing(kOpenLane, kStraightOn + R"(
+                <connection from=":J_1" to="Jn" fromLane="0" toLane="0" via=":J_1_0"/>)")),
+              MatchesRegex(R"(.*the internal lanes from "sJ_0" to "Jn_0" do not end: ":J_1_0")"));
+}
+
+TEST(ReadNetwork, OtherFilesAreRefusedInOneLine) {
+  EXPECT_THAT(error_of("<routes/>"),
+              MatchesRegex(R"(.*:1: the root element is <routes>, not <net>; give .*)"));
+  EXPECT_THAT(error_of("<net/>"), MatchesRegex(R"(.*:1: a network without edges; .*)"));
+  EXPECT_THAT(error_of("<net><edge"), MatchesRegex(R"(.*:1: not XML \(XML_.*\); give .*)"));
+  EXPECT_THAT(error_of(""), MatchesRegex(R"(.*: not XML \(XML_ERROR_EMPTY_DOCUMENT\); give .*)"));
+  EXPECT_THAT(error_of(std::string(100000, '\xff')), MatchesRegex(R"(.*: not XML .*)"));
+  EXPECT_THAT(error_of(std::string("\0\x1f\x8b", 3)), MatchesRegex(R"(.*: not XML .*)"));
+}
+
+TEST(ReadNetwork, PathsThatAreNoFilesAreRefused) {
+  EXPECT_EQ(message_of([] { return read_network("/nowhere.net.xml"); }),
+            "/nowhere.net.xml: no such file; give the path of a SUMO network, *.net.xml");
+  EXPECT_EQ(message_of([] { return read_network("/"); }),
+            "/: not a file; give the path of a SUMO network, *.net.xml");
+  const TemporaryDirectory directory;
+  EXPECT_THAT(message_of([&] { return read_network(directory.write("a.net.xml.gz", "")); }),
+              MatchesRegex(".*: compressed files are not supported; unpack it with gunzip"));
+}
+
+}  // namespace
+}  // namespace mvtp

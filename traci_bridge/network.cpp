@@ -1,0 +1,234 @@
+#include "traci_bridge/network.hpp"
+
+#include <algorithm>
+#include <map>
+#include <ranges>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "traci_bridge/xml.hpp"
+
+namespace mvtp {
+namespace {
+
+using Element = tinyxml2::XMLElement;
+
+bool contains(const std::vector<std::string>& words, const std::string& word) {
+  return std::ranges::find(words, word) != words.end();
+}
+
+bool open_to_passengers(const Element& lane) {
+  const std::vector<std::string> allowed = split(attribute(lane, "allow"), " ");
+  if (!allowed.empty()) return contains(allowed, "all") || contains(allowed, "passenger");
+  const std::vector<std::string> banned = split(attribute(lane, "disallow"), " ");
+  return !contains(banned, "all") && !contains(banned, "passenger");
+}
+
+/// Twice the signed area of the triangle a, b, c.
+double turn(const Point& a, const Point& b, const Point& c) {
+  return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
+}
+
+bool segments_cross(const Point& a, const Point& b, const Point& c, const Point& d) {
+  return turn(a, b, c) * turn(a, b, d) <= 0.0 && turn(c, d, a) * turn(c, d, b) <= 0.0 &&
+         std::max(a.x, b.x) >= std::min(c.x, d.x) && std::max(c.x, d.x) >= std::min(a.x, b.x) &&
+         std::max(a.y, b.y) >= std::min(c.y, d.y) && std::max(c.y, d.y) >= std::min(a.y, b.y);
+}
+
+bool lines_cross(const std::vector<Point>& p, const std::vector<Point>& q) {
+  for (std::size_t i = 1; i < p.size(); ++i) {
+    for (std::size_t j = 1; j < q.size(); ++j) {
+      if (segments_cross(p[i - 1], p[i], q[j - 1], q[j])) return true;
+    }
+  }
+  return false;
+}
+
+class NetworkReader {
+ public:
+  explicit NetworkReader(const std::string& path) : file_(path, "a SUMO network, *.net.xml") {}
+
+  RoadNetwork read() {
+    const Element& root = file_.root();
+    if (std::string(root.Name()) != "net") {
+      file_.fail(root, std::string("the root element is <") + root.Name() +
+                           ">, not <net>; give the path of a SUMO network, *.net.xml");
+    }
+    for (const Element* edge : children(root, "edge")) add_edge(*edge);
+    if (network_.edges.empty())
+      file_.fail(root, "a network without edges; make it with netconvert");
+    for (const Element* junction : children(root, "junction")) add_junction(*junction);
+    add_connections(children(root, "connection"));
+    for (Junction& junction : std::views::values(network_.junctions)) {
+      junction.has_conflicts = has_conflicts(junction);
+    }
+    return std::move(network_);
+  }
+
+ private:
+  void add_edge(const Element& element) {
+    const std::string function = attribute(element, "function");
+    if (function == "crossing" || function == "walkingarea") return;
+
+    const std::string id = file_.text(element, "id");
+    std::vector<std::string>& lanes = lanes_of_edge_[id];
+    if (!lanes.empty()) file_.fail(element, "edge \"" + id + "\" is defined twice");
+    for (const Element* lane : children(element, "lane")) {
+      lanes.push_back(add_lane(*lane, id, function == "internal"));
+    }
+    if (lanes.empty()) file_.fail(element, "edge \"" + id + "\" has no lanes");
+    if (function == "internal") return;
+    network_.edges[id] = lanes;
+    end_of_edge_[id] = file_.text(element, "to");
+  }
+
+  std::string add_lane(const Element& element, const std::string& edge, bool internal) {
+    Lane lane{.id = file_.text(element, "id"),
+              .edge = edge,
+              .index = file_.index(element, "index"),
+              .speed_limit = file_.positive(element, "speed"),
+              .length = file_.positive(element, "length"),
+              .width = file_.positive(element, "width", 3.2),
+              .internal = internal,
+              .drivable = open_to_passengers(element),
+              .shape = file_.points(element, "shape")};
+    if (lane.shape.size() < 2) file_.fail(element, "lane \"" + lane.id + "\" has no shape");
+    if (lane.index != static_cast<int>(lanes_of_edge_[edge].size())) {
+      file_.fail(element, "lane \"" + lane.id + "\" is not the next of its edge");
+    }
+    const std::string id = lane.id;
+    if (!network_.lanes.emplace(id, std::move(lane)).second) {
+      file_.fail(element, "lane \"" + id + "\" is defined twice");
+    }
+    return id;
+  }
+
+  void add_junction(const Element& element) {
+    Junction junction{.id = file_.text(element, "id"),
+                      .type = file_.text(element, "type"),
+                      .position = {file_.number(element, "x"), file_.number(element, "y")},
+                      .shape = {},
+                      .incoming_lanes = {},
+                      .connections = {},
+                      .has_conflicts = false};
+    if (junction.type == "internal") return;  // a place to wait inside another junction
+    if (element.Attribute("shape") != nullptr) junction.shape = file_.points(element, "shape");
+    if (junction.shape.size() > 1 && junction.shape.front() == junction.shape.back()) {
+      junction.shape.pop_back();
+    }
+    for (const std::string& lane : split(attribute(element, "incLanes"), " ")) {
+      if (network_.lanes.contains(lane) && !network_.lanes.at(lane).internal) {
+        junction.incoming_lanes.push_back(lane);
+      }
+    }
+    const std::string id = junction.id;
+    network_.junctions.emplace(id, std::move(junction));
+  }
+
+  /// A connection leads from a lane into the junction and names the first internal lane; that
+  /// one has a connection of its own to the same end, which may name a second, and so on.
+  void add_connections(const std::vector<const Element*>& elements) {
+    std::map<std::pair<std::string, std::string>, std::string> next;  // (internal, to) -> via
+    for (const Element* element : elements) {
+      if (!between_known_edges(*element)) continue;
+      const auto [from, to] = ends(*element);
+      const std::string via = attribute(*element, "via");
+      if (network_.lanes.at(from).internal && !via.empty()) next[{from, to}] = via;
+    }
+    for (const Element* element : elements) {
+      if (!between_known_edges(*element)) continue;
+      const auto [from, to] = ends(*element);
+      if (network_.lanes.at(from).internal) continue;
+      Connection connection{.from_lane = from, .via = {}, .to_lane = to};
+      std::string via = attribute(*element, "via");
+      while (!via.empty()) {
+        if (!network_.lanes.contains(via) || contains(connection.via, via)) {
+          file_.fail(*element, "the internal lanes from \"" + from + "\" to \"" + to +
+                                   "\" do not end: \"" + via + "\"");
+        }
+        connection.via.push_back(via);
+        const auto following = next.find({via, to});
+        via = following == next.end() ? "" : following->second;
+      }
+      junction_behind(*element, from).connections.push_back(std::move(connection));
+    }
+  }
+
+  /// False for connections of footpaths.
+  bool between_known_edges(const Element& element) const {
+    return lanes_of_edge_.contains(file_.text(element, "from")) &&
+           lanes_of_edge_.contains(file_.text(element, "to"));
+  }
+
+  std::pair<std::string, std::string> ends(const Element& element) const {
+    return {end(element, "from", "fromLane"), end(element, "to", "toLane")};
+  }
+
+  std::string end(const Element& element, const char* edge, const char* index) const {
+    const std::vector<std::string>& lanes = lanes_of_edge_.at(file_.text(element, edge));
+    const auto i = static_cast<std::size_t>(file_.index(element, index));
+    if (i >= lanes.size()) {
+      file_.fail(element,
+                 "edge \"" + file_.text(element, edge) + "\" has no lane " + std::to_string(i));
+    }
+    return lanes[i];
+  }
+
+  Junction& junction_behind(const Element& element, const std::string& lane) {
+    const std::string& id = end_of_edge_.at(network_.lanes.at(lane).edge);
+    const auto junction = network_.junctions.find(id);
+    if (junction == network_.junctions.end()) {
+      file_.fail(element, "there is no junction \"" + id + "\" at the end of lane \"" + lane + '"');
+    }
+    return junction->second;
+  }
+
+  bool drivable(const Connection& c) const {
+    return network_.lanes.at(c.from_lane).drivable && network_.lanes.at(c.to_lane).drivable;
+  }
+
+  /// The centre line inside the junction.
+  std::vector<Point> centre_line(const Connection& c) const {
+    std::vector<Point> line;
+    for (const std::string& lane : c.via) {
+      const std::vector<Point>& shape = network_.lanes.at(lane).shape;
+      line.insert(line.end(), shape.begin(), shape.end());
+    }
+    if (line.empty()) {
+      line = {network_.lanes.at(c.from_lane).shape.back(),
+              network_.lanes.at(c.to_lane).shape.front()};
+    }
+    return line;
+  }
+
+  /// Conflicts are judged by geometry: SUMO's own table of foes is empty where nobody yields.
+  bool has_conflicts(const Junction& junction) const {
+    std::vector<const Connection*> open;
+    std::vector<std::vector<Point>> lines;
+    for (const Connection& c : junction.connections) {
+      if (!drivable(c)) continue;
+      open.push_back(&c);
+      lines.push_back(centre_line(c));
+    }
+    for (std::size_t i = 0; i < open.size(); ++i) {
+      for (std::size_t j = 0; j < i; ++j) {
+        if (open[i]->from_lane == open[j]->from_lane) continue;
+        if (open[i]->to_lane == open[j]->to_lane || lines_cross(lines[i], lines[j])) return true;
+      }
+    }
+    return false;
+  }
+
+  XmlFile file_;
+  RoadNetwork network_;
+  std::map<std::string, std::vector<std::string>> lanes_of_edge_;  ///< internal edges too
+  std::map<std::string, std::string> end_of_edge_;                 ///< its junction; normal edges
+};
+
+}  // namespace
+
+RoadNetwork read_network(const std::string& path) { return NetworkReader(path).read(); }
+
+}  // namespace mvtp

@@ -1,0 +1,17 @@
+#pragma once
+
+#include <string>
+
+#include "coordinator/road_network.hpp"
+
+namespace mvtp {
+
+/// Reads a SUMO network (*.net.xml).
+///
+/// The lanes of the edges that vehicles use, normal and internal ones; footpaths and pedestrian
+/// crossings are left out. The connections of a junction are those between normal lanes, each with
+/// its whole chain of internal lanes (a turn that waits inside the junction has two of them).
+/// Throws InputError, naming file and line, for anything that is not a complete network.
+[[nodiscard]] RoadNetwork read_network(const std::string& path);
+
+}  // namespace mvtp
