@@ -1,0 +1,110 @@
+// ---------------------------------------------------------------------------------------------
+// From the packed data in the page to replays.
+//
+// A replay is {title, label, command, version, seed, steps, scene, figures, events, vehicles,
+//   times: Float64Array [s], clearance: Float32Array [m] or null (NaN where there is none), tracks}.
+// A track is one vehicle in an unbroken row of frames:
+//   {vehicle: index, first: frame, count, x, y [cm], heading [0.1 deg], speed [2 cm/s], state}.
+
+const FORMAT = 1;
+const SPEED_UNIT = 0.02;
+const NO_CLEARANCE = 9999;
+const STATES = ['own driver', 'coordinated', 'waiting', 'arrived'];
+
+async function inflate(base64) {
+  const text = atob(base64);
+  const bytes = new Uint8Array(text.length);
+  for (let i = 0; i < text.length; ++i) bytes[i] = text.charCodeAt(i);
+  const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream('deflate'));
+  return new Uint8Array(await new Response(stream).arrayBuffer());
+}
+
+/// Reads columns of integers: zigzag varints of second differences (ReplayColumn in replay.cpp).
+class ColumnReader {
+  constructor(bytes) {
+    this.bytes = bytes;
+    this.position = 0;
+  }
+
+  varint() {
+    let value = 0;
+    for (let factor = 1;; factor *= 128) {
+      if (this.position >= this.bytes.length) throw new Error('the data ends too early');
+      const byte = this.bytes[this.position++];
+      value += (byte & 127) * factor;
+      if (byte < 128) return value % 2 ? -(value + 1) / 2 : value / 2;
+    }
+  }
+
+  into(target, count) {
+    let value = 0;
+    let difference = 0;
+    for (let i = 0; i < count; ++i) {
+      const second = this.varint();
+      difference = i === 1 ? second : difference + second;
+      value += difference;
+      target[i] = value;
+    }
+    return target;
+  }
+}
+
+function decodeStates(reader, count) {
+  const states = new Uint8Array(count);
+  // The pairs (length, state) are one column; its values are summed up as they come.
+  let i = 0, filled = 0, value = 0, difference = 0, length = 0;
+  while (filled < count) {
+    const second = reader.varint();
+    difference = i === 1 ? second : difference + second;
+    value += difference;
+    if (i % 2 === 0) {
+      length = value;
+    } else {
+      states.fill(value, filled, filled + length);
+      filled += length;
+      if (length <= 0) throw new Error('a run of states is empty');
+    }
+    ++i;
+  }
+  return states;
+}
+
+function decode(bytes) {
+  const view = new DataView(bytes.buffer);
+  const length = view.getUint32(0, true);
+  const header = JSON.parse(new TextDecoder().decode(bytes.subarray(4, 4 + length)));
+  if (header.format !== FORMAT) throw new Error(`unknown format ${header.format}`);
+  const reader = new ColumnReader(bytes.subarray(4 + length));
+
+  const times = reader.into(new Float64Array(header.frames), header.frames).map((ms) => ms / 1000);
+  let clearance = null;
+  if (header.clearance) {
+    const cm = reader.into(new Int16Array(header.frames), header.frames);
+    clearance = Float32Array.from(cm, (c) => (c >= NO_CLEARANCE ? NaN : c / 100));
+  }
+  const tracks = header.tracks.map(([vehicle, first, count]) => ({
+    vehicle, first, count,
+    x: reader.into(new Int32Array(count), count),
+    y: reader.into(new Int32Array(count), count),
+    heading: reader.into(new Int32Array(count), count),
+    speed: reader.into(new Int16Array(count), count),
+    state: decodeStates(reader, count),
+  }));
+  const replay = {...header, times, clearance, tracks};
+  replay.tracksOf = header.vehicles.map(() => []);
+  for (const track of tracks) replay.tracksOf[track.vehicle].push(track);
+  replay.indexOf = new Map(header.vehicles.map((vehicle, index) => [vehicle.id, index]));
+  replay.begin = times.length ? times[0] : 0;
+  replay.end = times.length ? times[times.length - 1] : 0;
+  return replay;
+}
+
+async function decodePage() {
+  const blocks = document.querySelectorAll('script[type="application/x-mvtp-replay"]');
+  const replays = [];
+  for (const block of blocks) {
+    replays.push(decode(await inflate(block.textContent)));
+    block.remove();  // frees the text
+  }
+  return replays;
+}
