@@ -1,0 +1,465 @@
+// Real runs of SUMO; libsumo holds one simulation per process, and CTest gives each TEST one.
+#include "traci_bridge/sumo_traffic.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <numbers>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "tests/traci_bridge/fixtures.hpp"
+#include "traci_bridge/trips.hpp"
+
+namespace mvtp {
+namespace {
+
+using testing::Contains;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::MatchesRegex;
+using testing::SizeIs;
+
+constexpr double kStep = 0.1;
+
+std::string vehicle(const std::string& id, double depart, const std::string& edges,
+                    const std::string& more = "") {
+  return "<vehicle id=\"" + id + "\" type=\"car\" depart=\"" + std::to_string(depart) +
+         "\" departSpeed=\"max\" " + more + "><route edges=\"" + edges + "\"/></vehicle>";
+}
+
+/// The crossroads with cars that drive exactly at the limit, from west (Wi) to east (Eo) and so on.
+class SumoTrafficTest : public testing::Test {
+ protected:
+  /// Opens the crossroads with some elements of a route file.
+  std::unique_ptr<SumoTraffic> open(const std::string& vehicles) {
+    options_.configuration = write_scenario(vehicles);
+    return open_sumo(options_);
+  }
+
+  std::string write_scenario(const std::string& vehicles) {
+    directory_.write(
+        "test.rou.xml",
+        R"(<routes><vType id="car" length="4.5" width="1.8" sigma="0" speedDev="0"/>)" + vehicles +
+            "</routes>");
+    return directory_.write("test.sumocfg", "<configuration><net-file value=\"" +
+                                                project_file("networks/crossroads.net.xml") +
+                                                R"("/><route-files value="test.rou.xml"/>
+                                                <step-length value="0.1"/></configuration>)");
+  }
+
+  std::string error_of(const std::string& vehicles, int steps = 1) {
+    return message_of([&] {
+      const std::unique_ptr<SumoTraffic> traffic = open(vehicles);
+      for (int i = 0; i < steps; ++i) traffic->step();
+    });
+  }
+
+  TemporaryDirectory directory_;
+  SumoOptions options_;
+};
+
+const VehicleState* find(const Traffic& traffic, const std::string& id) {
+  const auto found = std::ranges::find(traffic.vehicles(), id, &VehicleState::id);
+  return found == traffic.vehicles().end() ? nullptr : &*found;
+}
+
+const VehicleState& at(const Traffic& traffic, const std::string& id) {
+  const VehicleState* state = find(traffic, id);
+  if (state == nullptr) throw std::runtime_error("vehicle " + id + " is not on the road");
+  return *state;
+}
+
+void run_until(Traffic& traffic, double time) {
+  while (traffic.time() < time - kStep / 2.0) traffic.step();
+}
+
+// Wi_0 runs east at y = -1.6 from x = -300 to -7.2, Eo_0 from there to x = 300.
+TEST_F(SumoTrafficTest, ReportsTheRearAxleOfItsVehicles) {
+  const auto traffic = open(vehicle("a", 0, "Wi Eo", "departPos=\"100\""));
+  EXPECT_DOUBLE_EQ(traffic->time(), 0.0);
+  EXPECT_DOUBLE_EQ(traffic->step_length(), kStep);
+  EXPECT_THAT(traffic->vehicles(), IsEmpty());
+  EXPECT_TRUE(traffic->running());
+
+  traffic->step();
+
+  EXPECT_DOUBLE_EQ(traffic->time(), kStep);
+  EXPECT_THAT(traffic->departed(), ElementsAre("a"));
+  const VehicleState& a = at(*traffic, "a");
+  EXPECT_EQ(a.type, "car");
+  EXPECT_NEAR(a.pose.x, -300.0 + 100.0 - 3.6, 1e-6);
+  EXPECT_NEAR(a.pose.y, -1.6, 1e-6);
+  EXPECT_NEAR(a.pose.theta, 0.0, 1e-9);
+  EXPECT_NEAR(a.speed, 13.89, 1e-6);
+  EXPECT_DOUBLE_EQ(a.speed_factor, 1.0);
+  EXPECT_EQ(a.lane, "Wi_0");
+  EXPECT_NEAR(a.lane_position, 100.0, 1e-6);
+  EXPECT_THAT(traffic->route("a"), ElementsAre("Wi", "Eo"));
+}
+
+TEST_F(SumoTrafficTest, KnowsTheVehicleTypesOfTheScenario) {
+  const auto traffic = open(R"(<vType id="bus" length="12" width="2.5" accel="1.2" decel="4"
+      tau="1.5" minGap="3" maxSpeed="22"/>)");
+  EXPECT_THAT(traffic->types(), ElementsAre("bus", "car"));
+  const VehicleType bus = traffic->type("bus");
+  EXPECT_DOUBLE_EQ(bus.body.length(), 12.0);
+  EXPECT_DOUBLE_EQ(bus.body.width, 2.5);
+  EXPECT_DOUBLE_EQ(bus.body.max_accel, 1.2);
+  EXPECT_DOUBLE_EQ(bus.body.max_decel, 4.0);
+  EXPECT_DOUBLE_EQ(bus.body.max_speed, 22.0);
+  EXPECT_DOUBLE_EQ(bus.tau, 1.5);
+  EXPECT_DOUBLE_EQ(bus.min_gap, 3.0);
+}
+
+TEST_F(SumoTrafficTest, ATakenOverVehicleGoesExactlyWhereItIsPlacedAndDrivesOnAfterwards) {
+  options_.tripinfo_output = directory_ / "tripinfo.xml";
+  const auto traffic = open(vehicle("a", 0, "Wi Eo", "departPos=\"200\""));
+  run_until(*traffic, 1.0);
+
+  traffic->take_over("a");
+  Pose pose = at(*traffic, "a").pose;
+  double speed = at(*traffic, "a").speed;
+  while (pose.x < 30.0) {  // braking to 10 m/s, across the junction
+    speed = std::max(10.0, speed - 3.0 * kStep);
+    pose.x += speed * kStep;
+    traffic->place("a", pose, speed);
+    traffic->step();
+    const VehicleState& a = at(*traffic, "a");
+    ASSERT_NEAR(a.pose.x, pose.x, 1e-9);
+    ASSERT_NEAR(a.pose.y, pose.y, 1e-9);
+    ASSERT_NEAR(a.pose.theta, pose.theta, 1e-9);
+    ASSERT_DOUBLE_EQ(a.speed, speed);
+  }
+  EXPECT_EQ(at(*traffic, "a").lane, "Eo_0");
+  EXPECT_THAT(traffic->route("a"), ElementsAre("Eo"));
+
+  traffic->hand_back("a");
+  for (int i = 0; i < 5; ++i) {
+    traffic->step();
+    const VehicleState& a = at(*traffic, "a");
+    EXPECT_NEAR(a.speed, speed + 2.6 * kStep, 1e-3);  // SUMO accelerates from where we left it
+    EXPECT_NEAR(a.pose.x, pose.x + a.speed * kStep, 1e-3);
+    EXPECT_NEAR(a.pose.y, -1.6, 1e-6);
+    pose = a.pose;
+    speed = a.speed;
+  }
+  while (traffic->running()) traffic->step();
+  EXPECT_THAT(traffic->arrived(), ElementsAre("a"));
+  traffic->close();
+
+  const std::vector<Trip> trips = read_trips(options_.tripinfo_output);
+  ASSERT_THAT(trips, SizeIs(1));
+  EXPECT_EQ(trips[0].arrival_lane, "Eo_0");
+  EXPECT_NEAR(trips[0].route_length, 600.0 - 200.0, 1.0);
+  EXPECT_NEAR(trips[0].arrival.value() - trips[0].depart.value(), trips[0].duration, 1e-6);
+}
+
+// The lane's limit caps what SUMO believes to be the speed of a vehicle that we move.
+TEST_F(SumoTrafficTest, ASpeedAboveTheLimitSurvivesTheHandBack) {
+  const auto traffic = open(vehicle("a", 0, "Wi Eo", "departPos=\"100\""));
+  run_until(*traffic, 1.0);
+  traffic->take_over("a");
+  Pose pose = at(*traffic, "a").pose;
+  const double speed = 14.2;
+  for (int i = 0; i < 10; ++i) {
+    pose.x += speed * kStep;
+    traffic->place("a", pose, speed);
+    traffic->step();
+  }
+
+  traffic->hand_back("a");
+  traffic->step();
+
+  EXPECT_NEAR(at(*traffic, "a").pose.x - pose.x, 13.89 * kStep, 4.5 * kStep * kStep);
+}
+
+TEST_F(SumoTrafficTest, AVehicleMayLeaveTheRoadAndKeepsItsRoute) {
+  const auto traffic = open(vehicle("a", 0, "Wi Eo", "departPos=\"100\""));
+  run_until(*traffic, 1.0);
+  traffic->take_over("a");
+  const Pose meadow{-150.0, 40.0, std::numbers::pi * 0.75};
+  traffic->place("a", meadow, 0.0);
+  traffic->step();
+
+  const VehicleState& a = at(*traffic, "a");
+  EXPECT_NEAR(distance(a.pose, meadow), 0.0, 1e-9);
+  EXPECT_NEAR(wrap_to_pi(a.pose.theta - meadow.theta), 0.0, 1e-9);
+  EXPECT_EQ(a.lane, "");
+  EXPECT_DOUBLE_EQ(a.lane_position, 0.0);
+  EXPECT_THAT(traffic->route("a"), ElementsAre("Wi", "Eo"));
+}
+
+TEST_F(SumoTrafficTest, AVehicleThatIsNotPlacedAgainStays) {
+  const auto traffic = open(vehicle("a", 0, "Wi Eo", "departPos=\"100\""));
+  run_until(*traffic, 1.0);
+  traffic->take_over("a");
+  const Pose meadow{-150.0, 40.0, 0.0};
+  traffic->place("a", meadow, 0.0);
+  for (int i = 0; i < 20; ++i) traffic->step();
+  ASSERT_NE(find(*traffic, "a"), nullptr);
+  EXPECT_NEAR(distance(at(*traffic, "a").pose, meadow), 0.0, 1e-9);
+}
+
+TEST_F(SumoTrafficTest, PosesThatAreNotFiniteNeverReachSumo) {
+  const auto traffic = open(vehicle("a", 0, "Wi Eo"));
+  traffic->step();
+  traffic->take_over("a");
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const double inf = std::numeric_limits<double>::infinity();
+  EXPECT_THROW(traffic->place("a", {nan, 0.0, 0.0}, 0.0), std::invalid_argument);
+  EXPECT_THROW(traffic->place("a", {0.0, inf, 0.0}, 0.0), std::invalid_argument);
+  EXPECT_THROW(traffic->place("a", {0.0, 0.0, inf}, 0.0), std::invalid_argument);
+  EXPECT_THROW(traffic->place("a", {0.0, 0.0, 0.0}, nan), std::invalid_argument);
+}
+
+TEST_F(SumoTrafficTest, AHeldVehicleStopsBeforeTheEndOfItsLaneUntilLetGo) {
+  const auto traffic = open(vehicle("a", 0, "Wi Eo", "departPos=\"150\""));
+  run_until(*traffic, 1.0);
+  traffic->hold("a", true);
+  run_until(*traffic, 60.0);
+  EXPECT_EQ(at(*traffic, "a").lane, "Wi_0");
+  EXPECT_NEAR(at(*traffic, "a").speed, 0.0, 1e-9);
+  EXPECT_GT(at(*traffic, "a").lane_position, 292.8 - 5.0);
+
+  traffic->hold("a", false);
+  run_until(*traffic, 120.0);
+  EXPECT_FALSE(traffic->running());
+}
+
+TEST_F(SumoTrafficTest, AHoldThatIsLiftedInTimeLeavesNoTrace) {
+  const auto traffic = open(vehicle("a", 0, "Wi Eo", "departPos=\"150\""));
+  run_until(*traffic, 1.0);
+  traffic->hold("a", true);
+  run_until(*traffic, 2.0);
+  traffic->hold("a", false);
+  run_until(*traffic, 10.0);
+  EXPECT_NEAR(at(*traffic, "a").speed, 13.89, 1e-6);
+}
+
+TEST_F(SumoTrafficTest, AVehicleTooCloseToBrakeIsNotHeld) {
+  const auto traffic = open(vehicle("a", 0, "Wi Eo", "departPos=\"285\""));
+  traffic->step();
+  traffic->hold("a", true);
+  run_until(*traffic, 3.0);
+  EXPECT_EQ(at(*traffic, "a").lane, "Eo_0");
+}
+
+TEST_F(SumoTrafficTest, ALowerLimitHoldsForEveryDriver) {
+  const auto traffic = open(vehicle("a", 0, "Wi Eo", "departPos=\"100\""));
+  traffic->limit_speed("Wi_0", 5.0);
+  traffic->limit_speed("Wi_0", 20.0);  // limits are only lowered
+  run_until(*traffic, 8.0);
+  EXPECT_NEAR(at(*traffic, "a").speed, 5.0, 1e-6);
+  EXPECT_DOUBLE_EQ(traffic->network().lanes.at("Wi_0").speed_limit, 5.0);
+}
+
+TEST_F(SumoTrafficTest, CountsEachPairThatCollidesOnce) {
+  const auto traffic = open(vehicle("a", 0, "Wi Eo", "departPos=\"50\"") +
+                            vehicle("b", 0, "Wi Eo", "departPos=\"100\""));
+  run_until(*traffic, 1.0);
+  EXPECT_EQ(traffic->collisions(), 0);
+  traffic->take_over("a");
+  Pose onto_b = at(*traffic, "b").pose;
+  onto_b.x += 13.89 * kStep - 2.0;
+  traffic->place("a", onto_b, 13.89);
+  traffic->step();
+  EXPECT_EQ(traffic->collisions(), 1);
+}
+
+TEST_F(SumoTrafficTest, RunsOnThroughAGapInTheDemand) {
+  const auto traffic = open(vehicle("a", 0, "Wi Eo") + vehicle("b", 900, "Wi Eo"));
+  while (traffic->running()) traffic->step();
+  EXPECT_GT(traffic->time(), 900.0);
+}
+
+// b waits for the place that a, standing at the start of the lane, does not leave.
+TEST_F(SumoTrafficTest, UnfinishedVehiclesAreInTheTripsToo) {
+  options_.tripinfo_output = directory_ / "tripinfo.xml";
+  const auto traffic = open(vehicle("a", 0, "Wi Eo") + vehicle("b", 5, "Wi No"));
+  traffic->step();
+  traffic->take_over("a");
+  run_until(*traffic, 30.0);
+  EXPECT_THAT(traffic->pending(), ElementsAre("b"));
+  EXPECT_THAT(traffic->route("b"), ElementsAre("Wi", "No"));
+  traffic->close();
+
+  std::vector<Trip> trips = read_trips(options_.tripinfo_output);
+  std::ranges::sort(trips, {}, &Trip::id);
+  ASSERT_THAT(trips, SizeIs(2));
+  EXPECT_TRUE(trips[0].depart.has_value());
+  EXPECT_FALSE(trips[0].arrival.has_value());
+  EXPECT_FALSE(trips[1].depart.has_value());
+  EXPECT_FALSE(trips[1].arrival.has_value());
+  EXPECT_NEAR(trips[1].depart_delay, 25.0, 2.0 * kStep);
+}
+
+TEST_F(SumoTrafficTest, OutputsGetTheirNamesAtTheEnd) {
+  options_.fcd_output = directory_ / "fcd.xml";
+  options_.tripinfo_output = directory_ / "tripinfo.xml";
+  const auto traffic = open(vehicle("a", 0, "Wi Eo"));
+  traffic->step();
+  EXPECT_FALSE(std::filesystem::exists(options_.fcd_output));
+  traffic->close();
+  EXPECT_TRUE(std::filesystem::exists(options_.fcd_output));
+  EXPECT_TRUE(std::filesystem::exists(options_.tripinfo_output));
+  EXPECT_FALSE(std::filesystem::exists(options_.fcd_output + ".part"));
+}
+
+TEST_F(SumoTrafficTest, ARunThatIsGivenUpLeavesNoFile) {
+  options_.fcd_output = directory_ / "fcd.xml";
+  options_.tripinfo_output = directory_ / "tripinfo.xml";
+  open(vehicle("a", 0, "Wi Eo"))->step();
+  for (const auto& entry : std::filesystem::directory_iterator(directory_ / "")) {
+    EXPECT_THAT(entry.path().filename().string(), MatchesRegex("test\\..*"));
+  }
+}
+
+/// Everything a run of 100 s shows, in one line per vehicle and step.
+std::string transcript(const SumoOptions& options) {
+  const auto traffic = open_sumo(options);
+  std::string text;
+  while (traffic->time() < 100.0) {
+    traffic->step();
+    if (find(*traffic, "W-straight.0") != nullptr && traffic->time() < 30.0) {
+      traffic->take_over("W-straight.0");
+      Pose pose = at(*traffic, "W-straight.0").pose;
+      pose.x += 0.7;
+      traffic->place("W-straight.0", pose, 7.0);
+    } else {
+      traffic->hand_back("W-straight.0");
+    }
+    text += std::to_string(traffic->time()) + '\n';
+    for (const VehicleState& v : traffic->vehicles()) {
+      text += v.id + ' ' + v.type + ' ' + v.lane;
+      for (const double x :
+           {v.pose.x, v.pose.y, v.pose.theta, v.speed, v.speed_factor, v.lane_position}) {
+        text += ' ' + std::to_string(x);
+      }
+      text += '\n';
+    }
+  }
+  traffic->close();
+  return text;
+}
+
+TEST(SumoTraffic, ASeparateProcessGivesTheSameFigures) {
+  SumoOptions options;
+  options.configuration = project_file("scenarios/crossroads/crossroads.sumocfg");
+  options.seed = 7;
+  const std::string inside = transcript(options);
+  options.separate_process = true;
+  const std::string outside = transcript(options);
+  EXPECT_GT(inside.size(), 10000U);
+  EXPECT_TRUE(inside == outside);
+  options.seed = 8;
+  EXPECT_FALSE(inside == transcript(options));
+}
+
+/// The only child of this process.
+pid_t child() {
+  pid_t pid = 0;
+  std::ifstream("/proc/self/task/" + std::to_string(getpid()) + "/children") >> pid;
+  return pid;
+}
+
+TEST_F(SumoTrafficTest, TheDeathOfASeparateProcessIsAnErrorOfOurs) {
+  options_.separate_process = true;
+  const auto traffic = open(vehicle("a", 0, "Wi Eo"));
+  traffic->step();
+  ASSERT_GT(child(), 0);
+  kill(child(), SIGKILL);
+  EXPECT_THAT(message_of([&] { traffic->step(); }),
+              MatchesRegex(".*/test\\.sumocfg: SUMO stopped after 0\\.10 s: .*"));
+  EXPECT_THAT(message_of([&] { traffic->step(); }), HasSubstr("SUMO stopped"));
+}
+
+TEST_F(SumoTrafficTest, ASeparateProcessEndsWithTheTraffic) {
+  options_.separate_process = true;
+  pid_t pid = 0;
+  {
+    const auto traffic = open(vehicle("a", 0, "Wi Eo"));
+    traffic->step();
+    pid = child();
+    ASSERT_GT(pid, 0);
+  }
+  EXPECT_NE(kill(pid, 0), 0);
+}
+
+// ---- What SUMO has against a scenario is said in one line, and nowhere else. ----
+
+TEST_F(SumoTrafficTest, AnUnknownEdgeIsNamed) {
+  testing::internal::CaptureStderr();
+  EXPECT_THAT(error_of(vehicle("a", 0, "Wi Atlantis")),
+              MatchesRegex(".*/test\\.sumocfg: SUMO does not start: .*Atlantis.*; correct the "
+                           "scenario or SUMO's options"));
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+}
+
+TEST_F(SumoTrafficTest, AnUnknownEdgeIsNamedBySeparateProcessesToo) {
+  options_.separate_process = true;
+  testing::internal::CaptureStdout();
+  EXPECT_THAT(error_of(vehicle("a", 0, "Wi Atlantis")),
+              MatchesRegex(".*/test\\.sumocfg: SUMO .*Atlantis.*; correct the .*"));
+  EXPECT_EQ(testing::internal::GetCapturedStdout(), "");
+}
+
+TEST_F(SumoTrafficTest, AnErrorLateInTheRoutesEndsTheRunWithoutFiles) {
+  options_.fcd_output = directory_ / "fcd.xml";
+  testing::internal::CaptureStderr();
+  EXPECT_THAT(error_of(vehicle("a", 0, "Wi Eo") + vehicle("b", 500, "Wi Eo") +
+                           vehicle("c", 900, "Wi Atlantis"),
+                       9000),
+              MatchesRegex(".*/test\\.sumocfg: SUMO stopped after .* s: .*Atlantis.*"));
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+  EXPECT_FALSE(std::filesystem::exists(options_.fcd_output));
+  EXPECT_FALSE(std::filesystem::exists(options_.fcd_output + ".part"));
+}
+
+TEST_F(SumoTrafficTest, ARouteWithoutConnectionIsNamed) {
+  EXPECT_THAT(error_of(vehicle("a", 0.5, "Wi Wo"), 20),
+              MatchesRegex(".*/test\\.sumocfg: SUMO .*No connection between edge 'Wi' and edge "
+                           "'Wo'.*"));
+}
+
+TEST_F(SumoTrafficTest, BrokenRoutesAreAnError) {
+  EXPECT_THAT(error_of("<vehicle"), MatchesRegex(".*/test\\.sumocfg: SUMO does not start: .*"));
+}
+
+TEST_F(SumoTrafficTest, UnwritableOutputsAreNamedBeforeSumoStarts) {
+  options_.fcd_output = "/nowhere/fcd.xml";
+  EXPECT_THAT(error_of(""), MatchesRegex("/nowhere/fcd\\.xml: cannot be written \\(No such file or "
+                                         "directory\\); choose another directory"));
+  options_.fcd_output = directory_ / "";
+  EXPECT_THAT(error_of(""), MatchesRegex(".*: is a directory; give .*"));
+  options_.fcd_output = directory_ / "12:30.xml";
+  EXPECT_THAT(error_of(""), MatchesRegex(".*/12:30\\.xml: SUMO takes a path with a colon .*"));
+}
+
+TEST_F(SumoTrafficTest, MoreOptionsOfSumoAreGivenOn) {
+  options_.extra = {"--step-length", "0.5"};
+  EXPECT_DOUBLE_EQ(open("")->step_length(), 0.5);
+}
+
+TEST_F(SumoTrafficTest, OptionsThatAreOursAreRefused) {
+  for (const char* option : {"--seed", "--time-to-teleport", "--help", "-n", "--fcd-output=x"}) {
+    options_.extra = {option, "1"};
+    EXPECT_THAT(error_of(""), MatchesRegex("SUMO option -[^=]*: this program sets .*")) << option;
+  }
+  options_.extra = {"--no-such-option", "1"};
+  EXPECT_THAT(error_of(""), HasSubstr("No option with the name 'no-such-option' exists."));
+}
+
+TEST(SumoTraffic, KnowsItsVersion) { EXPECT_THAT(sumo_version(), MatchesRegex("SUMO [0-9.]+.*")); }
+
+}  // namespace
+}  // namespace mvtp

@@ -1,0 +1,373 @@
+// Compiled twice: against libsumo, and with LIBTRACI defined against libtraci. Their headers
+// exclude each other; their functions are the same, in two namespaces.
+#include "traci_bridge/sumo_backend.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <exception>
+#include <map>
+#include <set>
+#include <span>
+#include <stdexcept>
+#include <utility>
+
+#ifdef LIBTRACI
+#include <libsumo/libtraci.h>
+namespace api = libtraci;
+#else
+#include <libsumo/libsumo.h>
+namespace api = libsumo;
+#endif
+
+#include "planner/problem/input_error.hpp"
+#include "traci_bridge/sumo_frame.hpp"
+#include "traci_bridge/sumo_log.hpp"
+#include "traci_bridge/sumo_process.hpp"
+
+namespace mvtp {
+namespace {
+
+// moveToXY's bits "keep the route" and "off the road is allowed": poses are exact and the route
+// stays. Every other value snaps to lanes, or rewrites the route.
+constexpr int kKeepRoute = 3;
+constexpr double kAnyDistance = 100.0;
+// Speed and lane-change modes in which SUMO neither corrects the commanded pose nor the speed.
+constexpr int kObey = 0;
+constexpr double kHoldGap = 1.0;    // from a held vehicle's front to the end of its lane [m]
+constexpr double kForever = 1.0e6;  // [s]
+constexpr int kStoppedBit = 1;      // of getStopState()
+
+#ifdef LIBTRACI
+class Connection {
+ public:
+  Connection(const std::vector<std::string>& arguments, const SumoLog& log)
+      : process_(arguments, log.descriptor()) {
+    const std::string port = std::to_string(process_.port());
+    api::Simulation::init(process_.port(), 0, "127.0.0.1", "mvtp-" + port);
+  }
+
+  void close() {
+    api::Simulation::close();
+    if (!process_.wait()) throw std::runtime_error("it did not end well");
+  }
+
+ private:
+  SumoProcess process_;
+};
+#else
+class Connection {
+ public:
+  Connection(const std::vector<std::string>& arguments, const SumoLog& /*log*/) {
+    api::Simulation::start(arguments);
+  }
+
+  void close() { api::Simulation::close(); }
+};
+#endif
+
+class Backend final : public SumoTraffic {
+ public:
+  explicit Backend(SumoLaunch launch)
+      : configuration_(std::move(launch.configuration)),
+        network_(std::move(launch.network)),
+        outputs_(std::move(launch.outputs)) {
+    ask([&] {
+      connection_ = std::make_unique<Connection>(launch.arguments, log_);
+      step_length_ = api::Simulation::getDeltaT();
+      observe();
+    });
+  }
+  Backend(const Backend&) = delete;
+  Backend& operator=(const Backend&) = delete;
+
+  ~Backend() override {
+    try {
+      end();
+    } catch (const std::exception&) {  // the files are dropped anyway
+    }
+  }
+
+  const RoadNetwork& network() const override { return network_; }
+
+  std::vector<std::string> types() const override {
+    std::vector<std::string> ids = ask([] { return api::VehicleType::getIDList(); });
+    std::erase_if(ids, [](const std::string& id) { return id.starts_with("DEFAULT_"); });
+    std::ranges::sort(ids);
+    return ids;
+  }
+
+  VehicleType type(const std::string& id) const override {
+    return ask([&] {
+      VehicleType type{
+          .id = id,
+          .body = body_of(api::VehicleType::getLength(id), api::VehicleType::getWidth(id)),
+          .min_gap = api::VehicleType::getMinGap(id),
+          .tau = api::VehicleType::getTau(id)};
+      type.body.max_speed = api::VehicleType::getMaxSpeed(id);
+      type.body.max_accel = api::VehicleType::getAccel(id);
+      type.body.max_decel = api::VehicleType::getDecel(id);
+      return type;
+    });
+  }
+
+  double time() const override { return time_; }
+  double step_length() const override { return step_length_; }
+  bool running() const override { return running_; }
+  std::span<const VehicleState> vehicles() const override { return vehicles_; }
+  const std::vector<std::string>& departed() const override { return departed_; }
+  const std::vector<std::string>& arrived() const override { return arrived_; }
+  int collisions() const override { return collisions_; }
+
+  std::vector<std::string> pending() const override {
+    std::vector<std::string> ids = ask([] { return api::Simulation::getPendingVehicles(); });
+    std::ranges::sort(ids);
+    return ids;
+  }
+
+  std::vector<std::string> route(const std::string& id) const override {
+    return ask([&] {
+      std::vector<std::string> edges = api::Vehicle::getRoute(id);
+      const int done = api::Vehicle::getRouteIndex(id);  // negative before the departure
+      edges.erase(edges.begin(), edges.begin() + std::max(done, 0));
+      return edges;
+    });
+  }
+
+  void take_over(const std::string& id) override {
+    if (controlled_.contains(id)) return;
+    hold(id, false);
+    ask([&] {
+      const Characteristics& vehicle = characteristics(id);
+      const libsumo::TraCIPosition p = api::Vehicle::getPosition(id);
+      controlled_[id] = {.front = vehicle.front,
+                         .position = {p.x, p.y, api::Vehicle::getAngle(id)},
+                         .speed = api::Vehicle::getSpeed(id),
+                         .speed_mode = api::Vehicle::getSpeedMode(id),
+                         .lane_change_mode = api::Vehicle::getLaneChangeMode(id)};
+      api::Vehicle::setSpeedMode(id, kObey);
+      api::Vehicle::setLaneChangeMode(id, kObey);
+    });
+  }
+
+  void hand_back(const std::string& id) override {
+    const auto found = controlled_.find(id);
+    if (found == controlled_.end()) return;
+    ask([&] {
+      // SUMO only knows a speed it has measured itself, cut off at the limit of the lane.
+      api::Vehicle::setPreviousSpeed(id, found->second.speed);
+      api::Vehicle::setSpeedMode(id, found->second.speed_mode);
+      api::Vehicle::setLaneChangeMode(id, found->second.lane_change_mode);
+    });
+    controlled_.erase(found);
+  }
+
+  void place(const std::string& id, const Pose& pose, double speed) override {
+    if (!std::isfinite(pose.x) || !std::isfinite(pose.y) || !std::isfinite(pose.theta) ||
+        !std::isfinite(speed)) {
+      throw std::invalid_argument("place: the pose of vehicle \"" + id + "\" is not finite");
+    }
+    Controlled& vehicle = controlled_.at(id);
+    vehicle.position = to_sumo(pose, vehicle.front);
+    vehicle.speed = speed;
+  }
+
+  void hold(const std::string& id, bool stop) override {
+    const auto found = held_.find(id);
+    if (stop == (found != held_.end())) return;
+    ask([&] {
+      if (stop) {
+        stop_at_the_end_of_its_lane(id);
+      } else {
+        go_on(id, found->second);
+        held_.erase(found);
+      }
+    });
+  }
+
+  void limit_speed(const std::string& lane, double speed) override {
+    Lane& limited = network_.lanes.at(lane);
+    if (speed >= limited.speed_limit) return;
+    ask([&] { api::Lane::setMaxSpeed(lane, speed); });
+    limited.speed_limit = speed;
+  }
+
+  void step() override {
+    ask([&] {
+      for (const auto& [id, vehicle] : controlled_) {
+        const SumoPosition& p = vehicle.position;
+        api::Vehicle::moveToXY(id, "", -1, p.x_m, p.y_m, p.angle_deg, kKeepRoute, kAnyDistance);
+      }
+      api::Simulation::step();
+      observe();
+    });
+  }
+
+  void close() override {
+    ask([&] { end(); });
+    for (OutputFile& output : outputs_) output.commit();
+    outputs_.clear();
+  }
+
+ private:
+  /// A vehicle that goes where we put it: there again in each step until put elsewhere, since SUMO
+  /// loses a vehicle that is off the road and not put anywhere in a step.
+  struct Controlled {
+    double front = 0.0;  ///< Vehicle::front [m]
+    SumoPosition position;
+    double speed = 0.0;
+    int speed_mode = 0;  ///< to restore
+    int lane_change_mode = 0;
+  };
+
+  /// What does not change while a vehicle is on the road.
+  struct Characteristics {
+    std::string type;
+    double front = 0.0;  ///< Vehicle::front [m]
+    double speed_factor = 1.0;
+  };
+
+  struct Stop {
+    std::string edge;
+    int lane = 0;
+    double position = 0.0;
+  };
+
+  /// Runs an action on SUMO; what it throws, or says on stderr, becomes one InputError.
+  template <class Action>
+  auto ask(const Action& action) const -> decltype(action()) {
+    std::string problem;
+    try {
+      const SumoLog::Redirection redirection(log_);
+      return action();
+    } catch (const std::exception& error) {
+      problem = error.what();
+    }
+    if (const std::string said = log_.take_errors(); !said.empty()) problem = said;
+    std::ranges::replace(problem, '\n', ' ');
+    if (problem.ends_with('.')) problem.pop_back();
+    const std::string when =
+        time_ < 0.0 ? "SUMO does not start: " : "SUMO stopped after " + seconds(time_) + ": ";
+    throw InputError(configuration_, when + problem + "; correct the scenario or SUMO's options");
+  }
+
+  static std::string seconds(double time) {
+    const std::string text = std::to_string(time);
+    return text.substr(0, text.find('.') + 3) + " s";
+  }
+
+  /// Reads the state after a step, each value once.
+  void observe() {
+    time_ = api::Simulation::getTime();
+    running_ = api::Simulation::getMinExpectedNumber() > 0;
+    departed_ = api::Simulation::getDepartedIDList();
+    arrived_ = api::Simulation::getArrivedIDList();
+    std::ranges::sort(departed_);
+    std::ranges::sort(arrived_);
+    for (const std::string& id : arrived_) {
+      characteristics_.erase(id);
+      controlled_.erase(id);
+      held_.erase(id);
+    }
+    std::vector<std::string> ids = api::Vehicle::getIDList();
+    std::ranges::sort(ids);
+    vehicles_.resize(ids.size());
+    for (std::size_t i = 0; i < ids.size(); ++i) observe(std::move(ids[i]), vehicles_[i]);
+    collisions_ = count_collisions();
+  }
+
+  void observe(std::string id, VehicleState& state) {
+    const Characteristics& vehicle = characteristics(id);
+    const libsumo::TraCIPosition p = api::Vehicle::getPosition(id);
+    const auto controlled = controlled_.find(id);
+    state.type = vehicle.type;
+    state.pose = from_sumo({p.x, p.y, api::Vehicle::getAngle(id)}, vehicle.front);
+    state.speed =
+        controlled == controlled_.end() ? api::Vehicle::getSpeed(id) : controlled->second.speed;
+    state.speed_factor = vehicle.speed_factor;
+    state.lane = api::Vehicle::getLaneID(id);
+    state.lane_position = state.lane.empty() ? 0.0 : api::Vehicle::getLanePosition(id);
+    state.id = std::move(id);
+  }
+
+  const Characteristics& characteristics(const std::string& id) {
+    const auto known = characteristics_.find(id);
+    if (known != characteristics_.end()) return known->second;
+    const double length = api::Vehicle::getLength(id);
+    return characteristics_[id] = {.type = api::Vehicle::getTypeID(id),
+                                   .front = body_of(length, api::Vehicle::getWidth(id)).front,
+                                   .speed_factor = api::Vehicle::getSpeedFactor(id)};
+  }
+
+  /// SUMO reports most pairs twice, once from each side.
+  static int count_collisions() {
+    if (api::Simulation::getCollidingVehiclesNumber() == 0) return 0;
+    std::set<std::pair<std::string, std::string>> pairs;
+    for (const libsumo::TraCICollision& c : api::Simulation::getCollisions()) {
+      pairs.insert(std::minmax(c.collider, c.victim));
+    }
+    return static_cast<int>(pairs.size());
+  }
+
+  void stop_at_the_end_of_its_lane(const std::string& id) {
+    const std::string lane = api::Vehicle::getLaneID(id);
+    if (lane.empty() || network_.lanes.at(lane).internal) return;
+    const Stop stop{.edge = network_.lanes.at(lane).edge,
+                    .lane = network_.lanes.at(lane).index,
+                    .position = std::max(network_.lanes.at(lane).length - kHoldGap, 0.1)};
+    try {
+      api::Vehicle::setStop(id, stop.edge, stop.position, stop.lane, kForever);
+      held_[id] = stop;
+    } catch (const libsumo::TraCIException&) {
+      static_cast<void>(log_.take_errors());  // too close to brake: it goes on
+    }
+  }
+
+  static void go_on(const std::string& id, const Stop& stop) {
+    if ((api::Vehicle::getStopState(id) & kStoppedBit) != 0) {
+      api::Vehicle::resume(id);
+    } else {
+      api::Vehicle::setStop(id, stop.edge, stop.position, stop.lane, 0.0);  // cancels it
+    }
+  }
+
+  void end() {
+    if (!connection_) return;
+    const std::unique_ptr<Connection> ending = std::move(connection_);
+    const SumoLog::Redirection redirection(log_);
+    ending->close();
+  }
+
+  std::string configuration_;
+  RoadNetwork network_;
+  std::vector<OutputFile> outputs_;
+  mutable SumoLog log_;
+  std::unique_ptr<Connection> connection_;
+
+  double time_ = -1.0;  ///< before the start
+  double step_length_ = 0.0;
+  bool running_ = false;
+  std::vector<VehicleState> vehicles_;
+  std::vector<std::string> departed_;
+  std::vector<std::string> arrived_;
+  int collisions_ = 0;
+
+  std::map<std::string, Characteristics> characteristics_;
+  std::map<std::string, Controlled> controlled_;
+  std::map<std::string, Stop> held_;
+};
+
+}  // namespace
+
+#ifdef LIBTRACI
+std::unique_ptr<SumoTraffic> launch_libtraci(SumoLaunch launch) {
+  return std::make_unique<Backend>(std::move(launch));
+}
+#else
+std::unique_ptr<SumoTraffic> launch_libsumo(SumoLaunch launch) {
+  return std::make_unique<Backend>(std::move(launch));
+}
+
+std::string sumo_version() { return api::Simulation::getVersion().second; }
+#endif
+
+}  // namespace mvtp

@@ -1,0 +1,100 @@
+#include "traci_bridge/sumo_traffic.hpp"
+
+#include <algorithm>
+#include <array>
+#include <string_view>
+#include <utility>
+
+#include "planner/problem/input_error.hpp"
+#include "traci_bridge/configuration.hpp"
+#include "traci_bridge/network.hpp"
+#include "traci_bridge/sumo_backend.hpp"
+
+namespace mvtp {
+namespace {
+
+/// Options of SUMO that would end the run before it begins, or that break what Traffic promises.
+constexpr std::array<std::string_view, 22> kRefused = {"--help",
+                                                       "-?",
+                                                       "--version",
+                                                       "-V",
+                                                       "--save-configuration",
+                                                       "-C",
+                                                       "--save-template",
+                                                       "--save-schema",
+                                                       "--save-commented",
+                                                       "--net-file",
+                                                       "-n",
+                                                       "--net",
+                                                       "-c",
+                                                       "--configuration",
+                                                       "--remote-port",
+                                                       "--num-clients",
+                                                       "--mesosim",
+                                                       "--fcd-output",
+                                                       "--tripinfo-output",
+                                                       "--seed",
+                                                       "--random",
+                                                       "--error-log"};
+
+/// An option of the command line without its value.
+std::string_view name_of(std::string_view argument) {
+  return argument.substr(0, argument.find('='));
+}
+
+void check_extra(const SumoOptions& options, const std::vector<std::string>& ours) {
+  for (const std::string& argument : options.extra) {
+    if (!argument.starts_with('-')) continue;  // a value
+    const std::string_view name = name_of(argument);
+    const bool refused = std::ranges::find(kRefused, name) != kRefused.end() ||
+                         std::ranges::find(ours, name) != ours.end();
+    if (refused) {
+      throw InputError("SUMO option " + std::string(name),
+                       "this program sets it itself or cannot run with it; leave it out");
+    }
+  }
+}
+
+std::vector<std::string> arguments_of(const SumoOptions& options) {
+  std::vector<std::string> arguments = {
+      options.gui ? "sumo-gui" : "sumo", "--configuration-file", options.configuration,
+      // Say nothing but errors.
+      "--no-step-log", "true", "--duration-log.disable", "true", "--no-warnings", "true",
+      "--xml-validation", "never",
+      // Vehicles stay where they are: a jam or a contact shows in the results, not in teleports.
+      "--time-to-teleport", "-1", "--collision.action", "warn", "--collision.check-junctions",
+      "true", "--collision.mingap-factor", "0"};
+  const auto add = [&](std::initializer_list<std::string> more) {
+    arguments.insert(arguments.end(), more);
+  };
+  if (options.seed) add({"--seed", std::to_string(*options.seed)});
+  if (options.gui) add({"--start", "true", "--quit-on-end", "true"});
+  return arguments;
+}
+
+}  // namespace
+
+std::unique_ptr<SumoTraffic> open_sumo(const SumoOptions& options) {
+  const Configuration configuration = read_configuration(options.configuration);
+  SumoLaunch launch{.configuration = options.configuration,
+                    .arguments = arguments_of(options),
+                    .network = read_network(configuration.net_file),
+                    .outputs = {}};
+  check_extra(options, launch.arguments);
+
+  const auto write = [&](const char* option, const std::string& path) {
+    launch.outputs.emplace_back(path);
+    launch.arguments.insert(launch.arguments.end(), {option, launch.outputs.back().part()});
+  };
+  if (!options.fcd_output.empty()) write("--fcd-output", options.fcd_output);
+  if (!options.tripinfo_output.empty()) {
+    write("--tripinfo-output", options.tripinfo_output);
+    launch.arguments.insert(launch.arguments.end(), {"--tripinfo-output.write-unfinished", "true",
+                                                     "--tripinfo-output.write-undeparted", "true"});
+  }
+  launch.arguments.insert(launch.arguments.end(), options.extra.begin(), options.extra.end());
+  return options.gui || options.separate_process ? launch_libtraci(std::move(launch))
+                                                 : launch_libsumo(std::move(launch));
+}
+
+}  // namespace mvtp

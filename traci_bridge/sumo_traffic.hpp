@@ -1,0 +1,54 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "coordinator/traffic.hpp"
+
+namespace mvtp {
+
+struct SumoOptions {
+  std::string configuration;          ///< path of the *.sumocfg
+  std::optional<std::uint32_t> seed;  ///< of SUMO's random numbers; none: SUMO's own default
+  bool gui = false;                   ///< show the run in sumo-gui; implies separate_process
+  /// Run SUMO as a program of its own (libtraci) instead of inside this process (libsumo): the
+  /// same figures many times slower, but a crash of SUMO is then an InputError.
+  bool separate_process = false;
+  std::string fcd_output;          ///< path of the trajectories; empty: none
+  std::string tripinfo_output;     ///< path of one record per vehicle; empty: none
+  std::vector<std::string> extra;  ///< more options for SUMO, as on its command line
+};
+
+/// SUMO, opened at the begin of a scenario; nothing has entered the network before the first step.
+///
+/// While open, its output files are PATH.part; close() gives them their names. A run that ends by
+/// an error or without close() leaves no file.
+///
+/// @note libsumo holds one simulation per process, is not thread-safe, and may abort the process
+/// where SUMO has a bug; whoever needs to survive that runs it in a child process.
+class SumoTraffic : public Traffic {
+ public:
+  /// Vehicles that entered and left the network in the last step, ordered by id.
+  [[nodiscard]] virtual const std::vector<std::string>& departed() const = 0;
+  [[nodiscard]] virtual const std::vector<std::string>& arrived() const = 0;
+  /// Vehicles that wait to enter the network, ordered by id; route() knows them too.
+  [[nodiscard]] virtual std::vector<std::string> pending() const = 0;
+
+  /// Ends the run and completes the output files; vehicles still on the road or waiting are in the
+  /// tripinfo-output as unfinished. No other function may be called afterwards but this.
+  virtual void close() = 0;
+};
+
+/// Starts SUMO on a scenario.
+///
+/// Throws InputError for whatever SUMO or we have against the scenario, the options or the output
+/// paths, with SUMO's own words, in one line; SUMO itself prints nothing.
+[[nodiscard]] std::unique_ptr<SumoTraffic> open_sumo(const SumoOptions& options);
+
+/// The version of libsumo, e.g. "SUMO 1.15.0".
+[[nodiscard]] std::string sumo_version();
+
+}  // namespace mvtp
