@@ -1,0 +1,140 @@
+#include "planner/problem/referee_geometry.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+namespace mvtp::referee {
+namespace {
+
+Point minus(const Point& a, const Point& b) { return {a.x - b.x, a.y - b.y}; }
+double dot(const Point& a, const Point& b) { return a.x * b.x + a.y * b.y; }
+/// Turned by a right angle to the left.
+Point left(const Point& a) { return {-a.y, a.x}; }
+
+/// Half the extent of the box along the unit vector n.
+double half_extent(const Box& box, const Point& n) {
+  return box.half_length * std::abs(dot(box.heading, n)) +
+         box.half_width * std::abs(dot(left(box.heading), n));
+}
+
+/// `p` in the frame of the box.
+Point local(const Box& box, const Point& p) {
+  const Point d = minus(p, box.center);
+  return {dot(d, box.heading), dot(d, left(box.heading))};
+}
+
+}  // namespace
+
+Box footprint(const Vehicle& vehicle, const Pose& pose) {
+  const Point heading{std::cos(pose.theta), std::sin(pose.theta)};
+  const double ahead = 0.5 * (vehicle.front - vehicle.rear);
+  return {{pose.x + ahead * heading.x, pose.y + ahead * heading.y},
+          heading,
+          0.5 * vehicle.length(),
+          0.5 * vehicle.width};
+}
+
+double reach(const Vehicle& vehicle) {
+  const double along = std::max(std::abs(vehicle.front), std::abs(vehicle.rear));
+  return std::hypot(along, 0.5 * vehicle.width);
+}
+
+// Of two convex polygons that overlap, the shortest shift that ends it is along a normal of one of
+// their sides; of two that do not, the gap along any direction is at most their distance.
+double separation(const Box& a, const Box& b) {
+  const Point d = minus(b.center, a.center);
+  double widest = -std::numeric_limits<double>::infinity();
+  for (const Point& n : {a.heading, left(a.heading), b.heading, left(b.heading)}) {
+    widest = std::max(widest, std::abs(dot(d, n)) - half_extent(a, n) - half_extent(b, n));
+  }
+  return widest;
+}
+
+double separation(const Box& box, const Circle& circle) {
+  const Point center = local(box, {circle.x, circle.y});
+  const double dx = std::abs(center.x) - box.half_length;
+  const double dy = std::abs(center.y) - box.half_width;
+  const double outside = std::hypot(std::max(dx, 0.0), std::max(dy, 0.0));
+  return outside + std::min(std::max(dx, dy), 0.0) - circle.radius;
+}
+
+double separation(const Box& box, const Point& a, const Point& b) {
+  const Point p = local(box, a);
+  const Point q = local(box, b);
+  const auto gap = [](double u, double v, double half) {
+    return std::max(std::min(u, v) - half, -std::max(u, v) - half);
+  };
+  const double along = gap(p.x, q.x, box.half_length);
+  const double aside = gap(p.y, q.y, box.half_width);
+  const Point normal = left(minus(q, p));
+  const double length = std::hypot(normal.x, normal.y);
+  const double across = (std::abs(dot(p, normal)) - box.half_length * std::abs(normal.x) -
+                         box.half_width * std::abs(normal.y)) /
+                        length;
+  return std::max({along, aside, across});
+}
+
+double separation(const Box& box, const Polygon& polygon) {
+  double least = contains(polygon, box.center) ? -std::min(box.half_length, box.half_width)
+                                               : std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0, j = polygon.size() - 1; i < polygon.size(); j = i++) {
+    least = std::min(least, separation(box, polygon[j], polygon[i]));
+  }
+  return least;
+}
+
+std::vector<std::pair<std::size_t, std::size_t>> near_pairs(const std::vector<Disc>& discs) {
+  const auto begin = [&](std::size_t i) { return discs[i].center.x - discs[i].radius; };
+  std::vector<std::size_t> order(discs.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::sort(order.begin(), order.end(), [&](std::size_t i, std::size_t j) {
+    return std::pair(begin(i), i) < std::pair(begin(j), j);
+  });
+  std::vector<std::pair<std::size_t, std::size_t>> pairs;
+  for (std::size_t a = 0; a < order.size(); ++a) {
+    const double end = discs[order[a]].center.x + discs[order[a]].radius;
+    for (std::size_t b = a + 1; b < order.size() && begin(order[b]) <= end; ++b) {
+      if (overlap(discs[order[a]], discs[order[b]])) {
+        pairs.emplace_back(std::minmax(order[a], order[b]));
+      }
+    }
+  }
+  return pairs;
+}
+
+double margin_inside(const Map& map, const Box& box) {
+  const double half_x = half_extent(box, {1.0, 0.0});
+  const double half_y = half_extent(box, {0.0, 1.0});
+  return std::min({box.center.x - half_x, map.width - box.center.x - half_x, box.center.y - half_y,
+                   map.height - box.center.y - half_y});
+}
+
+double margin_inside(const Map& map, const Point& point) {
+  return std::min({point.x, map.width - point.x, point.y, map.height - point.y});
+}
+
+bool contains(const Polygon& polygon, const Point& point) {
+  bool inside = false;
+  for (std::size_t i = 0, j = polygon.size() - 1; i < polygon.size(); j = i++) {
+    const Point& a = polygon[i];
+    const Point& b = polygon[j];
+    if ((a.y > point.y) == (b.y > point.y)) continue;
+    const double x = a.x + (point.y - a.y) / (b.y - a.y) * (b.x - a.x);
+    if (point.x < x) inside = !inside;
+  }
+  return inside;
+}
+
+Arc joining_arc(const Pose& from, const Pose& to) {
+  const Pose step = relative(from, to);
+  const double half_turn = 0.5 * step.theta;
+  const double chord = step.x * std::cos(half_turn) + step.y * std::sin(half_turn);
+  const double length =
+      std::abs(half_turn) < 1e-9 ? chord : chord * half_turn / std::sin(half_turn);
+  if (length == 0.0) return {};
+  return {length, step.theta / length};
+}
+
+}  // namespace mvtp::referee
