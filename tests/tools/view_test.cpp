@@ -8,6 +8,7 @@
 
 #include "planner/problem/input_error.hpp"
 #include "tools/view/page.hpp"
+#include "tools/view/plan_replay.hpp"
 #include "tools/view/replay.hpp"
 #include "tools/view/scene.hpp"
 
@@ -282,11 +283,13 @@ Instance two_robots() {
 Plan plan_of_two_robots() {
   Trajectory a(std::vector<Waypoint>{{{5, 5, 0}}, {{6, 5, 0}}, {{6, 5, 0}}, {{5, 5, 0}}});
   Trajectory b(std::vector<Waypoint>{{{9, 9, 0}}, {drive({9, 9, 0}, kPi, 0.5)}});
-  return {.statistics = {}, .names = {"b", "a"}, .trajectories = {b, a}};
+  Statistics statistics;
+  statistics.dt = 2.0;
+  return {.statistics = statistics, .names = {"b", "a"}, .trajectories = {b, a}};
 }
 
 TEST(ReplayOfPlan, ShowsStepsWaitsReverseAndArrival) {
-  const Replay replay = replay_of(two_robots(), plan_of_two_robots(), {}, "plan.yaml");
+  const Replay replay = replay_of(two_robots(), plan_of_two_robots(), {}, {}, "plan.yaml");
   Reader reader(replay);
   EXPECT_THAT(reader.column(4), ElementsAre(0, 2000, 4000, 6000));
   EXPECT_THAT(reader.column(4), ElementsAre(500, 600, 600, 500));  // a: x
@@ -301,18 +304,30 @@ TEST(ReplayOfPlan, ShowsStepsWaitsReverseAndArrival) {
   EXPECT_THAT(reader.column(4), ElementsAre(0, 79, 0, 0));  // b: pi metres in 2 s
 }
 
+TEST(ReplayOfPlan, AViolationIsAnEventAtItsPlace) {
+  const std::vector<Violation> violations = {
+      {Rule::kRobotOverlap, {"b", "a"}, 1.25, 0.3, "a and b overlap"}};
+  const auto header = header_of(replay_of(two_robots(), plan_of_two_robots(), violations, {}, "p"));
+  const auto& event = header["events"].at(0);
+  EXPECT_EQ(event["kind"], "overlap");
+  EXPECT_EQ(event["time"], 2.5);
+  EXPECT_EQ(event["vehicles"], nlohmann::json({0, 1}));
+  EXPECT_EQ(event["x"], 6.0);
+  EXPECT_EQ(event["value"], -0.3);
+}
+
 TEST(ReplayOfPlan, AnInstanceAloneIsOneFrame) {
-  EXPECT_EQ(header_of(replay_of(two_robots(), {}, {}, "i.yaml"))["frames"], 1);
+  EXPECT_EQ(header_of(replay_of(two_robots(), {}))["frames"], 1);
 }
 
 TEST(ReplayOfPlan, RefusesThePlanOfAnotherInstance) {
   Plan plan = plan_of_two_robots();
   plan.names = {"b", "c"};
-  EXPECT_THROW((void)replay_of(two_robots(), plan, {}, "plan.yaml"), InputError);
+  EXPECT_THROW((void)replay_of(two_robots(), plan, {}, {}, "plan.yaml"), InputError);
   plan = plan_of_two_robots();
   plan.names.push_back("c");
   plan.trajectories.push_back(plan.trajectories.back());
-  EXPECT_THROW((void)replay_of(two_robots(), plan, {}, "plan.yaml"), InputError);
+  EXPECT_THROW((void)replay_of(two_robots(), plan, {}, {}, "plan.yaml"), InputError);
 }
 
 TEST(SceneOfRoadNetwork, LeavesOutFootpathsAndMarksStopLines) {

@@ -212,7 +212,7 @@ class App {
   describe(event) {
     const names = event.vehicles.map((index) => this.replays[event.side].vehicles[index]?.id ?? '?');
     const value = {slow: `${event.value.toFixed(1)} ms`, near: `${event.value.toFixed(2)} m`, note: '',
-                   overlap: `${Math.abs(event.value).toFixed(2)} m deep`}[event.kind];
+                   overlap: `${Math.abs(event.value).toFixed(3)} m deep`}[event.kind];
     const span = event.end - event.time > 0.05 ? `for ${(event.end - event.time).toFixed(1)} s` : '';
     const side = this.replays.length > 1 ? this.nameOf(event.side) : '';
     return [side, names.join(' × '), value, span, event.text].filter(Boolean).join(' · ');
@@ -569,6 +569,10 @@ class App {
     const name = (box) => replay.vehicles[box.vehicle].id;
     const distance = pair && (pair.distance <= -0.02 ? `overlap by ${(-pair.distance).toFixed(2)} m`
         : `closest ${Math.max(pair.distance, 0).toFixed(2)} m`);
+    if (this.time > replay.end + 1e-6) {
+      status.textContent = `${count} · ended at ${replay.end.toFixed(1)} s`;
+      return;
+    }
     status.textContent = pair ? `${count} · ${distance}: ${name(pair.a)}, ${name(pair.b)}` : count;
   }
 
@@ -720,34 +724,56 @@ class App {
     return sample;
   }
 
-  /// Speed over time of the selected vehicle in all replays, with its limit.
-  drawPlot(known) {
-    const {context, width, height} = this.prepare(byId('plot')), {theme} = this;
-    let t0 = Infinity, t1 = -Infinity, most = known.maxSpeed, least = 0;
-    const lines = [];
+  /// What the plot of the selected vehicle shows: its tracks, and the ranges of time and speed.
+  plotOf(known) {
+    if (this.plotted?.id === this.selectedId) return this.plotted;
+    const plot = {id: this.selectedId, tracks: [], t0: Infinity, t1: -Infinity, most: known.maxSpeed,
+                  least: 0, limit: known.maxSpeed, paths: null};
     this.replays.forEach((replay, side) => {
       for (const track of replay.tracksOf[this.selectedIn(side)] || []) {
-        lines.push({replay, track, side});
-        t0 = Math.min(t0, replay.times[track.first]);
-        t1 = Math.max(t1, replay.times[track.first + track.count - 1]);
+        plot.tracks.push({replay, track, side});
+        plot.t0 = Math.min(plot.t0, replay.times[track.first]);
+        plot.t1 = Math.max(plot.t1, replay.times[track.first + track.count - 1]);
         for (const speed of track.speed) {
-          most = Math.max(most, speed * SPEED_UNIT);
-          least = Math.min(least, speed * SPEED_UNIT);
+          plot.most = Math.max(plot.most, speed * SPEED_UNIT);
+          plot.least = Math.min(plot.least, speed * SPEED_UNIT);
         }
       }
     });
-    if (!lines.length) return;
+    plot.t1 = Math.max(plot.t1, plot.t0 + 1e-3);
+    plot.most = Math.max(plot.most * 1.08, 0.1);
+    return this.plotted = plot;
+  }
+
+  /// Speed over time of the selected vehicle in all replays, with its limit.
+  drawPlot(known) {
+    const {context, width, height} = this.prepare(byId('plot')), {theme} = this;
+    const plot = this.plotOf(known), {t0, t1} = plot;
+    if (!plot.tracks.length) return;
     const [left, right, top, bottom] = [34, width - 6, 8, height - 18];
-    t1 = Math.max(t1, t0 + 1e-3);
-    most = Math.max(most * 1.08, 0.1);
-    this.plotRange = {t0, t1, left, right};
+    Object.assign(plot, {left, right});
     const xOf = (t) => left + (t - t0) / (t1 - t0) * (right - left);
-    const yOf = (v) => bottom - (v - least) / (most - least) * (bottom - top);
-    context.font = '11px system-ui, "DejaVu Sans", sans-serif';
-    context.fillStyle = theme.faint;
-    context.strokeStyle = theme.grid;
-    context.lineWidth = 1;
-    const rule = (y, dash) => {
+    const yOf = (v) => bottom - (v - plot.least) / (plot.most - plot.least) * (bottom - top);
+    this.drawPlotFrame(context, plot, {left, right, height}, yOf);
+    if (plot.width !== width || !plot.paths) {
+      plot.paths = plot.tracks.map(({replay, track}) => this.speedPath(replay, track, xOf, yOf));
+      plot.width = width;
+    }
+    context.lineWidth = 1.8;
+    plot.tracks.forEach(({side}, i) => {
+      context.strokeStyle = theme.lines[side % theme.lines.length];
+      context.setLineDash(side ? [6, 2] : []);
+      context.stroke(plot.paths[i]);
+    });
+    context.setLineDash([]);
+    context.fillStyle = theme.text;
+    if (t0 <= this.time && this.time <= t1) context.fillRect(xOf(this.time) - 0.75, top, 1.5, bottom - top);
+  }
+
+  drawPlotFrame(context, {t0, t1, most, least, limit}, {left, right, height}, yOf) {
+    const {theme} = this;
+    const rule = (y, colour, dash) => {
+      context.strokeStyle = colour;
       context.setLineDash(dash);
       context.beginPath();
       context.moveTo(left, y);
@@ -755,46 +781,38 @@ class App {
       context.stroke();
       context.setLineDash([]);
     };
+    context.font = '11px system-ui, "DejaVu Sans", sans-serif';
+    context.fillStyle = theme.faint;
+    context.lineWidth = 1;
     context.textAlign = 'right';
     context.textBaseline = 'middle';
     const unit = [0.5, 1, 2, 5, 10, 20, 50].find((u) => (most - least) / u <= 4) || 100;
     for (let v = Math.ceil(least / unit) * unit; v <= most; v += unit) {
-      rule(yOf(v), []);
+      rule(yOf(v), theme.grid, []);
       context.fillText(String(Number(v.toFixed(1))), left - 4, yOf(v));
     }
     context.textBaseline = 'alphabetic';
-    context.textAlign = 'left';
-    context.fillText(`${t0.toFixed(1)} s`, left, height - 4);
-    context.textAlign = 'right';
-    context.fillText(`${t1.toFixed(1)} s`, right, height - 4);
-    context.textAlign = 'center';
-    context.fillText('speed [m/s]', (left + right) / 2, height - 4);
-    if (known.maxSpeed > 0) {
-      context.strokeStyle = theme.alarm;
-      rule(yOf(known.maxSpeed), [5, 4]);
-      if (least < 0) rule(yOf(Math.max(-known.maxSpeed, least)), [5, 4]);
+    for (const [align, x, text] of [['left', left, `${t0.toFixed(1)} s`], ['right', right, `${t1.toFixed(1)} s`],
+                                    ['center', (left + right) / 2, 'speed [m/s]']]) {
+      context.textAlign = align;
+      context.fillText(text, x, height - 4);
     }
-    for (const {replay, track, side} of lines) this.drawSpeed(context, replay, track, side, xOf, yOf);
-    context.fillStyle = theme.text;
-    if (t0 <= this.time && this.time <= t1) context.fillRect(xOf(this.time) - 0.75, top, 1.5, bottom - top);
+    if (limit > 0) rule(yOf(limit), theme.alarm, [5, 4]);
+    if (limit > 0 && least < 0) rule(yOf(Math.max(-limit, least)), theme.alarm, [5, 4]);
   }
 
-  drawSpeed(context, replay, track, side, xOf, yOf) {
-    context.strokeStyle = this.theme.lines[side % this.theme.lines.length];
-    context.lineWidth = 1.8;
-    context.setLineDash(side ? [6, 2] : []);
-    context.beginPath();
+  speedPath(replay, track, xOf, yOf) {
+    const path = new Path2D();
     for (let k = 0; k < track.count; ++k) {
       const x = xOf(replay.times[track.first + k]), y = yOf(track.speed[k] * SPEED_UNIT);
-      if (replay.steps && k) context.lineTo(xOf(replay.times[track.first + k - 1]), y);
-      context.lineTo(x, y);
+      if (replay.steps && k) path.lineTo(xOf(replay.times[track.first + k - 1]), y);
+      path.lineTo(x, y);
     }
-    context.stroke();
-    context.setLineDash([]);
+    return path;
   }
 
   plotTime(x) {
-    const {t0, t1, left, right} = this.plotRange;
+    const {t0, t1, left, right} = this.plotted;
     return t0 + Math.min(Math.max((x - left) / (right - left), 0), 1) * (t1 - t0);
   }
 }

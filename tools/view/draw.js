@@ -107,8 +107,7 @@ class Scene {
 
   /// What a view may be fitted to: the zones, if there are any, then everything.
   boundsOf(replay) {
-    const none = () => [Infinity, Infinity, -Infinity, -Infinity];
-    const zones = none(), all = none();
+    const none = [Infinity, Infinity, -Infinity, -Infinity], zones = [...none], all = [...none];
     for (const zone of replay.scene.zones) boxOfFlat(zones, zone);
     if (this.border) boxOfFlat(all, [0, 0, ...this.border]);
     for (const lane of replay.scene.lanes) boxOfFlat(all, lane.shape);
@@ -121,8 +120,16 @@ class Scene {
         for (let k = 0; k < track.count; ++k) boxOfFlat(all, [track.x[k] / 100, track.y[k] / 100]);
       }
     }
-    const views = [zones, all].filter((box) => box[0] <= box[2]);
+    const views = [this.surroundings(zones, all), all].filter((box) => box[0] <= box[2]);
     return views.length ? views : [[-20, -20, 20, 20]];
+  }
+
+  /// A box with what comes and goes around it: at least 150 m wide and high, but not beyond `limits`.
+  surroundings(box, limits) {
+    const wider = (low, high) => Math.max(0, (150 - (high - low)) / 2);
+    const x = wider(box[0], box[2]), y = wider(box[1], box[3]);
+    return [Math.max(box[0] - x, limits[0]), Math.max(box[1] - y, limits[1]),
+            Math.min(box[2] + x, limits[2]), Math.min(box[3] + y, limits[3])];
   }
 
   draw(context, theme, pixel) {
@@ -214,7 +221,7 @@ class Painter {
     this.present = snapshot(this.replay, view.time);
     this.pixel = 1 / camera.scale;
     if (view.ghosts) this.drawGhosts(view);
-    if (view.tails > 0) for (const now of this.present) this.drawTail(now, view);
+    if (view.tails > 0) this.drawTails(view);
     this.drawSelectedPath(view);
     for (const now of this.present) this.drawVehicle(now, view);
     this.pair = closestPair(this.present);
@@ -311,57 +318,87 @@ class Painter {
     });
   }
 
-  /// Traces the rear axle from time `from` to time `to`, along the arcs.
+  /// Adds the way of the rear axle from time `from` to time `to` to the path, along the arcs.
   trace(track, from, to) {
     const {replay, context} = this;
     const parts = replay.steps ? 6 : 1;
     const first = Math.max(frameAt(replay, from) - track.first, 0);
-    context.beginPath();
+    const fine = 200 * this.pixel;  // [cm]: two pixels
+    let lastX = Infinity, lastY = Infinity;
+    const add = (x, y) => {
+      if (lastX === Infinity) context.moveTo(x / 100, y / 100); else context.lineTo(x / 100, y / 100);
+      [lastX, lastY] = [x, y];
+    };
     for (let k = first; k < track.count; ++k) {
-      for (let i = 0; i < parts; ++i) {
-        const frame = track.first + k;
-        const next = frame + 1 < replay.times.length ? replay.times[frame + 1] : replay.times[frame];
-        const t = replay.times[frame] + (next - replay.times[frame]) * i / parts;
-        if (t < from || t > to) continue;
-        const at = i ? stateAt(replay, track, frame, t) : poseOf(track, k);
-        context.lineTo(at.x, at.y);
+      const frame = track.first + k, t0 = replay.times[frame];
+      if (t0 > to) break;
+      const x = track.x[k], y = track.y[k];
+      if (t0 >= from && (Math.abs(x - lastX) > fine || Math.abs(y - lastY) > fine)) {
+        add(x, y);
       }
-      if (replay.times[track.first + k] > to) break;
+      for (let i = 1; i < parts && frame + 1 < replay.times.length; ++i) {
+        const t = t0 + (replay.times[frame + 1] - t0) * i / parts;
+        if (t < from || t > to) continue;
+        const at = stateAt(replay, track, frame, t);
+        add(100 * at.x, 100 * at.y);
+      }
     }
     const frame = frameAt(replay, to);
     const end = stateAt(replay, track, frame, to);
-    if (end) context.lineTo(end.x, end.y);
-    context.stroke();
+    if (end) add(100 * end.x, 100 * end.y);
   }
 
-  drawTail(now, view) {
-    const {context, pixel} = this;
+  drawTails(view) {
+    const {context, pixel} = this, {theme} = view;
+    const groups = new Map();  // colour -> vehicles: one stroke each
+    for (const now of this.present) {
+      const colour = this.colourOf(now, view), visible = colour === theme.state[0] ? theme.faint : colour;
+      if (!groups.has(visible)) groups.set(visible, []);
+      groups.get(visible).push(now);
+    }
     this.useWorld(context);
-    const colour = this.colourOf(now, view);
-    context.strokeStyle = colour === view.theme.state[0] ? view.theme.faint : colour;
     context.lineWidth = Math.max(2 * pixel, 0.18);
     context.globalAlpha = 0.55;
-    this.trace(now.track, view.time - view.tails, view.time);
+    for (const [colour, group] of groups) {
+      context.strokeStyle = colour;
+      context.beginPath();
+      for (const now of group) this.trace(now.track, view.time - view.tails, view.time);
+      context.stroke();
+    }
     context.globalAlpha = 1;
   }
 
+  /// What the selected vehicle has driven, and, dashed, what it will.
   drawSelectedPath(view) {
     if (view.selected === null) return;
-    const {context, pixel, replay} = this;
-    for (const track of replay.tracksOf[view.selected]) {
-      this.useWorld(context);
-      context.strokeStyle = view.theme.alarm;
-      context.lineWidth = 1.5 * pixel;
-      this.trace(track, replay.begin, view.time);
-      context.setLineDash([5 * pixel, 4 * pixel]);
-      this.trace(track, view.time, replay.end);
-      context.setLineDash([]);
-      if (!view.footprints) continue;
-      context.globalAlpha = 0.5;
-      context.lineWidth = pixel;
-      for (let k = 0; k < track.count; ++k) this.outline(poseOf(track, k), replay.vehicles[track.vehicle]);
-      context.globalAlpha = 1;
+    const {context, pixel, replay} = this, tracks = replay.tracksOf[view.selected];
+    this.useWorld(context);
+    context.strokeStyle = view.theme.alarm;
+    context.lineWidth = 1.5 * pixel;
+    for (const [from, to, dash] of [[replay.begin, view.time, []],
+                                    [view.time, replay.end, [5 * pixel, 4 * pixel]]]) {
+      context.setLineDash(dash);
+      context.beginPath();
+      for (const track of tracks) this.trace(track, from, to);
+      context.stroke();
     }
+    context.setLineDash([]);
+    if (view.footprints) for (const track of tracks) this.drawFootprints(track);
+  }
+
+  /// The footprints of the frames, but those hardly moved from the one drawn before.
+  drawFootprints(track) {
+    const {context, pixel, replay} = this, apart = 100 * Math.max(0.5, 4 * pixel);  // [cm]
+    context.globalAlpha = 0.5;
+    let last = -1;
+    for (let k = 0; k < track.count; ++k) {
+      const moved = last < 0 ? Infinity : Math.hypot(track.x[k] - track.x[last], track.y[k] - track.y[last]);
+      if (moved < apart) continue;
+      last = k;
+      context.lineWidth = pixel;
+      this.outline(poseOf(track, k), replay.vehicles[track.vehicle]);
+    }
+    context.globalAlpha = 1;
   }
 
   drawPair(theme) {
