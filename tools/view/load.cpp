@@ -15,7 +15,7 @@
 namespace mvtp {
 namespace {
 
-constexpr std::size_t kMaxPageBytes = 500'000'000;
+constexpr std::size_t kMaxTextBytes = 500'000'000;
 
 std::string name_of(const std::string& path) {
   return std::filesystem::path(path).filename().string();
@@ -24,6 +24,16 @@ std::string name_of(const std::string& path) {
 bool is_page(const std::string& path) {
   const std::string extension = std::filesystem::path(path).extension().string();
   return extension == ".html" || extension == ".htm";
+}
+
+Instance load_instance(const std::string& path, const InstanceReadOptions& options) {
+  try {
+    return read_instance(path, options);
+  } catch (const InputError&) {
+    // A plan without its instance is the likeliest slip.
+    if (read_text_file(path, kMaxTextBytes).find("schedule") == std::string::npos) throw;
+    throw InputError(path, "looks like a plan; name its instance with --instance");
+  }
 }
 
 Replay load_plan(const std::string& path, const std::string& instance_path,
@@ -52,7 +62,7 @@ std::vector<Replay> load_replays(const ViewRequest& request) {
   std::size_t plans = 0;
   for (const std::string& file : request.files) {
     if (is_page(file)) {
-      std::vector<Replay> found = replays_of(read_text_file(file, kMaxPageBytes), file);
+      std::vector<Replay> found = replays_of(read_text_file(file, kMaxTextBytes), file);
       std::ranges::move(found, std::back_inserter(replays));
       continue;
     }
@@ -60,7 +70,7 @@ std::vector<Replay> load_replays(const ViewRequest& request) {
     info.title = request.title.empty() ? name_of(file) : request.title;
     info.label = name_of(file);
     if (request.instances.empty()) {
-      replays.push_back(replay_of(read_instance(file, request.reading), std::move(info)));
+      replays.push_back(replay_of(load_instance(file, request.reading), std::move(info)));
     } else {
       const std::size_t which = std::min(plans++, request.instances.size() - 1);
       replays.push_back(load_plan(file, request.instances[which], request, std::move(info)));

@@ -12,14 +12,14 @@ namespace mvtp {
 /// What `mvtp view` shows.
 struct ViewRequest {
   /// Plans, instances, and pages of replays, shown side by side in this order.
-  std::vector<std::string> files;
+  std::vector<std::string> files{};
   /// The instances of the plans: one for each plan, or one for all. Without any, files that are no
   /// pages are instances.
-  std::vector<std::string> instances;
+  std::vector<std::string> instances{};
   /// Short names, one for each replay; empty: those that the replays have, else the files' names.
-  std::vector<std::string> labels;
-  std::string title;  ///< empty: the file's name
-  InstanceReadOptions reading;
+  std::vector<std::string> labels{};
+  std::string title{};  ///< empty: the file's name
+  InstanceReadOptions reading{};
 };
 
 /// Reads everything that the request names.
