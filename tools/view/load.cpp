@@ -39,7 +39,8 @@ Instance load_instance(const std::string& path, const InstanceReadOptions& optio
 Replay load_plan(const std::string& path, const std::string& instance_path,
                  const ViewRequest& request, ReplayInfo info) {
   const Instance instance = read_instance(instance_path, request.reading);
-  const Plan plan = read_plan(path, {.yaw = request.reading.yaw, .dt = instance.dt});
+  Plan plan = read_plan(path, {.yaw = request.reading.yaw, .dt = instance.dt});
+  if (request.reading.dt) plan.statistics.dt = *request.reading.dt;
   return replay_of(instance, plan, find_violations(instance, plan, CollisionRule::kContinuous),
                    std::move(info), path);
 }
