@@ -1,0 +1,10 @@
+#pragma once
+
+#include "tools/program.hpp"
+
+namespace mvtp {
+
+// The sub-commands, one source file each.
+[[nodiscard]] Action declare_validate(CLI::App& app);
+
+}  // namespace mvtp

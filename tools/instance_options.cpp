@@ -1,0 +1,35 @@
+#include "tools/instance_options.hpp"
+
+#include "tools/option_types.hpp"
+
+namespace mvtp {
+
+void add_instance_options(CLI::App& app, InstanceReadOptions& options) {
+  const char* group = "Instance";
+  app.add_option("--vehicle", options.vehicle_preset,
+                 "Vehicle preset, in place of the file's own [escot]")
+      ->type_name("escot|cl-cbs")
+      ->group(group);
+  app.add_option("--dt", options.dt, "Duration of one step [s], in place of the file's or preset's")
+      ->type_name("S")
+      ->check(positive_number)
+      ->group(group);
+  add_choice<YawSense>(app, "--yaw", options.yaw,
+                       {{"ccw", YawSense::kCounterClockwise}, {"cw", YawSense::kClockwise}},
+                       "How the files mean yaw: ccw as CSDO, cw as CL-CBS's solver [ccw]")
+      ->group(group);
+  add_choice<Bounds>(app, "--bounds", options.bounds,
+                     {{"axle", Bounds::kAxle}, {"footprint", Bounds::kFootprint}},
+                     "What must stay inside the map [axle for plain CL-CBS files, else footprint]")
+      ->group(group);
+}
+
+void add_collision_option(CLI::App& app, CollisionRule& rule) {
+  add_choice<CollisionRule>(
+      app, "--collision", rule,
+      {{"continuous", CollisionRule::kContinuous}, {"steps", CollisionRule::kSteps}},
+      "Footprints may not touch along the motion, or only at whole steps [continuous]")
+      ->group("Rules");
+}
+
+}  // namespace mvtp

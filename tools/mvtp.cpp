@@ -1,0 +1,12 @@
+#include <array>
+
+#include "tools/commands.hpp"
+
+int main(int argc, char** argv) {
+  constexpr std::array kCommands = {
+      mvtp::Command{"validate", "Judge a plan, ours or anyone's", mvtp::declare_validate},
+      mvtp::Command{"coordinate", "Run a SUMO scenario headless, coordinated", nullptr},
+      mvtp::Command{"compare", "One demand under SUMO's own control and coordinated", nullptr},
+  };
+  return mvtp::run_program(argc, argv, kCommands);
+}

@@ -1,0 +1,98 @@
+#include "tools/program.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <string>
+#include <string_view>
+
+#include "planner/problem/input_error.hpp"
+#include "tools/sibling.hpp"
+#include "tools/version.hpp"
+
+namespace mvtp {
+namespace {
+
+/// One line, whatever the message holds.
+void print_error(std::string message) {
+  std::replace(message.begin(), message.end(), '\n', ' ');
+  while (!message.empty() && message.back() == ' ') message.pop_back();
+  fmt::print(stderr, "mvtp: {}\n", message);
+}
+
+/// Help and version are exceptions in CLI11's eyes, and no errors in ours.
+int finish_parsing(const CLI::App& app, const CLI::ParseError& error) {
+  if (dynamic_cast<const CLI::CallForVersion*>(&error) != nullptr) {
+    fmt::print("{}\n", error.what());
+    return kDone;
+  }
+  if (error.get_exit_code() == 0) {
+    fmt::print("{}", app.help());
+    return kDone;
+  }
+  const auto chosen = app.get_subcommands();
+  const std::string command = chosen.empty() ? "" : " " + chosen.front()->get_name();
+  print_error(fmt::format("{}{}; see mvtp{} --help",
+                          command.empty() ? "" : command.substr(1) + ": ", error.what(), command));
+  return kBadInput;
+}
+
+const Command& find(std::span<const Command> commands, std::string_view name) {
+  const auto found = std::find_if(commands.begin(), commands.end(),
+                                  [&](const Command& command) { return command.name == name; });
+  if (found == commands.end()) {
+    throw InputError(std::string(name), "is no command of mvtp; see mvtp --help");
+  }
+  return *found;
+}
+
+/// Runs the action; what it printed must have arrived for it to count as done.
+int run(const Action& action) {
+  const int code = action();
+  if (std::fflush(stdout) != 0) {
+    throw InputError("standard output", "cannot be written; is the disk full?");
+  }
+  return code;
+}
+
+}  // namespace
+
+int run_program(int argc, char** argv, std::span<const Command> commands) {
+  try {
+    if (argc > 1 && argv[1][0] != '-' && find(commands, argv[1]).declare == nullptr) {
+      return run_sibling("mvtp-sumo", argc, argv);
+    }
+
+    CLI::App app("Coordinates many car-like vehicles: in SUMO, on benchmark maps, on robots",
+                 "mvtp");
+    app.set_version_flag("--version", version_text(),
+                         "Print this program's and its libraries' versions");
+    app.require_subcommand(1);
+    std::vector<std::pair<CLI::App*, Action>> actions;
+    for (const Command& command : commands) {
+      CLI::App* sub = app.add_subcommand(command.name, command.summary);
+      if (command.declare != nullptr) actions.emplace_back(sub, command.declare(*sub));
+    }
+    try {
+      app.parse(argc, argv);
+    } catch (const CLI::ParseError& error) {
+      return finish_parsing(app, error);
+    }
+    for (const auto& [sub, action] : actions) {
+      if (sub->parsed()) return run(action);
+    }
+    return kBadInput;
+  } catch (const InputError& error) {
+    print_error(error.what());
+    return kBadInput;
+  } catch (const std::bad_alloc&) {
+    print_error("out of memory; give a smaller instance or more memory");
+    return kNotAchieved;
+  } catch (const std::exception& error) {
+    print_error(fmt::format("internal error: {}", error.what()));
+    return kNotAchieved;
+  }
+}
+
+}  // namespace mvtp

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <functional>
+#include <span>
+
+namespace mvtp {
+
+/// Exit codes of every command.
+enum ExitCode : int {
+  kDone = 0,
+  kNotAchieved = 1,  ///< the job ran but did not succeed: not solved, plan invalid
+  kBadInput = 2,     ///< bad input or usage
+  kInterrupted = 130,
+};
+
+/// What a command does once its options are read; returns the exit code.
+using Action = std::function<int()>;
+
+/// One sub-command of a program.
+struct Command {
+  const char* name;
+  const char* summary;  ///< one line for the list of commands
+  /// Declares the options on the sub-command's own `app` and returns what runs once they are
+  /// parsed. nullptr: the command lives in the sibling executable (see sibling.hpp) and parses its
+  /// own.
+  Action (*declare)(CLI::App& app);
+};
+
+/// Parses the command line, runs the chosen command and returns its exit code.
+///
+/// What goes wrong is told in one line on stderr, "mvtp: ...": bad usage and InputError give
+/// kBadInput, any other exception kNotAchieved.
+[[nodiscard]] int run_program(int argc, char** argv, std::span<const Command> commands);
+
+}  // namespace mvtp

@@ -1,0 +1,13 @@
+#pragma once
+
+#include <string>
+
+namespace mvtp {
+
+/// "0.1.0".
+[[nodiscard]] std::string version();
+
+/// The versions of this program and of SUMO, OMPL and FCL that it was built against, for --version.
+[[nodiscard]] std::string version_text();
+
+}  // namespace mvtp
