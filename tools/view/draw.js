@@ -321,7 +321,7 @@ class Painter {
   /// Adds the way of the rear axle from time `from` to time `to` to the path, along the arcs.
   trace(track, from, to) {
     const {replay, context} = this;
-    const parts = replay.steps ? 6 : 1;
+    const parts = replay.steps ? 6 : this.camera.scale > 4 ? 4 : 1;  // between two frames
     const first = Math.max(frameAt(replay, from) - track.first, 0);
     const fine = 200 * this.pixel;  // [cm]: two pixels
     let lastX = Infinity, lastY = Infinity;
