@@ -1,0 +1,59 @@
+#include <memory>
+#include <string>
+
+#include "planner/problem/text_file.hpp"
+#include "tools/commands.hpp"
+#include "tools/instance_options.hpp"
+#include "tools/view/load.hpp"
+#include "tools/view/page.hpp"
+
+namespace mvtp {
+namespace {
+
+struct ViewOptions {
+  ViewRequest request;
+  std::string output = "view.html";
+};
+
+int view(const ViewOptions& options) {
+  check_writable(options.output);
+  write_text_file(options.output, to_html(load_replays(options.request)));
+  return kDone;
+}
+
+}  // namespace
+
+Action declare_view(CLI::App& app) {
+  const auto options = std::make_shared<ViewOptions>();
+  ViewRequest& request = options->request;
+  app.footer(
+      "Several files play side by side and in step, e.g. two plans of one instance:\n"
+      "  mvtp view escot.yaml pbcr.yaml --instance cross.yaml\n"
+      "or two runs, from the pages that `mvtp coordinate` wrote:\n"
+      "  mvtp view light/view.html coordinated/view.html --label light --label coordinated");
+  app.add_option("files", request.files, "Plans, instances alone, or pages of replays (*.html)")
+      ->required()
+      ->type_name("FILE");
+  app.add_option("-i,--instance", request.instances,
+                 "Instance of the plans; give it once for all plans, or once for each")
+      ->type_name("FILE")
+      ->expected(1)
+      ->take_all()
+      ->group("Input");
+  add_instance_options(app, request.reading);
+  app.add_option("-o,--output", options->output, "The page to write")
+      ->type_name("FILE")
+      ->capture_default_str()
+      ->group("Output");
+  app.add_option("--label", request.labels, "Short name of a replay; give it once for each")
+      ->type_name("TEXT")
+      ->expected(1)
+      ->take_all()
+      ->group("Output");
+  app.add_option("--title", request.title, "Title of plans and instances [the file's name]")
+      ->type_name("TEXT")
+      ->group("Output");
+  return [options] { return view(*options); };
+}
+
+}  // namespace mvtp
