@@ -17,12 +17,12 @@ struct InstanceReadOptions {
   /// What must stay inside the map; nullopt: as the file says in `map.bounds`, else kAxle for a
   /// file without our extensions (the peers' rule; some of their starts stick out), else
   /// kFootprint.
-  std::optional<Bounds> bounds;
+  std::optional<Bounds> bounds = std::nullopt;
   /// Replaces the `vehicle` of the whole file, and the step duration unless the file has a `dt`;
   /// an agent's own `vehicle` stays. nullopt: as the file says, else the preset "escot".
-  std::optional<std::string> vehicle_preset;
+  std::optional<std::string> vehicle_preset = std::nullopt;
   /// Duration of one step [s]; nullopt: `dt` of the file, else that of the vehicle preset.
-  std::optional<double> dt;
+  std::optional<double> dt = std::nullopt;
 };
 
 /// Reads an instance: YAML in the format of CL-CBS and CSDO with our extensions, or JSON in the one

@@ -1,0 +1,211 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <string>
+
+#include "tests/temporary_directory.hpp"
+
+namespace mvtp {
+namespace {
+
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::MatchesRegex;
+using testing::StartsWith;
+
+const std::string kInstance = R"(agents:
+  - {name: agent0, start: [10, 10, 0], goal: [12, 10, 0]}
+  - {name: agent1, start: [30, 10, 0], goal: [30, 10, 0]}
+map:
+  dimensions: [50, 50]
+  obstacles: [[40, 40]]
+)";
+
+const std::string kPlan = R"(schedule:
+  agent0:
+    - {x: 10, y: 10, yaw: 0, t: 0}
+    - {x: 11, y: 10, yaw: 0, t: 1, v: 1, phi: 0}
+    - {x: 12, y: 10, yaw: 0, t: 2, v: 1, phi: 0}
+  agent1:
+    - {x: 30, y: 10, yaw: 0, t: 0}
+)";
+
+struct Outcome {
+  int exit_code = 0;  ///< 128 + signal if a signal ended it, as a shell says
+  std::string out;
+  std::string err;
+};
+
+/// Runs the built program as a user would: through the shell, in a directory of the test.
+class Program : public testing::Test {
+ protected:
+  Outcome run(const std::string& arguments) const {
+    const std::string command = "cd '" + directory_.path("") + "' && '" + MVTP_PROGRAM + "' " +
+                                arguments + " >'" + streams_.path("out") + "' 2>'" +
+                                streams_.path("err") + "'";
+    const int status = std::system(command.c_str());
+    const int code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+    return {code, content_of(streams_.path("out")), content_of(streams_.path("err"))};
+  }
+
+  /// Bad input: exit code 2, one line on stderr that matches, nothing on stdout.
+  void expect_refused(const std::string& arguments, const std::string& regex) const {
+    const Outcome outcome = run(arguments);
+    EXPECT_EQ(outcome.exit_code, 2) << arguments;
+    EXPECT_THAT(outcome.err, MatchesRegex("mvtp: " + regex + "\n")) << arguments;
+    EXPECT_THAT(outcome.out, IsEmpty()) << arguments;
+  }
+
+  TemporaryDirectory directory_;  ///< what the program sees
+  TemporaryDirectory streams_;    ///< what it prints
+};
+
+std::string replaced(std::string text, const std::string& what, const std::string& by) {
+  return text.replace(text.find(what), what.size(), by);
+}
+
+TEST_F(Program, VersionNamesTheLibraries) {
+  const Outcome outcome = run("--version");
+  EXPECT_EQ(outcome.exit_code, 0);
+  EXPECT_THAT(outcome.out,
+              MatchesRegex("mvtp [0-9.]+\nbuilt against SUMO [^,]+, OMPL [0-9.]+, FCL [0-9.]+\n"));
+}
+
+TEST_F(Program, HelpListsTheCommands) {
+  const Outcome outcome = run("--help");
+  EXPECT_EQ(outcome.exit_code, 0);
+  for (const char* command : {"validate", "coordinate", "compare"}) {
+    EXPECT_THAT(outcome.out, HasSubstr(std::string("\n  ") + command + " "));
+  }
+  EXPECT_THAT(outcome.err, IsEmpty());
+}
+
+TEST_F(Program, HelpOfACommandHasGroupsAndUnits) {
+  const Outcome outcome = run("validate --help");
+  EXPECT_EQ(outcome.exit_code, 0);
+  for (const char* text : {"\nInput:", "\nInstance:", "\nRules:", "[s]", "[continuous]"}) {
+    EXPECT_THAT(outcome.out, HasSubstr(text));
+  }
+}
+
+TEST_F(Program, WrongUsageIsOneLine) {
+  expect_refused("", ".*required.*; see mvtp --help");
+  expect_refused("fly", "fly: is no command of mvtp; see mvtp --help");
+  expect_refused("validate", "validate: --instance is required; see mvtp validate --help");
+  expect_refused("validate -i a -s b --fly", "validate: .*--fly.*; see mvtp validate --help");
+  expect_refused("validate -i a -s b --yaw up",
+                 "validate: --yaw: is \"up\"; choose ccw.cw; see mvtp validate --help");
+  expect_refused("validate -i a -s b --dt nan",
+                 "validate: --dt: is \"nan\"; give a finite number > 0; see mvtp validate --help");
+  expect_refused("validate -i a -s b --vehicle tank",
+                 "--vehicle: is the unknown preset \"tank\"; choose escot or cl-cbs");
+}
+
+TEST_F(Program, ValidPlansGiveZero) {
+  (void)directory_.file("i.yaml", kInstance);
+  (void)directory_.file("p.yaml", kPlan);
+  const Outcome outcome = run("validate -i i.yaml -s p.yaml");
+  EXPECT_EQ(outcome.exit_code, 0);
+  EXPECT_EQ(outcome.out, "valid: 2 agents, makespan 2 steps = 2.00 s, flowtime 2.00 s\n");
+  EXPECT_THAT(outcome.err, IsEmpty());
+  EXPECT_THAT(run("validate -i i.yaml -s p.yaml --quiet").out, IsEmpty());
+}
+
+TEST_F(Program, InvalidPlansGiveOneAndALinePerViolation) {
+  (void)directory_.file("i.yaml", kInstance);
+  (void)directory_.file("p.yaml", replaced(kPlan, "{x: 30, y: 10", "{x: 14, y: 10"));
+  const Outcome outcome = run("validate -i i.yaml -s p.yaml");
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_THAT(outcome.out,
+              MatchesRegex("start: agent1: begins 16.0000 m [^\n]*\n"
+                           "goal: agent1: ends 16.0000 m [^\n]*\n"
+                           "robot overlap: agent0 and agent1: overlap by 1.0000 m [^\n]*\n"));
+  const Outcome quiet = run("validate -i i.yaml -s p.yaml -q");
+  EXPECT_EQ(quiet.exit_code, 1);
+  EXPECT_THAT(quiet.out + quiet.err, IsEmpty());
+}
+
+//   The circle lies between the two poses of the only step.
+TEST_F(Program, TheCollisionRuleIsTheUsersChoice) {
+  (void)directory_.file(
+      "i.yaml", "vehicle: {max_speed: 10}\n" + replaced(replaced(kInstance, "[12, 10", "[19, 10"),
+                                                        "[[40, 40]]", "[[15.5, 10, 0.5]]"));
+  (void)directory_.file("p.yaml",
+                        "schedule:\n"
+                        "  agent0: [{x: 10, y: 10, yaw: 0}, {x: 19, y: 10, yaw: 0}]\n"
+                        "  agent1: [{x: 30, y: 10, yaw: 0}]\n");
+  EXPECT_EQ(run("validate -i i.yaml -s p.yaml --collision steps").exit_code, 0);
+  EXPECT_EQ(run("validate -i i.yaml -s p.yaml --collision continuous").exit_code, 1);
+  EXPECT_EQ(run("validate -i i.yaml -s p.yaml").exit_code, 1);
+}
+
+//   The paper's car moves 1 m in a step, that of CL-CBS 2.118 m.
+TEST_F(Program, TheVehicleIsTheUsersChoice) {
+  (void)directory_.file("i.yaml", replaced(kInstance, "[12, 10", "[12.1, 10"));
+  (void)directory_.file("p.yaml",
+                        "schedule:\n"
+                        "  agent0: [{x: 10, y: 10, yaw: 0}, {x: 12.1, y: 10, yaw: 0}]\n"
+                        "  agent1: [{x: 30, y: 10, yaw: 0}]\n");
+  EXPECT_EQ(run("validate -i i.yaml -s p.yaml").exit_code, 1);
+  EXPECT_EQ(run("validate -i i.yaml -s p.yaml --vehicle cl-cbs").exit_code, 0);
+  EXPECT_EQ(run("validate -i i.yaml -s p.yaml --dt 2.2").exit_code, 0);
+}
+
+//   The same turn, written counter-clockwise and clockwise.
+TEST_F(Program, TheSenseOfYawIsTheUsersChoice) {
+  const std::string instance = replaced(kInstance, "goal: [12, 10, 0]", "goal: [10.5, 10.9, 1.57]");
+  (void)directory_.file("i.yaml",
+                        replaced(instance, "start: [10, 10, 0]", "start: [10.5, 10.9, 1.57]"));
+  (void)directory_.file("p.yaml",
+                        "schedule:\n"
+                        "  agent0: [{x: 10.5, y: 10.9, yaw: 1.57},\n"
+                        "           {x: 10.5, y: 10.0, yaw: 1.57},\n"
+                        "           {x: 10.5, y: 10.9, yaw: 1.57}]\n"
+                        "  agent1: [{x: 30, y: 10, yaw: 0}]\n");
+  EXPECT_EQ(run("validate -i i.yaml -s p.yaml --yaw cw").exit_code, 0);
+  EXPECT_EQ(run("validate -i i.yaml -s p.yaml --yaw ccw").exit_code, 0);
+}
+
+TEST_F(Program, BadInputIsOneLineThatNamesThePlace) {
+  (void)directory_.file("i.yaml", kInstance);
+  (void)directory_.file("p.yaml", kPlan);
+  (void)directory_.file("empty", "");
+  (void)directory_.file("binary", std::string("\x7f"
+                                              "ELF\0\0",
+                                              6));
+  (void)directory_.file("garbage", std::string(10'000'000, 'z'));
+  (void)directory_.file("nan.yaml", replaced(kInstance, "[12, 10, 0]", "[12, .nan, 0]"));
+  std::filesystem::create_directory(directory_.path("folder"));
+
+  const auto instance = [](const std::string& file) { return "validate -s p.yaml -i " + file; };
+  expect_refused(instance("none"),
+                 "none: cannot be read: No such file or directory; check the path");
+  expect_refused(instance("folder"), "folder: is a directory; give a file");
+  expect_refused(instance("empty"), "empty: is empty; give a YAML or JSON file");
+  expect_refused(instance("binary"), "binary: is not a text file .byte 0x7f at offset 0.; .*");
+  expect_refused(instance("garbage"), "garbage: is not an instance file .*");
+  expect_refused(instance("p.yaml"), "p.yaml: is not an instance file .*");
+  expect_refused(instance("/dev/zero"), "/dev/zero: is not a text file .*");
+  expect_refused(instance("nan.yaml"),
+                 "nan.yaml: agents.0..goal.1.: is \".nan\"; give a finite number .m.");
+  expect_refused("validate -i i.yaml -s i.yaml", "i.yaml: is not a plan file .*");
+  expect_refused("validate -i i.yaml -s none", "none: cannot be read: .*");
+  EXPECT_EQ(directory_.size(), 7);  // nothing was written
+}
+
+TEST_F(Program, ResultsThatCannotBePrintedAreNotDone) {
+  (void)directory_.file("i.yaml", kInstance);
+  (void)directory_.file("p.yaml", kPlan);
+  const std::string command = "cd '" + directory_.path("") + "' && '" + MVTP_PROGRAM +
+                              "' validate -i i.yaml -s p.yaml >/dev/full 2>'" +
+                              streams_.path("err") + "'";
+  const int status = std::system(command.c_str());
+  EXPECT_EQ(WEXITSTATUS(status), 2);
+  EXPECT_THAT(content_of(streams_.path("err")), StartsWith("mvtp: standard output: "));
+}
+
+}  // namespace
+}  // namespace mvtp
