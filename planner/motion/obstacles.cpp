@@ -1,0 +1,126 @@
+#include "planner/motion/obstacles.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace mvtp {
+namespace {
+
+constexpr double kCellSize = 2.0;  // [m]
+constexpr double kMaxCells = 4e5;  // huge maps get larger cells
+
+}  // namespace
+
+bool contains(const Polygon& polygon, const Point& point) {
+  bool inside = false;
+  for (std::size_t i = 0, j = polygon.size() - 1; i < polygon.size(); j = i++) {
+    const Point& a = polygon[i];
+    const Point& b = polygon[j];
+    if ((a.y > point.y) == (b.y > point.y)) continue;
+    if (point.x < a.x + (b.x - a.x) * (point.y - a.y) / (b.y - a.y)) inside = !inside;
+  }
+  return inside;
+}
+
+Obstacles::Obstacles(const Map& map, double reach)
+    : circles_(map.circles), polygons_(map.polygons), reach_(reach) {
+  for (std::size_t k = 0; k < polygons_.size(); ++k) {
+    const Polygon& polygon = polygons_[k];
+    for (std::size_t i = 0; i < polygon.size(); ++i) {
+      edges_.push_back({segment(polygon[i], polygon[(i + 1) % polygon.size()]), int(k)});
+    }
+  }
+
+  const double width = map.width + 2 * reach_;
+  const double height = map.height + 2 * reach_;
+  cell_size_ = std::max(kCellSize, std::sqrt(width * height / kMaxCells));
+  columns_ = int(width / cell_size_) + 1;
+  rows_ = int(height / cell_size_) + 1;
+
+  // Counting sort of (cell, item) pairs: an item belongs to every cell within its reach.
+  const auto for_each_cell = [&](int item, auto&& visit) {
+    const Extent e = item_extent(item);
+    const auto clamped = [&](double value, int count) {
+      return std::clamp(int(std::clamp(value / cell_size_, -1.0, 1e6)), 0, count - 1);
+    };
+    // The grid starts at -reach; an item reaches `reach` beyond its extent.
+    for (int row = clamped(e.min_y, rows_); row <= clamped(e.max_y + 2 * reach_, rows_); ++row) {
+      for (int column = clamped(e.min_x, columns_);
+           column <= clamped(e.max_x + 2 * reach_, columns_); ++column) {
+        visit(std::size_t(row * columns_ + column));
+      }
+    }
+  };
+  first_.assign(std::size_t(columns_ * rows_) + 1, 0);
+  for (int item = 0; item < item_count(); ++item) {
+    for_each_cell(item, [&](std::size_t k) { ++first_[k + 1]; });
+  }
+  std::partial_sum(first_.begin(), first_.end(), first_.begin());
+  items_.resize(std::size_t(first_.back()));
+  std::vector<int> next(first_.begin(), first_.end() - 1);
+  for (int item = 0; item < item_count(); ++item) {
+    for_each_cell(item, [&](std::size_t k) { items_[std::size_t(next[k]++)] = item; });
+  }
+}
+
+bool Obstacles::hit(const Sweep& sweep) const { return first_hit(sweep) >= 0; }
+
+int Obstacles::first_hit(const Sweep& sweep) const {
+  const double column = (sweep.centre().x + reach_) / cell_size_;
+  const double row = (sweep.centre().y + reach_) / cell_size_;
+  const bool in_grid = column >= 0 && row >= 0 && column < columns_ && row < rows_;
+  if (!in_grid || sweep.radius() > reach_) {
+    for (int item = 0; item < item_count(); ++item) {
+      if (hits_item(sweep, item)) return obstacle_of(item);
+    }
+    return -1;
+  }
+  const std::size_t k = std::size_t(int(row) * columns_ + int(column));
+  for (int i = first_[k]; i < first_[k + 1]; ++i) {
+    const int item = items_[std::size_t(i)];
+    if (hits_item(sweep, item)) return obstacle_of(item);
+  }
+  return -1;
+}
+
+Extent Obstacles::item_extent(int item) const {
+  std::size_t k = std::size_t(item);
+  if (k < circles_.size()) {
+    const Circle& c = circles_[k];
+    return {c.x - c.radius, c.y - c.radius, c.x + c.radius, c.y + c.radius};
+  }
+  k -= circles_.size();
+  if (k < edges_.size()) {
+    const OrientedBox& box = edges_[k].box;
+    const double dx = box.half_length * std::abs(box.ux);
+    const double dy = box.half_length * std::abs(box.uy);
+    return {box.x - dx, box.y - dy, box.x + dx, box.y + dy};
+  }
+  k -= edges_.size();
+  const auto [left, right] = std::ranges::minmax(polygons_[k], {}, &Point::x);
+  const auto [bottom, top] = std::ranges::minmax(polygons_[k], {}, &Point::y);
+  return {left.x, bottom.y, right.x, top.y};
+}
+
+bool Obstacles::hits_item(const Sweep& sweep, int item) const {
+  std::size_t k = std::size_t(item);
+  if (k < circles_.size()) {
+    return collide(sweep, {circles_[k].x, circles_[k].y}, circles_[k].radius);
+  }
+  k -= circles_.size();
+  if (k < edges_.size()) return collide(sweep, edges_[k].box);
+  k -= edges_.size();
+  // Whoever is inside without touching an edge is inside all the time.
+  return contains(polygons_[k], sweep.centre());
+}
+
+int Obstacles::obstacle_of(int item) const {
+  const int circles = int(circles_.size());
+  const int edges = int(edges_.size());
+  if (item < circles) return item;
+  if (item < circles + edges) return circles + edges_[std::size_t(item - circles)].polygon;
+  return item - edges;
+}
+
+}  // namespace mvtp

@@ -1,0 +1,64 @@
+#pragma once
+
+#include <array>
+#include <memory>
+#include <vector>
+
+#include "planner/motion/arc.hpp"
+#include "planner/motion/obstacles.hpp"
+#include "planner/motion/sweep.hpp"
+#include "planner/problem/instance.hpp"
+#include "planner/problem/plan.hpp"
+
+namespace mvtp {
+
+/// The paper's motion model: a car that may change speed and steering at once at every step, and so
+/// stands at the end of each. Its safe stop is the pose itself.
+///
+/// Source: ESCoT paper, Sec. III-A: six arcs of v_max * dt (straight, left, right; forwards, in
+/// reverse) and a wait. Arcs are driven exactly, not by the Euler steps of eq. (5).
+class SteppedCar {
+ public:
+  /// @param obstacles  of `map`; both outlive this object.
+  SteppedCar(const Vehicle& vehicle, double dt, CollisionRule rule, const Map& map,
+             const Obstacles& obstacles);
+
+  [[nodiscard]] const Vehicle& vehicle() const { return vehicle_; }
+  /// The way driven in one step at full speed [m].
+  [[nodiscard]] double step_length() const { return vehicle_.max_speed * dt_; }
+  /// The six arcs of a full step: straight, left, right, each forwards and in reverse.
+  [[nodiscard]] const std::array<Arc, 6>& arcs() const { return arcs_; }
+
+  /// What may not overlap during a step: all of it, or under CollisionRule::kSteps its end.
+  [[nodiscard]] Sweep sweep(const Pose& from, const Arc& arc) const {
+    return rule_ == CollisionRule::kContinuous ? Sweep(vehicle_, from, arc)
+                                               : Sweep(vehicle_, drive(from, arc), {});
+  }
+
+  /// Is the step inside the map and clear of its obstacles? `sweep` is sweep(from, arc).
+  [[nodiscard]] bool is_free(const Pose& from, const Arc& arc, const Sweep& sweep) const {
+    return in_bounds(from, arc) && !obstacles_->hit(sweep);
+  }
+  [[nodiscard]] bool is_free(const Pose& from, const Arc& arc) const {
+    return is_free(from, arc, sweep(from, arc));
+  }
+  [[nodiscard]] bool in_bounds(const Pose& from, const Arc& arc) const;
+
+  /// Cuts a path into steps: every arc into full steps and a shorter last one.
+  [[nodiscard]] std::vector<Arc> steps(const std::vector<Arc>& path) const;
+
+  /// The step as the plan file gives it: the state it ends in, and what was held during it.
+  [[nodiscard]] Waypoint waypoint(const Arc& arc, const Pose& end) const {
+    return {end, arc.length / dt_, std::atan(arc.curvature * vehicle_.wheelbase)};
+  }
+
+ private:
+  Vehicle vehicle_;
+  double dt_;
+  CollisionRule rule_;
+  const Map* map_;
+  const Obstacles* obstacles_;
+  std::array<Arc, 6> arcs_;
+};
+
+}  // namespace mvtp
