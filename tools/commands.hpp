@@ -5,6 +5,7 @@
 namespace mvtp {
 
 // The sub-commands, one source file each.
+[[nodiscard]] Action declare_solve(CLI::App& app);
 [[nodiscard]] Action declare_validate(CLI::App& app);
 [[nodiscard]] Action declare_view(CLI::App& app);
 

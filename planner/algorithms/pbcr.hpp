@@ -30,6 +30,15 @@ concept StepWorld = requires(const W& world, int i, const typename W::State& sta
   { world.conflict(i, motion, i, motion) } -> std::same_as<bool>;
 };
 
+/// A world may know better what a robot should do while it is pushed.
+template <class W>
+concept EvasiveWorld = StepWorld<W> &&
+    requires(const W& world, int i, const typename W::State& state,
+             const typename W::Motion& motion) {
+  /// Motions of robot i in the way of another one and its motion; instead of candidates().
+  { world.evasions(i, state, i, motion) } -> std::same_as<std::vector<typename W::Motion>>;
+};
+
 struct PbcrOptions {
   /// Candidates that may be withdrawn for one robot of highest priority before everything it pushes
   /// may only brake; bounds the exponential worst case of backtracking. >= 0.
@@ -98,7 +107,8 @@ class Pbcr<World>::Step {
       if (at(decided_, i)) continue;
       withdrawn_ = 0;
       // No decided motion conflicts with the safe stop of an undecided robot, so one is left to i.
-      if (!decide(i)) throw std::logic_error("Pbcr: the safe stops before the step conflict");
+      if (!decide(i, candidates(i)))
+        throw std::logic_error("Pbcr: the safe stops before the step conflict");
     }
     std::vector<Motion> next;
     next.reserve(decided_.size());
@@ -112,16 +122,14 @@ class Pbcr<World>::Step {
     return values[std::size_t(i)];
   }
 
-  /// Gives robot i a motion, and with it every robot in its way; or changes nothing.
-  bool decide(int i) {
-    // Algorithm 1, lines 11-12. The safe stop comes last, even for a world that left it out.
-    if (withdrawn_ <= max_withdrawn_) {
-      for (const Motion& motion : candidates(i)) {
-        if (attempt(i, motion)) return true;
-        if (withdrawn_ > max_withdrawn_) break;
-      }
+  /// Gives robot i one of the motions, best first, and with it every robot in its way one; or
+  /// changes nothing.
+  bool decide(int i, const std::vector<Motion>& motions) {
+    for (const Motion& motion : motions) {  // Algorithm 1, line 13
+      if (withdrawn_ > max_withdrawn_) break;
+      if (attempt(i, motion)) return true;
     }
-    return attempt(i, at(stops_, i));
+    return attempt(i, at(stops_, i));  // even if the world left it out
   }
 
   /// Decides `motion` for robot i if the decided robots leave room and the undecided ones can make
@@ -140,9 +148,18 @@ class Pbcr<World>::Step {
   bool push_out_of_the_way_of(int i) {
     for (const int j : order_) {
       if (at(decided_, j) || !world_.conflict(i, *at(decided_, i), j, at(stops_, j))) continue;
-      if (!decide(j)) return false;
+      if (!decide(j, evasions(j, i))) return false;
     }
     return true;
+  }
+
+  /// What robot j may do while it is pushed by i.
+  decltype(auto) evasions(int j, int i) {
+    if constexpr (EvasiveWorld<World>) {
+      return world_.evasions(j, at(from_, j), i, *at(decided_, i));
+    } else {
+      return candidates(j);
+    }
   }
 
   /// Backtracking: undoes every decision made since the trail had `mark` entries.

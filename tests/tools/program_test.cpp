@@ -207,5 +207,58 @@ TEST_F(Program, ResultsThatCannotBePrintedAreNotDone) {
   EXPECT_THAT(content_of(streams_.path("err")), StartsWith("mvtp: standard output: "));
 }
 
+//   Two robots face each other, 20 m apart, each on its way to where the other one stands.
+const std::string kHeadOn = R"(agents:
+  - {name: a, start: [15, 25, 0], goal: [35, 25, 0]}
+  - {name: b, start: [35, 25, 3.14159], goal: [15, 25, 3.14159]}
+map:
+  dimensions: [50, 50]
+  obstacles: []
+)";
+
+TEST_F(Program, SolveWritesAPlanThatTheRefereeAccepts) {
+  (void)directory_.file("i.yaml", kHeadOn);
+  for (const char* algorithm : {"escot", "eccr"}) {
+    const Outcome outcome = run(std::string("solve -i i.yaml -o p.yaml -a ") + algorithm);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    EXPECT_THAT(outcome.out, MatchesRegex("solved: 2 agents, makespan 2[0-9] steps = [^\n]*\n"));
+    EXPECT_EQ(run("validate -i i.yaml -s p.yaml").exit_code, 0);
+  }
+}
+
+TEST_F(Program, SolveGivesTheSameBytesButForTheRunTime) {
+  (void)directory_.file("i.yaml", kHeadOn);
+  const auto plan = [this] {
+    EXPECT_EQ(run("solve -i i.yaml -o p.yaml --seed 5 -q").exit_code, 0);
+    std::string text = content_of(directory_.path("p.yaml"));
+    const std::size_t begin = text.find("runtime:");
+    EXPECT_NE(begin, std::string::npos);
+    return text.erase(begin, text.find_first_of(",\n", begin) - begin);
+  };
+  EXPECT_EQ(plan(), plan());
+}
+
+TEST_F(Program, SolveWritesNothingWhenItFails) {
+  (void)directory_.file("i.yaml", kHeadOn);
+  const Outcome outcome = run("solve -i i.yaml -o p.yaml --time-limit 1e-9");
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_EQ(outcome.err, "mvtp: i.yaml: not solved (timeout): the time limit ended the search\n");
+  EXPECT_FALSE(std::filesystem::exists(directory_.path("p.yaml")));
+}
+
+TEST_F(Program, SolveRefusesBadInput) {
+  (void)directory_.file("i.yaml", kHeadOn);
+  (void)directory_.file("same.yaml", replaced(kHeadOn, "start: [35", "start: [15"));
+  expect_refused("solve -i none.yaml", "none.yaml: .*");
+  expect_refused("solve -i same.yaml", "same.yaml: agents.*overlap.*");
+  expect_refused("solve -i i.yaml -o no/such/p.yaml", "no/such/p.yaml: .*");
+  expect_refused("solve -i i.yaml -a magic",
+                 "solve: --algorithm: is \"magic\"; choose escot.*; see mvtp solve --help");
+  expect_refused("solve -i i.yaml --runs 0",
+                 "solve: --runs: is \"0\"; give a whole number > 0; see mvtp solve --help");
+  expect_refused("solve -i i.yaml --time-limit -3",
+                 "solve: --time-limit: is \"-3\"; give a finite number > 0; .*");
+}
+
 }  // namespace
 }  // namespace mvtp

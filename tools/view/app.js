@@ -215,10 +215,7 @@ class App {
                    overlap: `${Math.abs(event.value).toFixed(3)} m deep`}[event.kind];
     const span = event.end - event.time > 0.05 ? `for ${(event.end - event.time).toFixed(1)} s` : '';
     const side = this.replays.length > 1 ? this.nameOf(event.side) : '';
-    const told = names.length > 0 && event.text.includes(names[0]);  // the text says it all
-    const parts = told ? [side, event.text, span]
-        : [side, names.join(' × '), value, span, event.text];
-    return parts.filter(Boolean).join(' · ');
+    return [side, names.join(' × '), value, span, event.text].filter(Boolean).join(' · ');
   }
 
   buildTransport() {
@@ -641,7 +638,7 @@ class App {
   /// Clearance over time (red below half a metre, full height for an overlap), events as ticks, and the moment.
   drawStrip({canvas, replay, side}) {
     const events = this.events.filter((event) => event.side === side);
-    canvas.hidden = replay.times.length < 2 || (!replay.clearance && !events.length);
+    canvas.hidden = !replay.clearance && !events.length;
     if (canvas.hidden) return;
     const {context, width, height} = this.prepare(canvas), {theme} = this;
     const span = Math.max(this.end - this.begin, 1e-3);

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "planner/algorithms/fleet.hpp"
+#include "planner/algorithms/stepped_world.hpp"
+#include "planner/problem/deadline.hpp"
+#include "planner/problem/plan.hpp"
+
+namespace mvtp {
+
+struct EscotOptions {
+  SteppedWorldOptions world;
+  bool replan_duplicates = true;  ///< false, and world.grouping false: PBCR [Algorithm 1]
+  std::uint64_t seed = 0;
+  int max_steps = 20000;  ///< steps that are planned, those cut out again included
+};
+
+struct StepPlan {
+  Status status = Status::kExhausted;
+  std::vector<Trajectory> trajectories;
+};
+
+/// Plans step by step until every robot is at its goal.
+/// Source: ESCoT paper, Algorithm 2 (and Algorithm 1, see EscotOptions).
+[[nodiscard]] StepPlan solve_escot(const Fleet& fleet, const EscotOptions& options,
+                                   const Deadline& deadline);
+
+}  // namespace mvtp

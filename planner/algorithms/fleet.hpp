@@ -1,0 +1,56 @@
+#pragma once
+
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "planner/motion/cost_to_go.hpp"
+#include "planner/motion/obstacles.hpp"
+#include "planner/motion/reeds_shepp.hpp"
+#include "planner/motion/stepped_car.hpp"
+#include "planner/problem/instance.hpp"
+
+namespace mvtp {
+
+using Configuration = std::vector<Pose>;  ///< one pose per robot, one step
+
+/// An instance made ready to plan for: motion model and cost-to-go of every robot.
+///
+/// What all algorithms share, so that a comparison is one between algorithms. Not thread safe (the
+/// tables fill themselves); does not move, for its parts point at each other.
+class Fleet {
+ public:
+  /// @param instance  outlives this object.
+  Fleet(const Instance& instance, CollisionRule rule);
+  Fleet(const Fleet&) = delete;
+  Fleet& operator=(const Fleet&) = delete;
+
+  [[nodiscard]] const Instance& instance() const { return instance_; }
+  [[nodiscard]] int size() const { return int(cars_.size()); }
+  [[nodiscard]] const SteppedCar& car(int i) const { return cars_[std::size_t(i)]; }
+  [[nodiscard]] const CostToGo& cost_to_go(int i) const { return costs_to_go_[std::size_t(i)]; }
+  [[nodiscard]] const Pose& goal(int i) const { return costs_to_go_[std::size_t(i)].goal(); }
+  [[nodiscard]] const ReedsShepp& curves() const { return curves_; }
+  [[nodiscard]] Configuration starts() const;
+
+  /// Where robot i is after a step. An arc that ends within rounding of the goal ends at the goal.
+  [[nodiscard]] Pose after(int i, const Pose& from, const Arc& arc) const;
+
+  /// The largest over the robots of Reeds-Shepp length / v_max [s]: no plan is shorter.
+  [[nodiscard]] double lower_bound() const;
+
+  /// Why nobody can solve the instance, as far as starts and goals show it; empty if they do not.
+  [[nodiscard]] std::string proof_of_infeasibility() const;
+
+ private:
+  const Instance& instance_;
+  Obstacles obstacles_;
+  ReedsShepp curves_;
+  ReedsSheppTable table_;
+  std::map<double, std::shared_ptr<const ObstacleGrid>> grids_;  ///< by the width of the vehicle
+  std::vector<SteppedCar> cars_;
+  std::vector<CostToGo> costs_to_go_;
+};
+
+}  // namespace mvtp

@@ -1,0 +1,134 @@
+#include "planner/algorithms/solve.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <chrono>
+
+#include "planner/algorithms/eccr.hpp"
+#include "planner/algorithms/escot.hpp"
+#include "planner/algorithms/fleet.hpp"
+#include "planner/problem/input_error.hpp"
+#include "planner/problem/metrics.hpp"
+
+namespace mvtp {
+namespace {
+
+StepPlan run_escot(const Fleet& fleet, const SolveOptions& options, const Deadline& deadline) {
+  EscotOptions escot;
+  escot.seed = options.seed;
+  return solve_escot(fleet, escot, deadline);
+}
+
+StepPlan run_pbcr(const Fleet& fleet, const SolveOptions& options, const Deadline& deadline) {
+  EscotOptions escot;
+  escot.seed = options.seed;
+  escot.world.grouping = false;
+  escot.replan_duplicates = false;
+  return solve_escot(fleet, escot, deadline);
+}
+
+StepPlan run_eccr(const Fleet& fleet, const SolveOptions&, const Deadline& deadline) {
+  std::vector<EccrRobot> robots;
+  const Configuration starts = fleet.starts();
+  for (int i = 0; i < fleet.size(); ++i) {
+    robots.push_back({&fleet.car(i), &fleet.cost_to_go(i), starts[std::size_t(i)]});
+  }
+  EccrOptions eccr;
+  eccr.max_nodes = 1'000'000;
+  eccr.max_expansions = 200'000;
+  const EccrResult result =
+      solve_eccr(robots, {}, SpacetimeHybridAstar(fleet.curves()), eccr, deadline);
+  if (result.failure == EccrFailure::kTimeout) return {Status::kTimeout, {}};
+  if (result.failure != EccrFailure::kNone) return {Status::kExhausted, {}};
+
+  StepPlan plan{Status::kSolved, {}};
+  for (int i = 0; i < fleet.size(); ++i) {
+    Trajectory trajectory(starts[std::size_t(i)]);
+    for (const Arc& arc : result.steps[std::size_t(i)]) {
+      const Pose& from = trajectory.waypoints().back().pose;
+      trajectory.push_back(fleet.car(i).waypoint(arc, fleet.after(i, from, arc)));
+    }
+    plan.trajectories.push_back(std::move(trajectory));
+  }
+  return plan;
+}
+
+struct Algorithm {
+  std::string name;
+  StepPlan (*run)(const Fleet&, const SolveOptions&, const Deadline&);
+};
+
+const std::vector<Algorithm>& algorithms() {
+  static const std::vector<Algorithm> kAll = {
+      {"escot", run_escot}, {"pbcr", run_pbcr}, {"eccr", run_eccr}};
+  return kAll;
+}
+
+StepPlan run_repeatedly(const Algorithm& algorithm, const Fleet& fleet, SolveOptions options,
+                        const Deadline& deadline) {
+  StepPlan plan;
+  for (int run = 0; run < std::max(options.runs, 1); ++run, ++options.seed) {
+    plan = algorithm.run(fleet, options, deadline.within(options.run_time_limit));
+    if (plan.status == Status::kSolved || deadline.expired()) break;
+  }
+  return plan;
+}
+
+std::string reason(const StepPlan& plan) {
+  switch (plan.status) {
+    case Status::kTimeout:
+      return "the time limit ended the search";
+    case Status::kExhausted:
+      return "the search gave up: no move or no path left to try";
+    default:
+      return {};
+  }
+}
+
+}  // namespace
+
+const std::vector<std::string>& algorithm_names() {
+  static const std::vector<std::string> kNames = [] {
+    std::vector<std::string> names;
+    for (const Algorithm& algorithm : algorithms()) names.push_back(algorithm.name);
+    return names;
+  }();
+  return kNames;
+}
+
+Plan solve(const Instance& instance, const SolveOptions& options, const Deadline& deadline) {
+  const auto algorithm = std::ranges::find(algorithms(), options.algorithm, &Algorithm::name);
+  if (algorithm == algorithms().end()) {
+    throw InputError("--algorithm",
+                     fmt::format("unknown algorithm '{}'; choose one of {}", options.algorithm,
+                                 fmt::join(algorithm_names(), ", ")));
+  }
+  const auto begin = std::chrono::steady_clock::now();
+  const Fleet fleet(instance, options.collision);
+
+  Plan plan;
+  StepPlan solution;
+  plan.statistics.reason = fleet.proof_of_infeasibility();
+  if (plan.statistics.reason.empty()) {
+    solution = run_repeatedly(*algorithm, fleet, options, deadline);
+    plan.statistics.reason = reason(solution);
+  } else {
+    solution.status = Status::kInfeasible;
+  }
+
+  for (const Agent& agent : instance.agents) plan.names.push_back(agent.name);
+  plan.trajectories = std::move(solution.trajectories);
+  plan.statistics.status = to_string(solution.status);
+  plan.statistics.algorithm = options.algorithm;
+  plan.statistics.seed = options.seed;
+  plan.statistics.dt = instance.dt;
+  plan.statistics.lower_bound = fleet.lower_bound();
+  fill_in_durations(plan);
+  plan.statistics.runtime =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  return plan;
+}
+
+}  // namespace mvtp

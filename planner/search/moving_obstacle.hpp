@@ -1,0 +1,33 @@
+#pragma once
+
+#include <algorithm>
+#include <vector>
+
+#include "planner/motion/stepped_car.hpp"
+
+namespace mvtp {
+
+/// The sweeps of a robot's steps, and then its footprint at rest for ever.
+class MovingObstacle {
+ public:
+  MovingObstacle(const SteppedCar& car, Pose start, const std::vector<Arc>& steps) {
+    sweeps_.reserve(steps.size() + 1);
+    for (const Arc& arc : steps) {
+      sweeps_.push_back(car.sweep(start, arc));
+      start = drive(start, arc);
+    }
+    sweeps_.push_back(car.sweep(start, {}));
+  }
+
+  /// The number of steps until it rests.
+  [[nodiscard]] int makespan() const { return int(sweeps_.size()) - 1; }
+  /// The sweep of step t, from time t to t + 1. @pre t >= 0
+  [[nodiscard]] const Sweep& at(int t) const {
+    return sweeps_[std::size_t(std::min(t, makespan()))];
+  }
+
+ private:
+  std::vector<Sweep> sweeps_;
+};
+
+}  // namespace mvtp

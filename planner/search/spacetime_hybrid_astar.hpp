@@ -1,0 +1,64 @@
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "planner/motion/cost_to_go.hpp"
+#include "planner/motion/reeds_shepp.hpp"
+#include "planner/motion/stepped_car.hpp"
+#include "planner/search/moving_obstacle.hpp"
+
+namespace mvtp {
+
+/// During the steps first ... last the robot must keep clear of `sweep`.
+struct Constraint {
+  int first = 0;
+  int last = 0;
+  Sweep sweep;
+};
+
+/// One robot's way to its goal, among static obstacles and others that move.
+struct SearchProblem {
+  const SteppedCar* car = nullptr;
+  const CostToGo* cost_to_go = nullptr;  ///< names the goal
+  Pose start;
+  std::span<const Constraint> constraints;          ///< must be kept
+  std::span<const MovingObstacle* const> to_avoid;  ///< collisions are counted, and kept few
+  /// Arriving earlier than this is worth nothing: no way costs less [m]. The slowest robot's
+  /// cost-to-go makes room for the quick ones to wait, or to leave their goals and come back.
+  double least_cost = 0.0;
+};
+
+struct SearchOptions {
+  double w = 1.5;             ///< bound of suboptimality, >= 1; the cost-to-go is nearly a bound
+  int max_expansions = 5000;  ///< > 0; after so many the best way so far must do
+  double arc_scale = 1.0;     ///< drives arcs of this part of a full step, in (0, 1]
+};
+
+/// A way in steps of one arc each, waits included; it ends exactly at the goal.
+struct TimedPath {
+  std::vector<Arc> steps;
+  double cost = 0.0;         ///< way that could have been driven in the time [m], or least_cost
+  double lower_bound = 0.0;  ///< nearly: cost <= w * lower_bound, unless out of expansions
+  int conflicts = 0;         ///< (robot, step) collisions with `to_avoid`
+};
+
+/// Focal hybrid A* in (x, y, theta, t) with Reeds-Shepp shots to the goal.
+///
+/// FOCAL holds the nodes with f <= w * min f; the fewest conflicts are expanded first. Without
+/// anything that moves, time is left out of the state and this is weighted hybrid A*.
+/// Source: ESCoT paper Sec. III-E (ECCR's low level); Dolgov et al. 2010; Barer et al. 2014.
+class SpacetimeHybridAstar {
+ public:
+  explicit SpacetimeHybridAstar(const ReedsShepp& curves) : curves_(curves) {}
+
+  /// @return nullopt if no way was found in `max_expansions`, or there is none on the search grid.
+  [[nodiscard]] std::optional<TimedPath> search(const SearchProblem& problem,
+                                                const SearchOptions& options) const;
+
+ private:
+  const ReedsShepp& curves_;
+};
+
+}  // namespace mvtp

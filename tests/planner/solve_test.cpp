@@ -1,0 +1,160 @@
+#include "planner/algorithms/solve.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <numeric>
+
+#include "planner/algorithms/escot.hpp"
+#include "planner/problem/input_error.hpp"
+#include "planner/problem/metrics.hpp"
+#include "planner/problem/validate.hpp"
+#include "tests/planner/scenes.hpp"
+
+namespace mvtp {
+namespace {
+
+using testing::HasSubstr;
+
+/// Solves and lets the referee judge.
+Plan judged(const Instance& instance, const SolveOptions& options = {}) {
+  Plan plan = solve(instance, options, Deadline::in(60));
+  EXPECT_EQ(plan.statistics.status, "solved") << plan.statistics.reason;
+  for (const Violation& violation : find_violations(instance, plan, options.collision)) {
+    ADD_FAILURE() << violation.message;
+  }
+  for (std::size_t i = 0; i < plan.trajectories.size(); ++i) {
+    EXPECT_EQ(plan.trajectories[i].waypoints().back().pose, instance.agents[i].goal);
+  }
+  EXPECT_GE(plan.statistics.makespan, plan.statistics.lower_bound - 1e-6);
+  return plan;
+}
+
+class OnACircle : public testing::TestWithParam<int> {};
+
+TEST_P(OnACircle, EscotLetsRobotsPassEachOther) {
+  const Plan plan = judged(circle(GetParam()));
+  EXPECT_LE(plan.statistics.makespan, 1.5 * plan.statistics.lower_bound);
+}
+
+INSTANTIATE_TEST_SUITE_P(Robots, OnACircle, testing::Values(2, 4, 8));
+
+TEST(Escot, IsQuickerThanPbcrAlone) {
+  for (const int robots : {4, 8}) {
+    const Plan pbcr = judged(circle(robots), {.algorithm = "pbcr"});
+    const Plan escot = judged(circle(robots));
+    EXPECT_LT(escot.statistics.makespan_steps, pbcr.statistics.makespan_steps);
+  }
+}
+
+/// Each shard solves 26 instances of 2 to 6 robots, with up to 8 obstacles, on 24 to 30 m.
+class RandomInstances : public testing::TestWithParam<int> {};
+
+TEST_P(RandomInstances, EveryPlanSatisfiesTheReferee) {
+  for (int k = 0; k < 26; ++k) {
+    const int seed = 26 * GetParam() + k;
+    SCOPED_TRACE(seed);
+    const Instance instance =
+        random_instance(std::uint64_t(seed), 2 + seed % 5, seed % 3 * 4, 24 + seed % 7);
+    (void)judged(instance,
+                 {.collision = seed % 4 == 0 ? CollisionRule::kSteps : CollisionRule::kContinuous});
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Shards, RandomInstances, testing::Range(0, 8));
+
+TEST(Eccr, PlansForWholeInstancesSatisfyTheReferee) {
+  for (std::uint64_t seed = 500; seed < 510; ++seed) {
+    (void)judged(random_instance(seed, 3, 4, 30), {.algorithm = "eccr"});
+  }
+}
+
+/// Ten robots on 30 x 30 m: much pushing.
+class Crowd : public testing::TestWithParam<std::uint64_t> {};
+
+//   The safe stop of a SteppedCar is its pose: after every step all may stay where they are.
+TEST_P(Crowd, AfterEveryStepEverybodyMayStopAtOnce) {
+  const Instance instance = random_instance(GetParam(), 10, 5, 30);
+  const Fleet fleet(instance, CollisionRule::kContinuous);
+  const Deadline never = Deadline::never();
+  SteppedWorld world(fleet, {}, never);
+  std::mt19937_64 rng(GetParam());
+  Configuration q = fleet.starts();
+  int moved = 0;
+  for (int t = 0; t < 40; ++t) {
+    world.prepare(q);
+    if (t % 5 == 4) world.add_randomness(q, rng);
+    const std::vector<SteppedWorld::Motion> motions = generate_config(world, q);
+    for (int i = 0; i < fleet.size(); ++i) {
+      moved += motions[std::size_t(i)].end != q[std::size_t(i)] ? 1 : 0;
+      q[std::size_t(i)] = motions[std::size_t(i)].end;
+    }
+    world.advance(motions);
+    for (int i = 0; i < fleet.size(); ++i) {
+      const auto stop = world.safe_stop(i, q[std::size_t(i)]);
+      ASSERT_TRUE(fleet.car(i).is_free(q[std::size_t(i)], {}));
+      for (int j = 0; j < i; ++j) {
+        ASSERT_FALSE(world.conflict(i, stop, j, world.safe_stop(j, q[std::size_t(j)])));
+        ASSERT_FALSE(world.conflict(i, motions[std::size_t(i)], j, motions[std::size_t(j)]));
+      }
+    }
+  }
+  EXPECT_GT(moved, 50);
+}
+
+INSTANTIATE_TEST_SUITE_P(Seeds, Crowd, testing::Range(std::uint64_t{900}, std::uint64_t{906}));
+
+TEST(Solve, GivesTheSamePlanForTheSameSeed) {
+  const Instance instance = random_instance(7, 8, 4, 30);
+  for (const std::string& algorithm : algorithm_names()) {
+    const SolveOptions options{.algorithm = algorithm, .seed = 3};
+    const Plan first = solve(instance, options, Deadline::in(60));
+    const Plan second = solve(instance, options, Deadline::in(60));
+    EXPECT_EQ(first.trajectories, second.trajectories) << algorithm;
+  }
+}
+
+TEST(Solve, AnInstanceThatIsSolvedFromTheStartTakesNoStep) {
+  Instance instance = circle(3);
+  for (Agent& a : instance.agents) a.goal = a.start;
+  EXPECT_EQ(judged(instance).statistics.makespan_steps, 0U);
+}
+
+TEST(Solve, ProvesThatABlockedGoalIsInfeasible) {
+  Instance instance = circle(2);
+  instance.map.circles = {{instance.agents[1].goal.x, instance.agents[1].goal.y, 0.8}};
+  const Plan plan = solve(instance, {}, Deadline::in(60));
+  EXPECT_EQ(plan.statistics.status, "infeasible");
+  EXPECT_EQ(plan.statistics.reason, "the start of agent0 overlaps obstacle 0");
+}
+
+TEST(Solve, ProvesThatGoalsThatOverlapAreInfeasible) {
+  Instance instance = circle(3);
+  instance.agents[2].goal = instance.agents[0].goal;
+  const Plan plan = solve(instance, {}, Deadline::in(60));
+  EXPECT_EQ(plan.statistics.status, "infeasible");
+  EXPECT_EQ(plan.statistics.reason, "the goals of agent0 and agent2 overlap");
+}
+
+TEST(Solve, EndsAtTheDeadline) {
+  const Plan plan = solve(circle(8), {}, Deadline::in(0));
+  EXPECT_EQ(plan.statistics.status, "timeout");
+  EXPECT_THAT(plan.statistics.reason, HasSubstr("time limit"));
+}
+
+TEST(Solve, NamesTheAlgorithmsThereAre) {
+  try {
+    (void)solve(circle(2), {.algorithm = "magic"}, Deadline::in(1));
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("unknown algorithm 'magic'; choose one of escot, pbcr"));
+  }
+}
+
+TEST(Solve, TheLowerBoundIsTheLongestReedsSheppTime) {
+  const Plan plan = solve(circle(2), {}, Deadline::in(60));
+  EXPECT_NEAR(plan.statistics.lower_bound, 30.0, 1e-9);  // straight across at 1 m/s
+}
+
+}  // namespace
+}  // namespace mvtp

@@ -1,0 +1,124 @@
+#include "planner/search/spacetime_hybrid_astar.hpp"
+
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+#include "planner/algorithms/fleet.hpp"
+#include "tests/planner/scenes.hpp"
+
+namespace mvtp {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+/// A room of 30 x 30 m with a wall at x = 15, open for 6 m at the top.
+Map room() {
+  Map map = empty_map(30);
+  map.polygons = {{{14.5, 0}, {15.5, 0}, {15.5, 24}, {14.5, 24}}};
+  return map;
+}
+
+class SpacetimeSearch : public testing::Test {
+ protected:
+  static Instance instance_of(const Map& map, std::vector<Agent> agents) {
+    return {.agents = std::move(agents), .map = map, .dt = 1.0};
+  }
+  static SearchProblem problem(const Fleet& fleet, int i) {
+    SearchProblem result;
+    result.car = &fleet.car(i);
+    result.cost_to_go = &fleet.cost_to_go(i);
+    result.start = fleet.starts()[std::size_t(i)];
+    return result;
+  }
+  static void expect_free_way_to_goal(const Fleet& fleet, int i, const TimedPath& path) {
+    Pose pose = fleet.starts()[std::size_t(i)];
+    for (const Arc& arc : path.steps) {
+      EXPECT_TRUE(fleet.car(i).is_free(pose, arc));
+      EXPECT_LE(std::abs(arc.length), fleet.car(i).step_length());
+      pose = fleet.after(i, pose, arc);
+    }
+    EXPECT_EQ(pose, fleet.goal(i));
+  }
+};
+
+TEST_F(SpacetimeSearch, FindsTheReedsSheppPathWhereNothingIsInTheWay) {
+  const Instance instance = instance_of(empty_map(50), {agent({10, 10, 0}, {30, 20, kPi / 2})});
+  const Fleet fleet(instance, CollisionRule::kContinuous);
+  const auto path = SpacetimeHybridAstar(fleet.curves()).search(problem(fleet, 0), {});
+  ASSERT_TRUE(path);
+  expect_free_way_to_goal(fleet, 0, *path);
+  EXPECT_LE(double(path->steps.size()), fleet.lower_bound() + 5.0);  // one short step per piece
+}
+
+TEST_F(SpacetimeSearch, GoesRoundAWall) {
+  const Instance instance = instance_of(room(), {agent({7, 5, kPi / 2}, {23, 5, -kPi / 2})});
+  const Fleet fleet(instance, CollisionRule::kContinuous);
+  const auto path = SpacetimeHybridAstar(fleet.curves()).search(problem(fleet, 0), {});
+  ASSERT_TRUE(path);
+  expect_free_way_to_goal(fleet, 0, *path);
+  EXPECT_GT(path->steps.size(), 40U);
+}
+
+TEST_F(SpacetimeSearch, GivesUpWhereThereIsNoWay) {
+  Map map = empty_map(30);
+  map.polygons = {{{14.5, 0}, {15.5, 0}, {15.5, 30}, {14.5, 30}}};
+  const Instance instance = instance_of(map, {agent({7, 5, 0}, {23, 5, 0})});
+  const Fleet fleet(instance, CollisionRule::kContinuous);
+  EXPECT_FALSE(SpacetimeHybridAstar(fleet.curves()).search(problem(fleet, 0), {}));
+}
+
+//   [0>] ........ [<1]   robot 1 comes straight at robot 0, which gives way at the cost of a step
+//   or two: no conflicts, within w of the straight way.
+TEST_F(SpacetimeSearch, KeepsClearOfARobotThatComesTowardsIt) {
+  const Instance instance = instance_of(empty_map(50), {agent({10, 25, 0}, {40, 25, 0}, 0),
+                                                        agent({40, 25, -kPi}, {10, 25, -kPi}, 1)});
+  const Fleet fleet(instance, CollisionRule::kContinuous);
+  const SpacetimeHybridAstar planner(fleet.curves());
+  const auto straight = planner.search(problem(fleet, 1), {});
+  ASSERT_TRUE(straight);
+  const MovingObstacle oncoming(fleet.car(1), fleet.starts()[1], straight->steps);
+  const std::vector<const MovingObstacle*> others = {&oncoming};
+  SearchProblem avoiding = problem(fleet, 0);
+  avoiding.to_avoid = others;
+  const auto path = planner.search(avoiding, {});
+  ASSERT_TRUE(path);
+  expect_free_way_to_goal(fleet, 0, *path);
+  EXPECT_EQ(path->conflicts, 0);
+  EXPECT_LE(path->cost, 1.5 * path->lower_bound + 1e-9);
+  const MovingObstacle own(fleet.car(0), fleet.starts()[0], path->steps);
+  for (int t = 0; t < 60; ++t) EXPECT_FALSE(collide(own.at(t), oncoming.at(t)));
+}
+
+//   The robot stands at its goal when another one has to pass: it leaves and comes back.
+TEST_F(SpacetimeSearch, LeavesItsGoalForAConstraintAndComesBack) {
+  const Instance instance = instance_of(empty_map(30), {agent({15, 15, 0}, {15, 15, 0})});
+  const Fleet fleet(instance, CollisionRule::kContinuous);
+  const std::vector<Constraint> constraints = {{5, 8, fleet.car(0).sweep({15, 15, kPi / 2}, {})}};
+  SearchProblem constrained = problem(fleet, 0);
+  constrained.constraints = constraints;
+  const auto path = SpacetimeHybridAstar(fleet.curves()).search(constrained, {});
+  ASSERT_TRUE(path);
+  expect_free_way_to_goal(fleet, 0, *path);
+  const MovingObstacle own(fleet.car(0), fleet.starts()[0], path->steps);
+  for (int t = 5; t <= 8; ++t) EXPECT_FALSE(collide(own.at(t), constraints[0].sweep));
+}
+
+//   Boxed in so tightly that a full step hits a wall in every direction; half a step does not.
+TEST_F(SpacetimeSearch, ShorterArcsFindTheWayOutOfATightPlace) {
+  Map map = empty_map(30);
+  // Blocks ahead and behind leave 0.7 m; the way out is to edge forwards and backwards.
+  map.polygons = {{{13.2, 13}, {14.2, 13}, {14.2, 17}, {13.2, 17}},
+                  {{18.6, 13}, {19.6, 13}, {19.6, 17}, {18.6, 17}}};
+  const Instance instance = instance_of(map, {agent({15.2, 15, 0}, {15.2, 22, 0})});
+  const Fleet fleet(instance, CollisionRule::kContinuous);
+  const SpacetimeHybridAstar planner(fleet.curves());
+  EXPECT_FALSE(planner.search(problem(fleet, 0), {.w = 1.2, .max_expansions = 20000}));
+  const auto path =
+      planner.search(problem(fleet, 0), {.w = 1.2, .max_expansions = 20000, .arc_scale = 0.5});
+  ASSERT_TRUE(path);
+  expect_free_way_to_goal(fleet, 0, *path);
+}
+
+}  // namespace
+}  // namespace mvtp

@@ -1,0 +1,120 @@
+#include "planner/algorithms/solve.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <memory>
+#include <string>
+
+#include "planner/problem/check_instance.hpp"
+#include "planner/problem/plan_file.hpp"
+#include "planner/problem/text_file.hpp"
+#include "planner/problem/validate.hpp"
+#include "tools/commands.hpp"
+#include "tools/instance_options.hpp"
+#include "tools/option_types.hpp"
+#include "tools/version.hpp"
+
+namespace mvtp {
+namespace {
+
+struct SolveCommand {
+  std::string instance;
+  std::string output;
+  InstanceReadOptions reading;
+  SolveOptions solving;
+  double time_limit = 60.0;
+  bool quiet = false;
+};
+
+/// Lets the referee judge: a plan that breaks a rule is no solution, whatever the solver says.
+void judge(const Instance& instance, CollisionRule rule, Plan& plan) {
+  if (plan.statistics.status != to_string(Status::kSolved)) return;
+  const std::vector<Violation> violations = find_violations(instance, plan, rule);
+  if (violations.empty()) return;
+  plan.statistics.status = "invalid";
+  plan.statistics.reason = "the referee rejects the plan: " + violations.front().message;
+}
+
+int solve_file(const SolveCommand& command) {
+  const Instance instance = read_instance(command.instance, command.reading);
+  const std::vector<InputError> problems = check_instance(instance, command.instance);
+  if (!problems.empty()) throw problems.front();
+  if (!command.output.empty()) check_writable(command.output);
+
+  Plan plan = solve(instance, command.solving, Deadline::in(command.time_limit));
+  plan.statistics.version = version();
+  judge(instance, command.solving.collision, plan);
+
+  const Statistics& s = plan.statistics;
+  if (s.status != to_string(Status::kSolved)) {
+    fmt::print(stderr, "mvtp: {}: not solved ({}): {}\n", command.instance, s.status, s.reason);
+    return kNotAchieved;
+  }
+  if (!command.output.empty()) write_plan(plan, command.output, command.reading.yaw);
+  if (!command.quiet) {
+    fmt::print(
+        "solved: {} agents, makespan {} steps = {:.2f} s (at least {:.2f} s), flowtime "
+        "{:.2f} s, found in {:.3f} s\n",
+        plan.names.size(), s.makespan_steps, s.makespan, s.lower_bound, s.flowtime, s.runtime);
+  }
+  return kDone;
+}
+
+void add_search_options(CLI::App& app, SolveCommand& command) {
+  const char* group = "Search";
+  app.add_option("-a,--algorithm", command.solving.algorithm, "What plans [escot]")
+      ->type_name(fmt::format("{}", fmt::join(algorithm_names(), "|")))
+      ->check([](const std::string& name) {
+        const bool known = std::ranges::count(algorithm_names(), name) > 0;
+        return known ? std::string()
+                     : fmt::format("is \"{}\"; choose {}", name, fmt::join(algorithm_names(), "|"));
+      })
+      ->group(group);
+  app.add_option("--time-limit", command.time_limit, "For all runs together [s] [60]")
+      ->type_name("S")
+      ->check(positive_number)
+      ->group(group);
+  app.add_option("--seed", command.solving.seed, "Of the random choices [0]")
+      ->type_name("N")
+      ->group(group);
+  app.add_option("--runs", command.solving.runs,
+                 "Tries with seeds N, N+1, ...; the first success counts [1]")
+      ->type_name("N")
+      ->check([](const std::string& text) {
+        const bool positive = text.find_first_not_of("0123456789") == std::string::npos &&
+                              text.find_first_not_of('0') != std::string::npos;
+        return positive ? std::string() : "is \"" + text + "\"; give a whole number > 0";
+      })
+      ->group(group);
+  app.add_option("--run-time-limit", command.solving.run_time_limit,
+                 "For each run [s] [the time limit]")
+      ->type_name("S")
+      ->check(positive_number)
+      ->group(group);
+}
+
+}  // namespace
+
+Action declare_solve(CLI::App& app) {
+  const auto command = std::make_shared<SolveCommand>();
+  app.footer(
+      "The plan is written only if every robot reaches its goal and the referee finds it valid.\n"
+      "Same instance, options and seed give the same plan unless the time limit ends the search.\n"
+      "Exit code: 0 solved, 1 not solved, 2 bad input.");
+  app.add_option("-i,--instance", command->instance, "Instance (CL-CBS/CSDO YAML, Guo-Yu JSON)")
+      ->required()
+      ->type_name("FILE")
+      ->group("Input");
+  app.add_option("-o,--output", command->output, "Plan to write (CL-CBS YAML) [none]")
+      ->type_name("FILE")
+      ->group("Output");
+  app.add_flag("-q,--quiet", command->quiet, "Print nothing when solved")->group("Output");
+  add_search_options(app, *command);
+  add_instance_options(app, command->reading);
+  add_collision_option(app, command->solving.collision);
+  return [command] { return solve_file(*command); };
+}
+
+}  // namespace mvtp
