@@ -13,6 +13,7 @@ add_library(mvtp::options ALIAS mvtp_options)
 target_include_directories(mvtp_options INTERFACE ${PROJECT_SOURCE_DIR})
 target_compile_options(mvtp_options INTERFACE
   -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wnon-virtual-dtor -Woverloaded-virtual
+  -Wno-missing-field-initializers  # designated initialisers leave the rest to the type
   # Every figure must be the same on every machine: no fused multiply-adds behind our back.
   -ffp-contract=off)
 if(MVTP_WERROR)

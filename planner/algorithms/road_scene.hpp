@@ -1,0 +1,92 @@
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "planner/motion/inertial_car.hpp"
+#include "planner/motion/path_library.hpp"
+
+namespace mvtp {
+
+/// Time on roads is counted in steps of the simulation; a decision holds for several of them.
+struct TimeGrid {
+  double dt = 0.1;             ///< [s] one simulation step
+  int steps_per_decision = 5;  ///< for so many steps an acceleration is held
+
+  [[nodiscard]] double decision() const { return dt * steps_per_decision; }
+};
+
+/// The motion of one vehicle along its guide path: a state per simulation step, from `begin` on.
+///
+/// After its last state the vehicle has left the road and touches nobody any more, if the
+/// trajectory is complete; otherwise it stays where it came to rest.
+struct PathTrajectory {
+  static constexpr double kGone = 1e9;  ///< [m] where a vehicle is that has left
+
+  std::int64_t begin = 0;
+  std::vector<InertialState> states;
+  bool complete = true;
+
+  [[nodiscard]] std::int64_t end() const { return begin + std::int64_t(states.size()); }
+  [[nodiscard]] InertialState at(std::int64_t k) const {
+    if (k >= end()) return complete ? InertialState{kGone, 0.0} : states.back();
+    return states[std::size_t(std::max<std::int64_t>(0, k - begin))];
+  }
+};
+
+/// One vehicle on the road as the planner sees it.
+struct RoadVehicle {
+  std::int64_t key = 0;  ///< its name over time; ties are broken by it
+  int path = 0;          ///< in the PathLibrary
+  InertialState now;
+  std::shared_ptr<const SpeedEnvelope> envelope;
+  double cruise_speed = 13.9;  ///< [m/s] where nothing slows it down
+  double min_gap = 2.5;        ///< [m] and
+  double tau = 1.0;            ///< [s] of the driver it is handed back to
+  int entry_lane = -1;         ///< vehicles of one entry lane keep their order
+  double s_entry_line = 0.0;   ///< rear axle when the front bumper is at the end of that lane [m]
+  int exit_lane = -1;          ///< vehicles of one exit lane keep a headway on it
+  double s_exit_lane = 0.0;    ///< rear axle when the front bumper enters the exit lane [m]
+  double s_handback = 0.0;     ///< rear axle where the zone ends [m]
+  double s_end = 0.0;          ///< rear axle where a plan is complete [m]; >= s_handback
+};
+
+/// A vehicle that is not ours, with the motion that is expected of it.
+struct Forecast {
+  RoadVehicle vehicle;
+  PathTrajectory trajectory;
+};
+
+/// The vehicles on the road at the moment of a decision.
+struct RoadScene {
+  const PathLibrary* library = nullptr;
+  TimeGrid grid;
+  std::int64_t step = 0;              ///< now
+  std::vector<RoadVehicle> vehicles;  ///< ours, ordered by key
+  std::vector<Forecast> forecasts;
+
+  /// @pre there is one with this key
+  [[nodiscard]] const RoadVehicle& vehicle(std::int64_t key) const {
+    return *std::ranges::lower_bound(vehicles, key, {}, &RoadVehicle::key);
+  }
+  [[nodiscard]] const Vehicle& body(const RoadVehicle& v) const { return library->body(v.path); }
+};
+
+/// Complete trajectories, in the order of priority in which they were planned.
+struct JointPlan {
+  struct Entry {
+    std::int64_t key = 0;
+    std::shared_ptr<const PathTrajectory> trajectory;
+  };
+  std::vector<Entry> entries;
+
+  /// nullptr if there is none
+  [[nodiscard]] const PathTrajectory* find(std::int64_t key) const {
+    const auto e = std::ranges::find(entries, key, &Entry::key);
+    return e == entries.end() ? nullptr : e->trajectory.get();
+  }
+};
+
+}  // namespace mvtp
