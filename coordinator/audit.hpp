@@ -1,0 +1,104 @@
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <map>
+#include <optional>
+#include <set>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "coordinator/drivable_area.hpp"
+#include "coordinator/traffic.hpp"
+
+namespace mvtp {
+
+/// A vehicle as the audit sees it after a step.
+struct Sighting {
+  const VehicleState* state = nullptr;
+  const VehicleType* type = nullptr;
+  bool coordinated = false;  ///< placed by us in this step
+};
+
+/// What the audit found over a whole run; the keys of summary.json.
+struct AuditFigures {
+  std::int64_t overlap_pairs = 0;              ///< pairs of vehicles that ever overlapped
+  std::int64_t overlap_pairs_coordinated = 0;  ///< those with a coordinated vehicle
+  std::int64_t overlap_vehicle_steps = 0;
+  double min_clearance = std::numeric_limits<double>::infinity();  ///< [m] between two footprints
+  std::int64_t off_road_steps = 0;  ///< vehicle-steps with part of the footprint off the road
+  std::int64_t off_road_steps_coordinated = 0;
+
+  // Coordinated vehicles in their zone, at the rear axle, from the poses alone.
+  double max_accel = 0.0;             ///< [m/s^2]
+  double max_decel = 0.0;             ///< [m/s^2]
+  double max_lateral_accel = 0.0;     ///< [m/s^2]
+  double max_curvature_ratio = 0.0;   ///< curvature x smallest turning radius
+  double max_speed = 0.0;             ///< [m/s]
+  std::int64_t accel_violations = 0;  ///< vehicle-steps beyond the vehicle's own accel or decel
+
+  double max_jump = 0.0;  ///< [m] at takeover and hand-back, beyond what the speed explains
+  std::int64_t hard_brakings_after_handback = 0;  ///< vehicle-steps
+};
+
+/// An overlap or a place off the road, for the replay.
+struct AuditEvent {
+  double time = 0.0;
+  std::string what;
+  Point where;
+};
+
+/// The footprint audit: every vehicle at every step of the traffic, coordinated or not.
+///
+/// Works on what the traffic shows, with geometry of its own, and knows nothing of any plan.
+class Audit {
+ public:
+  static constexpr double kTolerance = 1e-3;      ///< [m] of overlap that counts as touching
+  static constexpr double kRoadTolerance = 0.05;  ///< [m] beside the road that counts as on it
+  static constexpr double kAfterHandback = 3.0;   ///< [s]
+
+  Audit(const DrivableArea& area, double step_length) : area_(area), dt_(step_length) {}
+
+  /// @param sightings ordered by id.
+  void observe(double time, std::span<const Sighting> sightings);
+
+  [[nodiscard]] const AuditFigures& figures() const { return figures_; }
+  [[nodiscard]] const std::vector<AuditEvent>& events() const { return events_; }
+  /// Smallest distance between two vehicles in the last step [m]; none if all are 3 m apart.
+  [[nodiscard]] std::optional<double> latest_clearance() const { return latest_clearance_; }
+  /// Of each vehicle that ever was within 3 m of another [m].
+  [[nodiscard]] const std::map<std::string, double>& clearances() const { return clearances_; }
+
+ private:
+  struct Track {
+    Pose pose;  ///< rear axle
+    Point front;
+    double speed = 0.0;          ///< as the traffic says [m/s]
+    double driven_speed = -1.0;  ///< rear axle, over the last step; < 0: not coordinated then
+    bool coordinated = false;
+    double handed_back = -1e9;  ///< when [s]
+  };
+
+  void compare_pairs(double time, std::span<const Sighting> sightings);
+  void follow(double time, const Sighting& sighting);
+  void judge_motion(double time, const Sighting& s, const Track& before, Track& now);
+  [[nodiscard]] double jump(const Track& before, const Track& now) const;
+
+  const DrivableArea& area_;
+  double dt_;
+  AuditFigures figures_;
+  std::optional<double> latest_clearance_;
+  std::vector<AuditEvent> events_;
+  std::map<std::string, double> clearances_;
+  std::map<std::string, Track> tracks_;
+  std::set<std::pair<std::string, std::string>> overlapping_;
+  std::set<std::pair<std::string, std::string>> overlapping_coordinated_;
+};
+
+/// Distance between the footprints of two vehicles [m]; negative: how deep they overlap.
+[[nodiscard]] double clearance(const Pose& a, const Vehicle& body_a, const Pose& b,
+                               const Vehicle& body_b);
+
+}  // namespace mvtp

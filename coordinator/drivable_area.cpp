@@ -1,0 +1,114 @@
+#include "coordinator/drivable_area.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace mvtp {
+namespace {
+
+constexpr double kCell = 8.0;          ///< [m] of the look-up grid
+constexpr double kMaxTolerance = 1.0;  ///< [m] that queries may ask for
+
+double distance_to_segment(const Point& p, const Point& a, const Point& b) {
+  const double dx = b.x - a.x;
+  const double dy = b.y - a.y;
+  const double squared = dx * dx + dy * dy;
+  const double f =
+      squared > 0.0 ? std::clamp(((p.x - a.x) * dx + (p.y - a.y) * dy) / squared, 0.0, 1.0) : 0.0;
+  return std::hypot(p.x - a.x - f * dx, p.y - a.y - f * dy);
+}
+
+/// Even-odd rule.
+bool inside(const Point& p, const Polygon& polygon) {
+  bool odd = false;
+  for (std::size_t i = 0, j = polygon.size() - 1; i < polygon.size(); j = i++) {
+    const Point& a = polygon[i];
+    const Point& b = polygon[j];
+    if ((a.y > p.y) != (b.y > p.y) && p.x < (b.x - a.x) * (p.y - a.y) / (b.y - a.y) + a.x) {
+      odd = !odd;
+    }
+  }
+  return odd;
+}
+
+bool near_border(const Point& p, const Polygon& polygon, double tolerance) {
+  for (std::size_t i = 0, j = polygon.size() - 1; i < polygon.size(); j = i++) {
+    if (distance_to_segment(p, polygon[i], polygon[j]) <= tolerance) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+DrivableArea::DrivableArea(const RoadNetwork& network) {
+  for (const auto& [id, lane] : network.lanes) {
+    if (!lane.drivable) continue;
+    const double r = lane.width / 2.0;
+    for (std::size_t i = 1; i < lane.shape.size(); ++i) {
+      const Point& a = lane.shape[i - 1];
+      const Point& b = lane.shape[i];
+      strips_.push_back({a, b, r});
+      register_box({std::min(a.x, b.x) - r, std::min(a.y, b.y) - r},
+                   {std::max(a.x, b.x) + r, std::max(a.y, b.y) + r},
+                   std::int32_t(strips_.size()) - 1);
+    }
+  }
+  for (const auto& [id, junction] : network.junctions) {
+    if (junction.shape.size() < 3) continue;
+    Point low = junction.shape[0];
+    Point high = low;
+    for (const Point& p : junction.shape) {
+      low = {std::min(low.x, p.x), std::min(low.y, p.y)};
+      high = {std::max(high.x, p.x), std::max(high.y, p.y)};
+    }
+    polygons_.push_back(junction.shape);
+    register_box(low, high, -std::int32_t(polygons_.size()));
+  }
+}
+
+std::int64_t DrivableArea::cell_key(std::int64_t column, std::int64_t row) {
+  return column * (std::int64_t{1} << 31) + row;
+}
+
+void DrivableArea::register_box(Point low, Point high, std::int32_t item) {
+  const auto index = [](double x) { return std::int64_t(std::floor(x / kCell)); };
+  for (auto c = index(low.x - kMaxTolerance); c <= index(high.x + kMaxTolerance); ++c) {
+    for (auto r = index(low.y - kMaxTolerance); r <= index(high.y + kMaxTolerance); ++r) {
+      cells_[cell_key(c, r)].push_back(item);
+    }
+  }
+}
+
+bool DrivableArea::contains(const Point& p, double tolerance) const {
+  const auto cell = cells_.find(
+      cell_key(std::int64_t(std::floor(p.x / kCell)), std::int64_t(std::floor(p.y / kCell))));
+  if (cell == cells_.end()) return false;
+  return std::ranges::any_of(cell->second, [&](std::int32_t item) {
+    if (item >= 0) {
+      const Strip& s = strips_[std::size_t(item)];
+      return distance_to_segment(p, s.a, s.b) <= s.half_width + tolerance;
+    }
+    const Polygon& polygon = polygons_[std::size_t(-1 - item)];
+    return inside(p, polygon) || near_border(p, polygon, tolerance);
+  });
+}
+
+double DrivableArea::share_outside(const Pose& rear_axle, const Vehicle& body,
+                                   double tolerance) const {
+  const double half = body.width / 2.0;
+  const int along = std::max(2, int(std::ceil(body.length())));
+  const double c = std::cos(rear_axle.theta);
+  const double s = std::sin(rear_axle.theta);
+  const auto outside = [&](double x, double y) {
+    return contains({rear_axle.x + c * x - s * y, rear_axle.y + s * x + c * y}, tolerance) ? 0 : 1;
+  };
+  int count = 0;
+  for (int i = 0; i <= along; ++i) {
+    const double x = -body.rear + body.length() * i / along;
+    count += outside(x, half) + outside(x, -half);
+  }
+  count += outside(body.front, 0.0) + outside(-body.rear, 0.0);
+  return double(count) / double(2 * (along + 1) + 2);
+}
+
+}  // namespace mvtp

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <cstdint>
+#include <unordered_map>
+#include <vector>
+
+#include "coordinator/road_network.hpp"
+
+namespace mvtp {
+
+/// The ground that vehicles may use: the strips of all drivable lanes and the junctions' areas.
+class DrivableArea {
+ public:
+  explicit DrivableArea(const RoadNetwork& network);
+
+  /// Is `p` on the road, or at most `tolerance` [m] beside it?
+  [[nodiscard]] bool contains(const Point& p, double tolerance) const;
+
+  /// The share of the border of a vehicle's footprint that is off the road, in [0, 1]; 0 means that
+  /// the whole footprint is on it (sampled at most 1 m apart, corners included).
+  [[nodiscard]] double share_outside(const Pose& rear_axle, const Vehicle& body,
+                                     double tolerance) const;
+
+ private:
+  struct Strip {
+    Point a, b;
+    double half_width;
+  };
+
+  void register_box(Point low, Point high, std::int32_t item);
+  [[nodiscard]] static std::int64_t cell_key(std::int64_t column, std::int64_t row);
+
+  std::vector<Strip> strips_;
+  std::vector<Polygon> polygons_;
+  /// Items near each cell: strip i as i, polygon j as -1 - j. Looked up only, never iterated.
+  std::unordered_map<std::int64_t, std::vector<std::int32_t>> cells_;
+};
+
+}  // namespace mvtp

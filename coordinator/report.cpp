@@ -1,0 +1,187 @@
+#include "coordinator/report.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <numeric>
+
+namespace mvtp {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+double mean(const std::vector<double>& values) {
+  if (values.empty()) return 0.0;
+  return std::accumulate(values.begin(), values.end(), 0.0) / double(values.size());
+}
+
+double largest(const std::vector<double>& values) {
+  return values.empty() ? 0.0 : *std::ranges::max_element(values);
+}
+
+template <class Range, class Function>
+std::vector<double> collect(const Range& range, Function value) {
+  std::vector<double> values;
+  for (const auto& item : range) values.push_back(value(item));
+  return values;
+}
+
+double depart_delay(const VehicleRecord& v, double end) {
+  return v.departure.value_or(end) - v.intended_departure;
+}
+
+/// Arrivals per hour while the demand lasts: until the last vehicle wants to depart.
+double throughput(const RunReport& report) {
+  double last = report.begin;
+  for (const VehicleRecord& v : report.vehicles) last = std::max(last, v.intended_departure);
+  const auto arrived = std::ranges::count_if(
+      report.vehicles, [&](const VehicleRecord& v) { return v.arrival && *v.arrival <= last; });
+  return last > report.begin ? double(arrived) * 3600.0 / (last - report.begin) : 0.0;
+}
+
+std::vector<double> delays_of(const RunReport& report) {
+  return collect(report.vehicles, [&](const VehicleRecord& v) { return delay_of(v, report.end); });
+}
+
+Json delay_json(const RunReport& report) {
+  const std::vector<double> delays = delays_of(report);
+  return {{"mean", mean(delays)},
+          {"p50", quantile(delays, 0.5)},
+          {"p95", quantile(delays, 0.95)},
+          {"max", largest(delays)}};
+}
+
+Json audit_json(const AuditFigures& a) {
+  return {{"overlap_pairs", a.overlap_pairs},
+          {"overlap_pairs_coordinated", a.overlap_pairs_coordinated},
+          {"overlap_vehicle_steps", a.overlap_vehicle_steps},
+          {"min_clearance_m", std::isfinite(a.min_clearance) ? Json(a.min_clearance) : Json()},
+          {"off_road_steps", a.off_road_steps},
+          {"off_road_steps_coordinated", a.off_road_steps_coordinated}};
+}
+
+std::string cell(const std::optional<double>& value) {
+  return value ? fmt::format("{:.3f}", *value) : std::string();
+}
+
+/// A CSV field; quoted where its text demands it.
+std::string field(const std::string& text) {
+  if (text.find_first_of(",\"\n\r") == std::string::npos) return text;
+  std::string quoted = "\"";
+  for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return quoted + "\"";
+}
+
+}  // namespace
+
+double quantile(std::vector<double> values, double p) {
+  if (values.empty()) return 0.0;
+  std::ranges::sort(values);
+  const double place = p * double(values.size() - 1);
+  const auto i = std::size_t(place);
+  const std::size_t j = std::min(i + 1, values.size() - 1);
+  return values[i] + (place - double(i)) * (values[j] - values[i]);
+}
+
+double delay_of(const VehicleRecord& v, double end) {
+  const double delay = v.arrival.value_or(end) - v.intended_departure - v.free_flow;
+  return v.arrival ? delay : std::max(0.0, delay);
+}
+
+bool succeeded(const RunReport& report) {
+  return report.audit.overlap_pairs_coordinated == 0 &&
+         std::ranges::all_of(report.vehicles,
+                             [](const VehicleRecord& v) { return v.arrival.has_value(); });
+}
+
+Headline headline(const RunReport& r) {
+  const std::vector<double> delays = delays_of(r);
+  return {.mean_delay = mean(delays),
+          .p95_delay = quantile(delays, 0.95),
+          .throughput = throughput(r),
+          .completed = std::ranges::count_if(
+              r.vehicles, [](const VehicleRecord& v) { return v.arrival.has_value(); }),
+          .replan_p95 = quantile(collect(r.replans, [](const Replan& x) { return x.ms; }), 0.95)};
+}
+
+std::string summary_json(const RunReport& r) {
+  const auto completed = std::ranges::count_if(
+      r.vehicles, [](const VehicleRecord& v) { return v.arrival.has_value(); });
+  const auto departed = std::ranges::count_if(
+      r.vehicles, [](const VehicleRecord& v) { return v.departure.has_value(); });
+  const auto field_mean = [&](auto value) { return mean(collect(r.vehicles, value)); };
+  const std::vector<double> ms = collect(r.replans, [](const Replan& x) { return x.ms; });
+  const auto count = [&](auto test) { return std::ranges::count_if(r.replans, test); };
+
+  Json j;
+  j["status"] = r.status;
+  j["controller"] = r.controller;
+  j["vehicles"] = departed;
+  j["never_departed"] = std::int64_t(r.vehicles.size()) - departed;
+  j["completed"] = completed;
+  j["throughput_veh_h"] = throughput(r);
+  j["delay_s"] = delay_json(r);
+  j["time_loss_s"] = field_mean([](const VehicleRecord& v) { return v.time_loss; });
+  j["depart_delay_s"] = field_mean([&](const VehicleRecord& v) { return depart_delay(v, r.end); });
+  j["waiting_time_s"] = field_mean([](const VehicleRecord& v) { return v.waiting_time; });
+  j["audit"] = audit_json(r.audit);
+  j["overlap_pairs_coordinated"] = r.audit.overlap_pairs_coordinated;
+  j["sumo_collisions"] = r.sumo_collisions;
+  j["max_accel"] = r.audit.max_accel;
+  j["max_decel"] = r.audit.max_decel;
+  j["accel_violations"] = r.audit.accel_violations;
+  j["max_lateral_accel"] = r.audit.max_lateral_accel;
+  j["max_curvature_ratio"] = r.audit.max_curvature_ratio;
+  j["max_speed"] = r.audit.max_speed;
+  j["max_jump_m"] = r.audit.max_jump;
+  j["hard_brakings_after_handback"] = r.audit.hard_brakings_after_handback;
+  j["wrong_lane_sightings"] = r.wrong_lane_sightings;
+  j["replan_ms"] = {{"p50", quantile(ms, 0.5)},
+                    {"p95", quantile(ms, 0.95)},
+                    {"p99", quantile(ms, 0.99)},
+                    {"max", largest(ms)}};
+  j["replans"] = r.replans.size();
+  j["fallbacks"] = count([](const Replan& x) { return x.fallback; });
+  j["replans_with_stepped_vehicles"] = count([](const Replan& x) { return x.stepped > 0; });
+  j["simulated_s"] = r.end - r.begin;
+  j["real_time_factor"] = r.wall_time > 0.0 ? (r.end - r.begin) / r.wall_time : 0.0;
+  j["sumo_version"] = r.sumo_version;
+  j["mvtp_version"] = r.mvtp_version;
+  j["seed"] = r.seed;
+  j["command"] = r.command;
+  return j.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+std::string vehicles_csv(const RunReport& r) {
+  std::string text =
+      "id,type,intended_departure_s,departure_s,arrival_s,free_flow_s,delay_s,time_loss_s,"
+      "waiting_time_s,speed_factor,coordinated,min_clearance_m\n";
+  for (const VehicleRecord& v : r.vehicles) {
+    text += fmt::format(
+        "{},{},{:.3f},{},{},{:.3f},{:.3f},{:.3f},{:.3f},{:.4f},{},{}\n", field(v.id), field(v.type),
+        v.intended_departure, cell(v.departure), cell(v.arrival), v.free_flow, delay_of(v, r.end),
+        v.time_loss, v.waiting_time, v.speed_factor, v.coordinated ? 1 : 0, cell(v.min_clearance));
+  }
+  return text;
+}
+
+std::string replans_csv(const RunReport& r) {
+  std::string text = "time_s,vehicles,newcomers,forecasts,groups,stepped,fallback,cost_s,ms\n";
+  for (const Replan& x : r.replans) {
+    text += fmt::format("{:.2f},{},{},{},{},{},{},{:.3f},{:.3f}\n", x.time, x.vehicles, x.newcomers,
+                        x.forecasts, x.groups, x.stepped, x.fallback ? 1 : 0, x.cost, x.ms);
+  }
+  return text;
+}
+
+std::string events_csv(const RunReport& r) {
+  std::string text = "time_s,event,x_m,y_m\n";
+  for (const AuditEvent& e : r.events) {
+    text += fmt::format("{:.2f},{},{:.3f},{:.3f}\n", e.time, field(e.what), e.where.x, e.where.y);
+  }
+  return text;
+}
+
+}  // namespace mvtp

@@ -1,0 +1,74 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "coordinator/audit.hpp"
+#include "coordinator/coordinator.hpp"
+
+namespace mvtp {
+
+/// One vehicle's trip, all times in seconds. A row of vehicles.csv.
+struct VehicleRecord {
+  std::string id;
+  std::string type;
+  double intended_departure = 0.0;
+  std::optional<double> departure;  ///< none: never entered the network
+  std::optional<double> arrival;    ///< none: unfinished
+  double free_flow = 0.0;           ///< duration of its route without any other vehicle
+  double time_loss = 0.0;           ///< as SUMO says
+  double waiting_time = 0.0;        ///< as SUMO says
+  double speed_factor = 1.0;
+  bool coordinated = false;             ///< was it ever under control
+  std::optional<double> min_clearance;  ///< [m] to any other vehicle; none: never within 3 m
+};
+
+/// Arrival - intended departure - free-flow duration; up to `end` for a vehicle that is not there
+/// yet.
+[[nodiscard]] double delay_of(const VehicleRecord& vehicle, double end);
+
+/// Everything that a run leaves behind.
+struct RunReport {
+  std::vector<VehicleRecord> vehicles;
+  AuditFigures audit;
+  std::vector<Replan> replans;
+  std::vector<AuditEvent> events;
+  std::int64_t sumo_collisions = 0;
+  std::int64_t wrong_lane_sightings = 0;
+  double begin = 0.0;      ///< [s] simulated time
+  double end = 0.0;        ///< [s]
+  double wall_time = 0.0;  ///< [s] of the simulation loop
+  std::string controller;
+  std::string status;  ///< "finished", "interrupted", "stuck", "end reached"
+  std::string sumo_version;
+  std::string mvtp_version;
+  std::uint64_t seed = 0;
+  std::string command;
+};
+
+/// Did every vehicle arrive, and did no vehicle of ours touch another?
+[[nodiscard]] bool succeeded(const RunReport& report);
+
+/// The figures that a run is judged by first.
+struct Headline {
+  double mean_delay = 0.0;  ///< [s]
+  double p95_delay = 0.0;   ///< [s]
+  double throughput = 0.0;  ///< [veh/h]
+  std::int64_t completed = 0;
+  double replan_p95 = 0.0;  ///< [ms]
+};
+[[nodiscard]] Headline headline(const RunReport& report);
+
+/// The text of summary.json: the keys of docs/outputs.md.
+[[nodiscard]] std::string summary_json(const RunReport& report);
+[[nodiscard]] std::string vehicles_csv(const RunReport& report);
+[[nodiscard]] std::string replans_csv(const RunReport& report);
+[[nodiscard]] std::string events_csv(const RunReport& report);
+
+/// The p-quantile of the values, 0 <= p <= 1, interpolated; 0 if there are none.
+[[nodiscard]] double quantile(std::vector<double> values, double p);
+
+}  // namespace mvtp
