@@ -33,6 +33,9 @@ constexpr int kKeepRoute = 3;
 constexpr double kAnyDistance = 100.0;
 // Speed and lane-change modes in which SUMO neither corrects the commanded pose nor the speed.
 constexpr int kObey = 0;
+/// A vehicle that was just handed back first finds its place in its lane [s]; SUMO changes lanes at
+/// once, 3 m aside, where its sublane model is off.
+constexpr double kNoLaneChange = 1.0;
 constexpr double kHoldGap = 1.0;    // from a held vehicle's front to the end of its lane [m]
 constexpr double kForever = 1.0e6;  // [s]
 constexpr int kStoppedBit = 1;      // of getStopState()
@@ -143,7 +146,7 @@ class Backend final : public SumoTraffic {
                          .position = {p.x, p.y, api::Vehicle::getAngle(id)},
                          .speed = api::Vehicle::getSpeed(id),
                          .speed_mode = api::Vehicle::getSpeedMode(id),
-                         .lane_change_mode = api::Vehicle::getLaneChangeMode(id)};
+                         .lane_change_mode = pending_lane_change_mode(id)};
       api::Vehicle::setSpeedMode(id, kObey);
       api::Vehicle::setLaneChangeMode(id, kObey);
     });
@@ -156,8 +159,8 @@ class Backend final : public SumoTraffic {
       // SUMO only knows a speed it has measured itself, cut off at the limit of the lane.
       api::Vehicle::setPreviousSpeed(id, found->second.speed);
       api::Vehicle::setSpeedMode(id, found->second.speed_mode);
-      api::Vehicle::setLaneChangeMode(id, found->second.lane_change_mode);
     });
+    lane_changes_[id] = {time_ + kNoLaneChange, found->second.lane_change_mode};
     controlled_.erase(found);
   }
 
@@ -193,6 +196,7 @@ class Backend final : public SumoTraffic {
 
   void step() override {
     ask([&] {
+      resume_lane_changes();
       for (const auto& [id, vehicle] : controlled_) {
         const SumoPosition& p = vehicle.position;
         api::Vehicle::moveToXY(id, "", -1, p.x_m, p.y_m, p.angle_deg, kKeepRoute, kAnyDistance);
@@ -224,6 +228,12 @@ class Backend final : public SumoTraffic {
     std::string type;
     double front = 0.0;  ///< Vehicle::front [m]
     double speed_factor = 1.0;
+  };
+
+  /// When a vehicle that was handed back may change lanes again, and in which mode.
+  struct Resumption {
+    double time = 0.0;
+    int mode = 0;
   };
 
   struct Stop {
@@ -267,6 +277,7 @@ class Backend final : public SumoTraffic {
       characteristics_.erase(id);
       controlled_.erase(id);
       held_.erase(id);
+      lane_changes_.erase(id);
     }
     std::vector<std::string> ids = api::Vehicle::getIDList();
     std::ranges::sort(ids);
@@ -296,6 +307,22 @@ class Backend final : public SumoTraffic {
     return characteristics_[id] = {.type = api::Vehicle::getTypeID(id),
                                    .front = body_of(length, api::Vehicle::getWidth(id)).front,
                                    .speed_factor = api::Vehicle::getSpeedFactor(id)};
+  }
+
+  /// The vehicle's own mode, even if it has not got it back yet.
+  [[nodiscard]] int pending_lane_change_mode(const std::string& id) {
+    const auto pending = lane_changes_.extract(id);
+    return pending ? pending.mapped().mode : api::Vehicle::getLaneChangeMode(id);
+  }
+
+  /// Gives vehicles that were handed back a while ago their own lane-change mode again.
+  void resume_lane_changes() {
+    std::erase_if(lane_changes_, [&](const auto& entry) {
+      const auto& [id, resumption] = entry;
+      if (time_ < resumption.time) return false;
+      if (!controlled_.contains(id)) api::Vehicle::setLaneChangeMode(id, resumption.mode);
+      return true;
+    });
   }
 
   /// SUMO reports most pairs twice, once from each side.
@@ -354,6 +381,7 @@ class Backend final : public SumoTraffic {
   std::map<std::string, Characteristics> characteristics_;
   std::map<std::string, Controlled> controlled_;
   std::map<std::string, Stop> held_;
+  std::map<std::string, Resumption> lane_changes_;
 };
 
 }  // namespace
