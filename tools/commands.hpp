@@ -9,4 +9,7 @@ namespace mvtp {
 [[nodiscard]] Action declare_validate(CLI::App& app);
 [[nodiscard]] Action declare_view(CLI::App& app);
 
+// Those of the sibling executable mvtp-sumo.
+[[nodiscard]] Action declare_coordinate(CLI::App& app);
+
 }  // namespace mvtp

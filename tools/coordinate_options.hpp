@@ -1,0 +1,31 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace mvtp {
+
+/// The command line of `mvtp coordinate`.
+struct CoordinateOptions {
+  std::string configuration;           ///< *.sumocfg
+  std::vector<std::string> junctions;  ///< none: all with conflicting connections
+  double zone_radius = 80.0;           ///< [m]
+  std::string controller = "escot";    ///< or "sumo": SUMO's own control, with the same figures
+  std::string output_dir = "out";
+  bool gui = false;
+  bool quiet = false;
+  std::uint32_t seed = 23423;       ///< SUMO's own default
+  std::optional<double> end;        ///< [s]
+  double max_lateral_accel = 0.0;   ///< [m/s^2]; 0: no limit but the lanes'
+  double replan_budget_ms = -1.0;   ///< [ms]; < 0: no limit
+  double replan_budget_from = 0.0;  ///< [s]
+  int tries = 10;
+  double margin_along = 0.6;   ///< [m]
+  double margin_across = 0.4;  ///< [m]
+  bool no_view = false;
+  std::vector<std::string> sumo;  ///< more options for SUMO, behind "--"
+};
+
+}  // namespace mvtp

@@ -1,0 +1,12 @@
+#include <array>
+
+#include "tools/commands.hpp"
+
+/// The commands that load SUMO's libraries; `mvtp` runs this program for them.
+int main(int argc, char** argv) {
+  constexpr std::array kCommands = {
+      mvtp::Command{"coordinate", "Run a SUMO scenario headless, coordinated",
+                    mvtp::declare_coordinate},
+  };
+  return mvtp::run_program(argc, argv, kCommands);
+}
