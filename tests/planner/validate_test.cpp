@@ -375,6 +375,20 @@ TEST(Validate, OnlyTheContinuousRuleSeesAThinWallJumpedOver) {
   EXPECT_THAT(scene.broken(), ElementsAre(Rule::kObstacleOverlap));
 }
 
+//   The axle turns by half a circle of 2 m; the nose, 10 m ahead, sweeps over a pole on its way.
+TEST(Validate, OnlyTheContinuousRuleSeesWhatTheNoseSweepsOver) {
+  Scene scene;
+  scene.add("a", {25, 25, 0}, {});
+  scene.instance.agents[0].vehicle.front = 10.0;
+  scene.instance.agents[0].vehicle.max_speed = 7.0;
+  move(scene.plan.trajectories[0], 2 * kPi, 0.5);
+  scene.instance.agents[0].goal = scene.plan.trajectories[0].waypoints().back().pose;
+  EXPECT_THAT(scene.judge(), IsEmpty());
+  scene.instance.map.circles = {{32.41, 30.61, 0.2}};  // 8 m ahead of the axle at 40 degrees
+  EXPECT_THAT(scene.judge(CollisionRule::kSteps), IsEmpty());
+  EXPECT_THAT(scene.broken(), ElementsAre(Rule::kObstacleOverlap));
+}
+
 //   A half circle bulges over the border although both of its ends are inside.
 TEST(Validate, OnlyTheContinuousRuleSeesTheArcBulgeOverTheBorder) {
   Scene scene;
