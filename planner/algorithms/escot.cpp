@@ -62,7 +62,7 @@ class History {
     return q;
   }
 
-  static std::int64_t quantised(double value) { return std::int64_t(std::llround(value / 0.05)); }
+  static std::int64_t quantised(double value) { return std::int64_t(std::llround(value / 0.001)); }
 
   [[nodiscard]] Key hash(std::size_t t) const {
     Key key = 0xcbf29ce484222325U;  // FNV-1a over the quantised poses
