@@ -324,7 +324,8 @@ void SteppedWorld::advance(const std::vector<Motion>& motions) {
     if (!is_wait(m.arc)) robot.last = m.arc;
 
     const bool under_way = robot.next < robot.guide.size();
-    if (under_way && m.arc == robot.guide[robot.next]) {
+    const bool on_guide = under_way && m.arc == robot.guide[robot.next];
+    if (on_guide) {
       ++robot.next;
       robot.expected = m.end;
     } else if (under_way || !is_wait(m.arc)) {
@@ -336,6 +337,7 @@ void SteppedWorld::advance(const std::vector<Motion>& motions) {
       robot.visits.clear();
     } else {
       ++robot.steps_under_way;
+      if (on_guide) continue;  // a robot on its own way is in nobody's
       const auto [visit, first] = robot.visits.try_emplace(cell(i, m.end), 0.0);
       if (!first) visit->second = kForget * visit->second + 1.0;
     }
