@@ -334,7 +334,6 @@ void SteppedWorld::advance(const std::vector<Motion>& motions) {
 
     if (m.end == fleet_.goal(i)) {
       robot.steps_under_way = 0;
-      robot.visits.clear();
     } else {
       ++robot.steps_under_way;
       if (on_guide) continue;  // a robot on its own way is in nobody's
