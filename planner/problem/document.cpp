@@ -13,14 +13,11 @@
 #include <sstream>
 #include <system_error>
 
+#include "planner/problem/document_builder.hpp"
 #include "planner/problem/input_error.hpp"
+#include "planner/problem/plain_yaml.hpp"
 
 namespace mvtp {
-namespace {
-
-constexpr std::size_t kMaxDepth = 32;
-
-/// Text from a file as part of a one-line message: short and printable.
 std::string excerpt(std::string_view text) {
   constexpr std::size_t kMaxShown = 40;
   std::string shown;
@@ -36,6 +33,8 @@ std::string excerpt(std::string_view text) {
   return '"' + shown + '"';
 }
 
+namespace {
+
 template <class Number>
 std::optional<Number> parse_whole(std::string_view text) {
   if (text.starts_with('+')) text.remove_prefix(1);
@@ -44,121 +43,6 @@ std::optional<Number> parse_whole(std::string_view text) {
   if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
   return number;
 }
-
-}  // namespace
-
-/// Collects the events of a parser into a Document; both parsers drive the same four calls.
-class DocumentBuilder {
- public:
-  explicit DocumentBuilder(std::string name) { document_.name_ = std::move(name); }
-
-  void scalar(std::string_view text) {
-    if (expects_key()) {
-      key_ = store(text);
-      has_key_ = true;
-      return;
-    }
-    add(Value::Kind::kScalar, store(text));
-  }
-
-  void null() {
-    if (expects_key()) throw InputError(name(), "has an empty key; remove the stray ':'");
-    add(Value::Kind::kNull, {});
-  }
-
-  void open(Value::Kind kind) {
-    if (expects_key()) throw InputError(name(), "has a list or map as a key; use a plain word");
-    if (open_.size() == kMaxDepth) {
-      throw InputError(document_.name_, fmt::format("is nested more than {} levels deep; is it the "
-                                                    "right file?",
-                                                    kMaxDepth));
-    }
-    open_.push_back({kind, take_key(), pending_.size()});
-  }
-
-  void close() {
-    const Open container = open_.back();
-    open_.pop_back();
-    const Slice entries = place(container.first_pending);
-    if (container.kind == Value::Kind::kMap) reject_repeated_keys(entries);
-    pending_.push_back(Record{container.kind, container.key, entries, 0});
-  }
-
-  /// @pre the parser came to its end.
-  [[nodiscard]] Document finish() {
-    if (pending_.empty()) throw InputError(document_.name_, "is empty; give a YAML or JSON file");
-    document_.root_ = place(0).begin;
-    document_.records_[document_.root_].parent = document_.root_;
-    return std::move(document_);
-  }
-
-  [[nodiscard]] const std::string& name() const { return document_.name_; }
-
- private:
-  using Record = Document::Record;
-  using Slice = Document::Slice;
-  struct Open {
-    Value::Kind kind;
-    Slice key;
-    std::size_t first_pending;
-  };
-
-  [[nodiscard]] bool expects_key() const {
-    return !open_.empty() && open_.back().kind == Value::Kind::kMap && !has_key_;
-  }
-
-  Slice take_key() {
-    const Slice key = has_key_ ? key_ : Slice{};
-    has_key_ = false;
-    return key;
-  }
-
-  void add(Value::Kind kind, const Slice& content) {
-    pending_.push_back(Record{kind, take_key(), content, 0});
-  }
-
-  Slice store(std::string_view text) {
-    const Slice slice{static_cast<std::uint32_t>(document_.text_.size()),
-                      static_cast<std::uint32_t>(text.size())};
-    document_.text_ += text;
-    return slice;
-  }
-
-  /// Moves the finished siblings from `first` on to their final, adjacent places.
-  Slice place(std::size_t first) {
-    std::vector<Record>& records = document_.records_;
-    const auto begin = static_cast<std::uint32_t>(records.size());
-    records.insert(records.end(), pending_.begin() + std::ptrdiff_t(first), pending_.end());
-    pending_.resize(first);
-    for (auto i = begin; i < records.size(); ++i) {
-      if (records[i].kind != Value::Kind::kList && records[i].kind != Value::Kind::kMap) continue;
-      const Slice children = records[i].content;
-      for (auto c = children.begin; c < children.begin + children.size; ++c) records[c].parent = i;
-    }
-    return {begin, static_cast<std::uint32_t>(records.size()) - begin};
-  }
-
-  void reject_repeated_keys(const Slice& entries) {
-    keys_.clear();
-    for (auto i = entries.begin; i < entries.begin + entries.size; ++i) {
-      keys_.push_back(document_.text(document_.records_[i].key));
-    }
-    std::sort(keys_.begin(), keys_.end());
-    const auto twice = std::adjacent_find(keys_.begin(), keys_.end());
-    if (twice == keys_.end()) return;
-    throw InputError(document_.name_,
-                     fmt::format("a map has the key {} twice; remove one", excerpt(*twice)));
-  }
-
-  Document document_;
-  std::vector<Open> open_;       ///< the lists and maps around the current event
-  std::vector<Record> pending_;  ///< finished values whose container is still open
-  std::vector<std::string_view> keys_;
-  Slice key_;
-  bool has_key_ = false;
-};
-
-namespace {
 
 std::string position(const YAML::Mark& mark) {
   return fmt::format("line {}, column {}", mark.line + 1, mark.column + 1);
@@ -282,13 +166,16 @@ Document Document::parse(const std::string& name, const std::string& text,
   if (text.size() > std::numeric_limits<std::uint32_t>::max()) {
     throw InputError(name, "is larger than 4 GB; is it the right file?");
   }
-  DocumentBuilder builder(name);
   if (looks_like_json(name, text)) {
+    DocumentBuilder builder(name);
     JsonEvents events(builder);
     nlohmann::json::sax_parse(text, &events);
-  } else {
-    parse_yaml(builder, text);
+    return builder.finish();
   }
+  DocumentBuilder plain(name);
+  if (parse_plain_yaml(plain, text)) return plain.finish();
+  DocumentBuilder builder(name);
+  parse_yaml(builder, text);
   return builder.finish();
 }
 

@@ -348,7 +348,7 @@ TEST_F(InstanceFile, MutatedFilesAreReadOrRefused) {
                            "  polygons: [[[1, 1], [2, 1], [2, 2]]]\n";
   const std::string alphabet = "[]{}:,-?&*!|>'\"%@`#\n \t0123456789.eEnaif\\\x01\xc3";
   int refused = 0;
-  for (int round = 0; round < 2000; ++round) {
+  for (int round = 0; round < 500; ++round) {
     std::string text = base;
     for (unsigned edit = 0; edit <= random() % 3; ++edit) {
       const std::size_t at = random() % text.size();
@@ -370,8 +370,8 @@ TEST_F(InstanceFile, MutatedFilesAreReadOrRefused) {
     }
     refused += error(text) != "no error";
   }
-  EXPECT_GT(refused, 500);
-  EXPECT_LT(refused, 2000);
+  EXPECT_GT(refused, 100);
+  EXPECT_LT(refused, 500);
 }
 
 }  // namespace

@@ -154,19 +154,20 @@ TEST_F(Program, TheVehicleIsTheUsersChoice) {
   EXPECT_EQ(run("validate -i i.yaml -s p.yaml --dt 2.2").exit_code, 0);
 }
 
-//   The same turn, written counter-clockwise and clockwise.
+//   A drive up and to the right: along the heading 0.785398 rad only if that is counter-clockwise.
 TEST_F(Program, TheSenseOfYawIsTheUsersChoice) {
-  const std::string instance = replaced(kInstance, "goal: [12, 10, 0]", "goal: [10.5, 10.9, 1.57]");
-  (void)directory_.file("i.yaml",
-                        replaced(instance, "start: [10, 10, 0]", "start: [10.5, 10.9, 1.57]"));
-  (void)directory_.file("p.yaml",
-                        "schedule:\n"
-                        "  agent0: [{x: 10.5, y: 10.9, yaw: 1.57},\n"
-                        "           {x: 10.5, y: 10.0, yaw: 1.57},\n"
-                        "           {x: 10.5, y: 10.9, yaw: 1.57}]\n"
-                        "  agent1: [{x: 30, y: 10, yaw: 0}]\n");
+  const auto written = [&](const std::string& yaw) {
+    (void)directory_.file("i.yaml", "agents: [{start: [10, 10, " + yaw + "], goal: [10.5, 10.5, " +
+                                        yaw + "]}]\nmap: {dimensions: [50, 50]}\n");
+    (void)directory_.file("p.yaml", "schedule: {agent0: [{x: 10, y: 10, yaw: " + yaw +
+                                        "}, {x: 10.5, y: 10.5, yaw: " + yaw + "}]}\n");
+  };
+  written("0.785398");
+  EXPECT_EQ(run("validate -i i.yaml -s p.yaml").exit_code, 0);
+  EXPECT_EQ(run("validate -i i.yaml -s p.yaml --yaw cw").exit_code, 1);
+  written("-0.785398");
+  EXPECT_EQ(run("validate -i i.yaml -s p.yaml --yaw ccw").exit_code, 1);
   EXPECT_EQ(run("validate -i i.yaml -s p.yaml --yaw cw").exit_code, 0);
-  EXPECT_EQ(run("validate -i i.yaml -s p.yaml --yaw ccw").exit_code, 0);
 }
 
 TEST_F(Program, BadInputIsOneLineThatNamesThePlace) {
