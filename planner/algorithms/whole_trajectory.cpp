@@ -282,7 +282,7 @@ class VehiclePlanner {
     return std::max(a, -body_.max_decel);
   }
 
-  void append(const InertialState& from, double a) {
+  void append(InertialState from, double a) {
     for (int i = 1; i <= grid_.steps_per_decision; ++i) {
       states_.push_back(advance(from, a, i * grid_.dt));
     }
