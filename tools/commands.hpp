@@ -11,5 +11,6 @@ namespace mvtp {
 
 // Those of the sibling executable mvtp-sumo.
 [[nodiscard]] Action declare_coordinate(CLI::App& app);
+[[nodiscard]] Action declare_compare(CLI::App& app);
 
 }  // namespace mvtp

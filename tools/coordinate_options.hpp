@@ -1,5 +1,6 @@
 #pragma once
 
+#include <CLI/CLI.hpp>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -25,7 +26,12 @@ struct CoordinateOptions {
   double margin_along = 0.6;   ///< [m]
   double margin_across = 0.4;  ///< [m]
   bool no_view = false;
+  bool no_fcd = false;
   std::vector<std::string> sumo;  ///< more options for SUMO, behind "--"
 };
+
+/// Declares the options that say what is run and how it is coordinated: all but the controller, the
+/// seed and the output. `mvtp compare` hands them on to each of its runs.
+void declare_run_options(CLI::App& app, CoordinateOptions& options);
 
 }  // namespace mvtp

@@ -61,6 +61,7 @@ class Run {
 
  private:
   void prepare_directory() {
+    if (options_.output_dir.empty()) throw InputError("--output-dir", "is empty; give a folder");
     std::error_code error;
     std::filesystem::create_directories(directory_, error);
     if (error) {
@@ -78,7 +79,7 @@ class Run {
     sumo.configuration = options_.configuration;
     sumo.seed = options_.seed;
     sumo.gui = options_.gui;
-    sumo.fcd_output = path("fcd.xml");
+    if (!options_.no_fcd) sumo.fcd_output = path("fcd.xml");
     sumo.tripinfo_output = path("tripinfo.xml");
     sumo.extra = options_.sumo;
     traffic_ = open_sumo(sumo);
@@ -111,6 +112,11 @@ class Run {
 
   [[nodiscard]] std::set<std::string> coordinated_junctions() const {
     std::set<std::string> junctions(options_.junctions.begin(), options_.junctions.end());
+    for (const std::string& id : junctions) {
+      if (!network_.junctions.contains(id)) {
+        throw InputError("--junction " + id, "the network has no junction with this id");
+      }
+    }
     if (!junctions.empty()) return junctions;
     for (const auto& [id, junction] : network_.junctions) {
       if (junction.has_conflicts) junctions.insert(id);
@@ -235,7 +241,7 @@ class Run {
 }  // namespace
 
 int run_coordinate(const CoordinateOptions& options, const std::string& command) {
-  std::signal(SIGINT, [](int) { interrupted = 1; });
+  for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, [](int) { interrupted = 1; });
   set_sumo_home();
   Run run(options, command);
   return run.drive();

@@ -4,6 +4,7 @@
 #include <charconv>
 #include <cmath>
 #include <map>
+#include <sstream>
 #include <string>
 
 namespace mvtp {
@@ -15,6 +16,19 @@ namespace mvtp {
   const bool is_number = error == std::errc() && end == text.data() + text.size();
   if (is_number && std::isfinite(value) && value > 0.0) return "";
   return "is \"" + text + "\"; give a finite number > 0";
+}
+
+/// For CLI::Option::check(): a number from `low` to `high`. (CLI11's own lets NaN pass.)
+[[nodiscard]] inline auto number_between(double low, double high) {
+  return [low, high](const std::string& text) -> std::string {
+    double value = 0.0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    const bool is_number = error == std::errc() && end == text.data() + text.size();
+    if (is_number && value >= low && value <= high) return "";
+    std::ostringstream message;
+    message << "is \"" << text << "\"; give a number from " << low << " to " << high;
+    return message.str();
+  };
 }
 
 /// Declares an option that takes one of a few words, each standing for a value.

@@ -18,7 +18,7 @@ namespace {
 void print_error(std::string message) {
   std::replace(message.begin(), message.end(), '\n', ' ');
   while (!message.empty() && message.back() == ' ') message.pop_back();
-  fmt::print(stderr, "mvtp: {}\n", message);
+  std::fputs(("mvtp: " + message + "\n").c_str(), stderr);  // fmt's throws if stderr is closed
 }
 
 /// Help and version are exceptions in CLI11's eyes, and no errors in ours.

@@ -7,6 +7,8 @@ int main(int argc, char** argv) {
   constexpr std::array kCommands = {
       mvtp::Command{"coordinate", "Run a SUMO scenario headless, coordinated",
                     mvtp::declare_coordinate},
+      mvtp::Command{"compare", "One demand under SUMO's own control and coordinated",
+                    mvtp::declare_compare},
   };
   return mvtp::run_program(argc, argv, kCommands);
 }

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "tools/coordinate_options.hpp"
+
+namespace mvtp {
+
+/// The command line of `mvtp compare`.
+struct CompareOptions {
+  CoordinateOptions run;                   ///< what every run shares
+  std::vector<std::string> run_arguments;  ///< the same as words of a command line
+  std::vector<std::uint32_t> seeds;
+  int jobs = 1;  ///< runs at a time
+  std::string output_dir = "compare";
+  bool keep_fcd = false;
+  bool quiet = false;
+};
+
+/// Reads "7", "1-5" or "1,2,7-9" into ascending seeds without repetition, at most 1000.
+/// @throws InputError
+[[nodiscard]] std::vector<std::uint32_t> parse_seeds(const std::string& text);
+
+}  // namespace mvtp

@@ -1,0 +1,247 @@
+#include "tools/compare_report.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "planner/problem/input_error.hpp"
+
+namespace mvtp {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::array kFigures = {
+    ComparedFigure{"vehicles", "/vehicles"},
+    ComparedFigure{"never_departed", "/never_departed"},
+    ComparedFigure{"completed", "/completed"},
+    ComparedFigure{"delay_mean_s", "/delay_s/mean"},
+    ComparedFigure{"delay_p50_s", "/delay_s/p50"},
+    ComparedFigure{"delay_p95_s", "/delay_s/p95"},
+    ComparedFigure{"delay_max_s", "/delay_s/max"},
+    ComparedFigure{"throughput_veh_h", "/throughput_veh_h"},
+    ComparedFigure{"time_loss_s", "/time_loss_s"},
+    ComparedFigure{"depart_delay_s", "/depart_delay_s"},
+    ComparedFigure{"waiting_time_s", "/waiting_time_s"},
+    ComparedFigure{"overlap_pairs", "/audit/overlap_pairs"},
+    ComparedFigure{"overlap_pairs_coordinated", "/overlap_pairs_coordinated"},
+    ComparedFigure{"min_clearance_m", "/audit/min_clearance_m"},
+    ComparedFigure{"off_road_steps", "/audit/off_road_steps"},
+    ComparedFigure{"sumo_collisions", "/sumo_collisions"},
+    ComparedFigure{"max_lateral_accel", "/max_lateral_accel"},
+    ComparedFigure{"hard_brakings_after_handback", "/hard_brakings_after_handback"},
+    ComparedFigure{"replans", "/replans"},
+    ComparedFigure{"fallbacks", "/fallbacks"},
+    ComparedFigure{"replan_p50_ms", "/replan_ms/p50"},
+    ComparedFigure{"replan_p95_ms", "/replan_ms/p95"},
+    ComparedFigure{"replan_p99_ms", "/replan_ms/p99"},
+    ComparedFigure{"replan_max_ms", "/replan_ms/max"},
+    ComparedFigure{"simulated_s", "/simulated_s"},
+    ComparedFigure{"real_time_factor", "/real_time_factor"},
+};
+
+/// The runs of one control.
+struct Row {
+  std::string control;
+  std::vector<const ComparedRun*> runs;  ///< those with figures
+  std::size_t planned = 0;
+};
+
+std::vector<Row> rows_of(std::span<const ComparedRun> runs) {
+  std::vector<Row> rows;
+  for (const ComparedRun& run : runs) {
+    auto row = std::ranges::find(rows, run.control, &Row::control);
+    if (row == rows.end()) row = rows.insert(rows.end(), {run.control, {}, 0});
+    ++row->planned;
+    if (run.failure.empty()) row->runs.push_back(&run);
+  }
+  return rows;
+}
+
+std::vector<double> values_of(const Row& row, const std::string& figure) {
+  std::vector<double> values;
+  for (const ComparedRun* run : row.runs) {
+    if (const auto value = run->figures.find(figure); value != run->figures.end()) {
+      values.push_back(value->second);
+    }
+  }
+  return values;
+}
+
+double sum(const std::vector<double>& values) {
+  double total = 0.0;
+  for (const double value : values) total += value;
+  return total;
+}
+
+/// "2.25 ± 0.31", or "2.25" of a single run, or "-" if there is none.
+std::string spread_cell(const Row& row, const char* figure, int digits) {
+  const std::vector<double> values = values_of(row, figure);
+  if (values.empty()) return "-";
+  const MeanAndDeviation m = mean_and_deviation(values);
+  std::string cell = fmt::format("{:.{}f}", m.mean, digits);
+  if (m.deviation) cell += fmt::format(" ± {:.{}f}", *m.deviation, digits);
+  return cell;
+}
+
+std::string mean_cell(const Row& row, const char* figure, int digits) {
+  const std::vector<double> values = values_of(row, figure);
+  if (values.empty()) return "-";
+  return fmt::format("{:.{}f}", mean_and_deviation(values).mean, digits);
+}
+
+std::string sum_cell(const Row& row, const char* figure) {
+  return row.runs.empty() ? "-" : fmt::format("{:.0f}", sum(values_of(row, figure)));
+}
+
+std::string arrived_cell(const Row& row) {
+  if (row.runs.empty()) return "-";
+  return fmt::format("{:.0f}/{:.0f}", sum(values_of(row, "completed")),
+                     sum(values_of(row, "vehicles")) + sum(values_of(row, "never_departed")));
+}
+
+using Cells = std::vector<std::string>;
+
+Cells cells_of(const Row& row) {
+  const bool coordinated = sum(values_of(row, "replans")) > 0.0;
+  return {row.control,
+          fmt::format("{}/{}", row.runs.size(), row.planned),
+          spread_cell(row, "delay_mean_s", 2),
+          mean_cell(row, "delay_p95_s", 1),
+          spread_cell(row, "throughput_veh_h", 0),
+          arrived_cell(row),
+          sum_cell(row, "overlap_pairs"),
+          mean_cell(row, "waiting_time_s", 1),
+          coordinated ? mean_cell(row, "replan_p95_ms", 1) : "-",
+          mean_cell(row, "real_time_factor", 0)};
+}
+
+std::size_t display_width(const std::string& text) {
+  return static_cast<std::size_t>(
+      std::ranges::count_if(text, [](char c) { return (c & 0xc0) != 0x80; }));
+}
+
+std::string aligned(const std::vector<Cells>& lines) {
+  std::vector<std::size_t> widths(lines.front().size(), 0);
+  for (const Cells& line : lines) {
+    for (std::size_t i = 0; i < line.size(); ++i) {
+      widths[i] = std::max(widths[i], display_width(line[i]));
+    }
+  }
+  std::string text;
+  for (const Cells& line : lines) {
+    for (std::size_t i = 0; i < line.size(); ++i) {
+      const std::string padding(widths[i] - display_width(line[i]), ' ');
+      text += i == 0 ? line[i] + padding : "  " + padding + line[i];
+    }
+    text += '\n';
+  }
+  return text;
+}
+
+std::string csv_field(const std::string& text) {
+  if (text.find_first_of(",\"\n\r") == std::string::npos) return text;
+  std::string quoted = "\"";
+  for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return quoted + "\"";
+}
+
+}  // namespace
+
+std::span<const ComparedFigure> compared_figures() { return kFigures; }
+
+void read_summary(const std::string& text, const std::string& where, ComparedRun& run) {
+  const Json summary = Json::parse(text, nullptr, false);
+  if (!summary.is_object() || !summary.contains("status") || !summary["status"].is_string()) {
+    throw InputError(where, "is no summary of a run");
+  }
+  run.status = summary["status"];
+  for (const ComparedFigure& figure : kFigures) {
+    const Json::json_pointer pointer(figure.pointer);
+    if (!summary.contains(pointer)) {
+      throw InputError(where, fmt::format("lacks the figure {}", figure.pointer));
+    }
+    if (const Json& value = summary[pointer]; value.is_number()) run.figures[figure.name] = value;
+  }
+  run.failure.clear();
+}
+
+bool succeeded(const ComparedRun& run) {
+  if (!run.failure.empty()) return false;
+  if (run.control != "coordinated") return true;
+  return run.status != "stuck" && run.figures.at("overlap_pairs_coordinated") == 0.0;
+}
+
+MeanAndDeviation mean_and_deviation(std::span<const double> values) {
+  MeanAndDeviation result;
+  const auto n = static_cast<double>(values.size());
+  for (const double value : values) result.mean += value / n;
+  if (values.size() < 2) return result;
+  double squares = 0.0;
+  for (const double value : values) squares += (value - result.mean) * (value - result.mean);
+  result.deviation = std::sqrt(squares / (n - 1.0));
+  return result;
+}
+
+std::string comparison_table(std::span<const ComparedRun> runs) {
+  std::vector<Cells> lines = {{"control", "runs", "delay [s]", "95 % [s]", "throughput [veh/h]",
+                               "arrived", "overlaps", "waiting [s]", "replan 95 % [ms]",
+                               "x real time"}};
+  for (const Row& row : rows_of(runs)) lines.push_back(cells_of(row));
+  std::string text = aligned(lines);
+  for (const ComparedRun& run : runs) {
+    if (!run.failure.empty()) {
+      text += fmt::format("FAILED: {}, seed {}: {}\n", run.control, run.seed, run.failure);
+    } else if (run.status != "finished") {
+      text += fmt::format("{}, seed {}: {} at t = {:.0f} s\n", run.control, run.seed, run.status,
+                          run.figures.at("simulated_s"));
+    }
+  }
+  return text;
+}
+
+std::string comparison_csv(std::span<const ComparedRun> runs) {
+  std::string text = "control,seed,status,failure,folder";
+  for (const ComparedFigure& figure : kFigures) text += fmt::format(",{}", figure.name);
+  text += '\n';
+  for (const ComparedRun& run : runs) {
+    text += fmt::format("{},{},{},{},{}", csv_field(run.control), run.seed, run.status,
+                        csv_field(run.failure), csv_field(run.folder));
+    for (const ComparedFigure& figure : kFigures) {
+      const auto value = run.figures.find(figure.name);
+      text += value == run.figures.end() ? "," : fmt::format(",{:.10g}", value->second);
+    }
+    text += '\n';
+  }
+  return text;
+}
+
+std::string comparison_json(std::span<const ComparedRun> runs, const std::string& scenario,
+                            const std::string& version, const std::string& command) {
+  Json controls = Json::array();
+  for (const Row& row : rows_of(runs)) {
+    Json control = {{"control", row.control},
+                    {"runs", row.runs.size()},
+                    {"failed", row.planned - row.runs.size()}};
+    for (const ComparedFigure& figure : kFigures) {
+      const std::vector<double> values = values_of(row, figure.name);
+      if (values.empty()) {
+        control[figure.name] = nullptr;
+        continue;
+      }
+      const MeanAndDeviation m = mean_and_deviation(values);
+      control[figure.name] = {{"mean", m.mean}, {"sd", m.deviation ? Json(*m.deviation) : Json()}};
+    }
+    controls.push_back(std::move(control));
+  }
+  const Json json = {{"scenario", scenario},
+                     {"controls", std::move(controls)},
+                     {"mvtp_version", version},
+                     {"command", command}};
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace mvtp

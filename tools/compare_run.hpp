@@ -1,0 +1,12 @@
+#pragma once
+
+#include "tools/compare_options.hpp"
+
+namespace mvtp {
+
+/// Runs one demand under every control that there is, as `mvtp compare` does, writes the files and
+/// prints the table. Returns the exit code.
+/// @throws InputError
+int run_compare(const CompareOptions& options);
+
+}  // namespace mvtp

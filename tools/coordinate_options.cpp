@@ -1,0 +1,54 @@
+#include "tools/coordinate_options.hpp"
+
+#include "tools/option_types.hpp"
+
+namespace mvtp {
+
+void declare_run_options(CLI::App& app, CoordinateOptions& o) {
+  app.add_option("-c,--configuration", o.configuration, "SUMO scenario (*.sumocfg)")
+      ->required()
+      ->type_name("FILE")
+      ->group("Input");
+  app.add_option("--end", o.end, "Simulated time at which to end [s] (default: all have arrived)")
+      ->check(number_between(0.0, 1e9))
+      ->group("Input");
+  app.add_option("--junction", o.junctions,
+                 "Junction to coordinate; repeatable (default: all with conflicting connections)")
+      ->group("Control");
+  app.add_option("--zone-radius", o.zone_radius, "Takeover this far before the stop line [m]")
+      ->check(number_between(20.0, 1000.0))
+      ->capture_default_str()
+      ->group("Control");
+  app.add_option(
+         "--max-lateral-accel", o.max_lateral_accel,
+         "Limit in bends for every vehicle, SUMO's too [m/s^2] (0: the lanes' speed limits)")
+      ->check(number_between(0.0, 100.0))
+      ->capture_default_str()
+      ->group("Control");
+  app.add_option("--margin-along", o.margin_along, "Safety distance ahead and behind, in all [m]")
+      ->check(number_between(0.0, 10.0))
+      ->capture_default_str()
+      ->group("Control");
+  app.add_option("--margin-across", o.margin_across, "Safety distance at the sides, in all [m]")
+      ->check(number_between(0.0, 1.3))
+      ->capture_default_str()
+      ->group("Control");
+  app.add_option("--tries", o.tries, "Orders of passage tried per replan (0: order of arrival)")
+      ->check(number_between(0, 100000))
+      ->capture_default_str()
+      ->group("Control");
+  app.add_option("--replan-budget-ms", o.replan_budget_ms,
+                 "Drop plans that take longer [ms]; 0: no planning, as if the planner were dead "
+                 "(default: no limit)")
+      ->check(number_between(0.0, 1e9))
+      ->group("Control");
+  app.add_option("--replan-budget-from", o.replan_budget_from,
+                 "Simulated time from which the budget holds [s]")
+      ->check(number_between(0.0, 1e9))
+      ->capture_default_str()
+      ->group("Control");
+
+  app.add_option("sumo", o.sumo, "Options for SUMO itself, behind --")->group("Input");
+}
+
+}  // namespace mvtp
