@@ -1,12 +1,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <sys/wait.h>
 
-#include <cstdlib>
 #include <filesystem>
 #include <string>
 
-#include "tests/temporary_directory.hpp"
+#include "tests/tools/program_fixture.hpp"
 
 namespace mvtp {
 namespace {
@@ -32,36 +30,6 @@ const std::string kPlan = R"(schedule:
   agent1:
     - {x: 30, y: 10, yaw: 0, t: 0}
 )";
-
-struct Outcome {
-  int exit_code = 0;  ///< 128 + signal if a signal ended it, as a shell says
-  std::string out;
-  std::string err;
-};
-
-/// Runs the built program as a user would: through the shell, in a directory of the test.
-class Program : public testing::Test {
- protected:
-  Outcome run(const std::string& arguments) const {
-    const std::string command = "cd '" + directory_.path("") + "' && '" + MVTP_PROGRAM + "' " +
-                                arguments + " >'" + streams_.path("out") + "' 2>'" +
-                                streams_.path("err") + "'";
-    const int status = std::system(command.c_str());
-    const int code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
-    return {code, content_of(streams_.path("out")), content_of(streams_.path("err"))};
-  }
-
-  /// Bad input: exit code 2, one line on stderr that matches, nothing on stdout.
-  void expect_refused(const std::string& arguments, const std::string& regex) const {
-    const Outcome outcome = run(arguments);
-    EXPECT_EQ(outcome.exit_code, 2) << arguments;
-    EXPECT_THAT(outcome.err, MatchesRegex("mvtp: " + regex + "\n")) << arguments;
-    EXPECT_THAT(outcome.out, IsEmpty()) << arguments;
-  }
-
-  TemporaryDirectory directory_;  ///< what the program sees
-  TemporaryDirectory streams_;    ///< what it prints
-};
 
 std::string replaced(std::string text, const std::string& what, const std::string& by) {
   return text.replace(text.find(what), what.size(), by);

@@ -1,0 +1,147 @@
+#include <algorithm>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "planner/problem/input_error.hpp"
+#include "tests/tools/program_fixture.hpp"
+#include "tools/compare_report.hpp"
+
+namespace mvtp {
+namespace {
+
+namespace fs = std::filesystem;
+
+using nlohmann::json;
+using testing::ContainsRegex;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::MatchesRegex;
+using testing::Not;
+
+const std::string kScenario = std::string(MVTP_SCENARIOS) + "/crossroads/crossroads.sumocfg";
+
+class Compare : public Program {
+ protected:
+  [[nodiscard]] static std::string command(const std::string& more) {
+    return "compare -c '" + kScenario + "' --end 60 --output-dir out " + more;
+  }
+};
+
+TEST(MeanAndDeviation, IsThatOfTheSample) {
+  const std::vector<double> values = {2, 4, 4, 4, 5, 5, 7, 9};
+  const MeanAndDeviation m = mean_and_deviation(values);
+  EXPECT_DOUBLE_EQ(m.mean, 5.0);
+  EXPECT_NEAR(m.deviation.value(), 2.13809, 1e-5);  // sqrt(32 / 7)
+  EXPECT_FALSE(mean_and_deviation(std::vector<double>{3.0}).deviation.has_value());
+}
+
+TEST(Comparison, ShowsARunThatFailed) {
+  ComparedRun good{.control = "coordinated", .seed = 1, .failure = "", .status = "finished"};
+  for (const ComparedFigure& figure : compared_figures()) good.figures[figure.name] = 0.0;
+  good.figures["delay_mean_s"] = 2.5;
+  const ComparedRun bad{.control = "coordinated", .seed = 2, .failure = "crashed (Aborted), \"x\""};
+  const std::vector<ComparedRun> runs = {good, bad};
+
+  EXPECT_THAT(comparison_table(runs), ContainsRegex("coordinated +1/2 +2.50 "));
+  EXPECT_THAT(comparison_table(runs),
+              HasSubstr("\nFAILED: coordinated, seed 2: crashed (Aborted), \"x\"\n"));
+  EXPECT_THAT(comparison_csv(runs),
+              HasSubstr("\ncoordinated,2,,\"crashed (Aborted), \"\"x\"\"\","));
+  const json j = json::parse(comparison_json(runs, "x.sumocfg", "1", "mvtp"));
+  EXPECT_EQ(j["controls"][0]["failed"], 1);
+  EXPECT_EQ(j["controls"][0]["delay_mean_s"]["mean"], 2.5);
+  EXPECT_TRUE(j["controls"][0]["delay_mean_s"]["sd"].is_null());
+  EXPECT_TRUE(succeeded(good));
+  EXPECT_FALSE(succeeded(bad));
+}
+
+TEST(Comparison, AnOverlapOfOursIsNoSuccess) {
+  ComparedRun run{.control = "coordinated", .failure = "", .status = "finished"};
+  run.figures["overlap_pairs_coordinated"] = 1.0;
+  EXPECT_FALSE(succeeded(run));
+  run.figures["overlap_pairs_coordinated"] = 0.0;
+  EXPECT_TRUE(succeeded(run));
+  run.status = "stuck";
+  EXPECT_FALSE(succeeded(run));
+  run.control = "priority";
+  EXPECT_TRUE(succeeded(run));
+}
+
+TEST(Comparison, RefusesWhatIsNoSummary) {
+  ComparedRun run;
+  EXPECT_THROW(read_summary("{", "s.json", run), InputError);
+  EXPECT_THROW(read_summary("[]", "s.json", run), InputError);
+  EXPECT_THROW(read_summary(R"({"status": "finished"})", "s.json", run), InputError);
+}
+
+TEST_F(Compare, RunsEveryControlWithTheSameVehicles) {
+  const Outcome outcome = run(command("--seeds 1,3 --quiet"));
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_THAT(outcome.err, IsEmpty());
+  for (const char* control : {"static", "actuated", "priority", "coordinated"}) {
+    EXPECT_THAT(outcome.out, ContainsRegex(std::string("\n") + control + " +2/2 +[0-9.]+ ± "));
+    for (const char* seed : {"1", "3"}) {
+      const std::string folder = std::string("out/") + control + "-" + seed;
+      EXPECT_TRUE(fs::exists(directory_.path(folder + "/summary.json"))) << folder;
+      EXPECT_FALSE(fs::exists(directory_.path(folder + "/fcd.xml"))) << folder;
+    }
+  }
+  EXPECT_THAT(outcome.out, HasSubstr("replay: out/view.html\n"));
+  EXPECT_TRUE(fs::exists(directory_.path("out/view.html")));
+  const std::string csv = content_of(directory_.path("out/compare.csv"));
+  EXPECT_EQ(std::ranges::count(csv, '\n'), 9);
+  const json j = json::parse(content_of(directory_.path("out/compare.json")));
+  ASSERT_EQ(j["controls"].size(), 4U);
+  for (const json& control : j["controls"]) {
+    EXPECT_EQ(control["vehicles"], j["controls"][0]["vehicles"]);
+    EXPECT_EQ(control["runs"], 2);
+  }
+}
+
+TEST_F(Compare, RefusesBadInputBeforeAnyRun) {
+  for (const char* seeds : {"", "x", "1-", "5-1", "1,,2", "-1", "1-100000", "99999999999"}) {
+    expect_refused(command(std::string("--seeds='") + seeds + "'"), "[^\n]*--seeds[^\n]*");
+  }
+  expect_refused("compare -c missing.sumocfg", "missing.sumocfg: no such file; [^\n]*");
+  expect_refused(command("--jobs 0"), "compare: --jobs: [^\n]*");
+  EXPECT_EQ(directory_.size(), 0);
+}
+
+TEST_F(Compare, TellsWhatARunHasAgainstTheInput) {
+  expect_refused(command("--quiet --junction nowhere"),
+                 "--junction nowhere: the network has no junction with this id");
+}
+
+TEST_F(Compare, AnInterruptEndsTheRunsToo) {
+  const std::string script = std::string("'") + MVTP_PROGRAM + "' compare -c '" + kScenario +
+                             "' --end 600 --seeds 1-20 --output-dir out & pid=$!\n"
+                             "until [ -f out/static-1/tripinfo.xml.part ]; do\n"
+                             "  [ -d /proc/$pid ] || exit 99; sleep 0.05; done\n"
+                             "kill -INT $pid; wait $pid; exit $?";
+  const Outcome outcome = shell(script);
+  EXPECT_EQ(outcome.exit_code, 130) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("seed 20: did not run"));
+  for (const auto& entry : fs::recursive_directory_iterator(directory_.path("out"))) {
+    EXPECT_NE(entry.path().extension(), ".part") << entry.path();
+  }
+}
+
+TEST_F(Compare, ACrashedRunIsToldAndNotHidden) {
+  const std::string script = std::string("'") + MVTP_PROGRAM + "' compare -c '" + kScenario +
+                             "' --end 600 --seeds 1 --jobs 1 --output-dir out & pid=$!\n"
+                             "until [ -f out/static-1/tripinfo.xml.part ]; do\n"
+                             "  [ -d /proc/$pid ] || exit 99; sleep 0.05; done\n"
+                             "read -r compare < /proc/$pid/task/$pid/children\n"
+                             "read -r run < /proc/$compare/task/$compare/children\n"
+                             "kill -ABRT $run; wait $pid; exit $?";
+  const Outcome outcome = shell(script);
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_THAT(outcome.out, ContainsRegex("\nstatic +0/1 "));
+  EXPECT_THAT(outcome.out, ContainsRegex("\nFAILED: static, seed 1: crashed .Aborted."));
+  EXPECT_THAT(outcome.out, ContainsRegex("\ncoordinated +1/1 +[0-9.]+ "));
+}
+
+}  // namespace
+}  // namespace mvtp

@@ -1,0 +1,239 @@
+#include <tinyxml2.h>
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "tests/tools/program_fixture.hpp"
+
+namespace mvtp {
+namespace {
+
+namespace fs = std::filesystem;
+
+using nlohmann::json;
+using testing::ContainsRegex;
+using testing::IsEmpty;
+using testing::MatchesRegex;
+
+const std::string kQuiet = std::string(MVTP_SCENARIOS) + "/crossroads/crossroads.sumocfg";
+const std::string kBusy = std::string(MVTP_SCENARIOS) + "/crossroads/crossroads-400.sumocfg";
+
+std::string configuration(const std::string& net, const std::string& routes = "") {
+  return "<configuration><input><net-file value=\"" + net + "\"/>" +
+         (routes.empty() ? "" : "<route-files value=\"" + routes + "\"/>") +
+         "</input></configuration>";
+}
+
+class Coordinate : public Program {
+ protected:
+  [[nodiscard]] json summary(const std::string& folder = "out") const {
+    const json result = json::parse(content_of(directory_.path(folder + "/summary.json")), nullptr,
+                                    /*allow_exceptions=*/false);
+    EXPECT_TRUE(result.is_object()) << folder;
+    return result;
+  }
+
+  /// Parses a whole XML file and returns how many `element`s it has at its top level.
+  [[nodiscard]] int elements_in(const std::string& file, const char* element) const {
+    tinyxml2::XMLDocument document;
+    EXPECT_EQ(document.LoadFile(directory_.path(file).c_str()), tinyxml2::XML_SUCCESS) << file;
+    int count = 0;
+    if (document.RootElement() == nullptr) return count;
+    for (const auto* e = document.RootElement()->FirstChildElement(element); e != nullptr;
+         e = e->NextSiblingElement(element)) {
+      ++count;
+    }
+    return count;
+  }
+
+  /// Starts a long run in the background and goes on with `script` once it drives; $pid is mvtp,
+  /// $sumo its child.
+  [[nodiscard]] Outcome during_a_run(const std::string& script) const {
+    return shell(std::string("'") + MVTP_PROGRAM + "' coordinate -c '" + kBusy + "' & pid=$!\n" +
+                 "until [ -n \"$(find out -name fcd.xml.part -size +100k 2>/dev/null)\" ]; do\n"
+                 "  [ -d /proc/$pid ] || exit 99; sleep 0.05; done\n"
+                 "read -r sumo < /proc/$pid/task/$pid/children\n" +
+                 script + "\nwait $pid; exit $?");
+  }
+
+  void expect_no_files_but(std::ptrdiff_t count) const {
+    std::ptrdiff_t files = 0;
+    for (const auto& entry : fs::recursive_directory_iterator(directory_.path(""))) {
+      files += entry.is_regular_file() ? 1 : 0;
+    }
+    EXPECT_EQ(files, count);
+  }
+};
+
+TEST_F(Coordinate, BrokenScenariosAreOneLine) {
+  (void)directory_.file("empty.sumocfg", "");
+  (void)directory_.file("garbage.sumocfg", std::string(10'000'000, '\x91'));
+  (void)directory_.file("words.sumocfg", std::string(10'000'000, 'z'));
+  (void)directory_.file("none.sumocfg", "<configuration/>");
+  (void)directory_.file("lost.sumocfg", configuration("no.net.xml"));
+  const std::string net = content_of(std::string(MVTP_NETWORKS) + "/crossroads.net.xml");
+  (void)directory_.file("half.net.xml", net.substr(0, net.size() / 2));
+  (void)directory_.file("half.sumocfg", configuration("half.net.xml"));
+  (void)directory_.file("whole.net.xml", net);
+  (void)directory_.file("routes.sumocfg", configuration("whole.net.xml", "bad.rou.xml"));
+  (void)directory_.file("bad.rou.xml",
+                        "<routes><vehicle id=\"a\" depart=\"0\"><route edges=\"nowhere\"/>"
+                        "</vehicle></routes>");
+
+  const auto run = [](const std::string& file) { return "coordinate --output-dir . -c " + file; };
+  expect_refused("coordinate", "coordinate: --configuration is required; .*");
+  expect_refused(run("missing.sumocfg"), "missing.sumocfg: no such file; give [^\n]*");
+  expect_refused(run("."), "[.]: not a file; [^\n]*");
+  expect_refused(run("/dev/zero"), "/dev/zero: not a file; [^\n]*");
+  for (const char* name : {"empty", "garbage", "words"}) {
+    expect_refused(run(std::string(name) + ".sumocfg"),
+                   std::string(name) + "[.]sumocfg:[0-9]+: not XML [^\n]*");
+  }
+  expect_refused(run("none.sumocfg"), "none[.]sumocfg:1: no net-file in it; [^\n]*");
+  expect_refused(run("lost.sumocfg"),
+                 "lost[.]sumocfg:1: net-file: no[.]net[.]xml: no such file; [^\n]*");
+  expect_refused(run("half.sumocfg"), "half[.]net[.]xml:[0-9]+: not XML [^\n]*");
+  expect_refused(run("routes.sumocfg"),
+                 "routes[.]sumocfg: SUMO does not start: [^\n]*nowhere[^\n]*");
+  expect_no_files_but(10);
+}
+
+TEST_F(Coordinate, WrongOptionsAreOneLine) {
+  const std::string run = "coordinate -c '" + kQuiet + "' ";
+  const std::string help = "; see mvtp coordinate --help";
+  expect_refused(run + "--fly", "coordinate: [^\n]*--fly" + help);
+  expect_refused(run + "--controller magic", "coordinate: --controller: magic [^\n]*" + help);
+  for (const char* radius : {"-5", "nan", "inf", "1e9", "five"}) {
+    expect_refused(run + "--zone-radius " + radius,
+                   std::string("coordinate: --zone-radius: is \"") + radius +
+                       "\"; give a number from 20 to 1000" + help);
+  }
+  expect_refused(run + "--end nan", "coordinate: --end: is \"nan\"; [^\n]*");
+  for (const char* controller : {"escot", "sumo"}) {
+    expect_refused(run + "--junction nowhere --controller " + controller,
+                   "--junction nowhere: the network has no junction with this id");
+  }
+  expect_refused(run + "-- --bogus 3",
+                 "[^\n]*crossroads[.]sumocfg: SUMO does not start: [^\n]*bogus[^\n]*");
+  expect_refused(run + "-- --seed 3", "SUMO option --seed: [^\n]*");
+  expect_no_files_but(0);
+}
+
+TEST_F(Coordinate, UnwritableOutputIsOneLine) {
+  (void)directory_.file("file", "");
+  fs::create_directories(directory_.path("taken/fcd.xml"));
+  fs::create_directories(directory_.path("taken2/summary.json"));
+  const std::string run = "coordinate -c '" + kQuiet + "' --output-dir ";
+  expect_refused(run + "''", "--output-dir: is empty; give a folder");
+  expect_refused(run + "file", "file: cannot make this folder [^\n]*; choose [^\n]*");
+  expect_refused(run + "/proc/mvtp", "/proc/mvtp: cannot make this folder [^\n]*");
+  expect_refused(run + "/proc", "/proc/summary.json: cannot be written: [^\n]*");
+  expect_refused(run + "taken", "taken/fcd.xml: is a directory; [^\n]*");
+  expect_refused(run + "taken2",
+                 "taken2/summary.json: cannot be written: it is a directory; [^\n]*");
+  expect_no_files_but(1);
+}
+
+TEST_F(Coordinate, AShortRunLeavesEveryFileAndEveryFigure) {
+  const Outcome outcome = run("coordinate -c '" + kQuiet + "' --end 200 --quiet");
+  EXPECT_EQ(outcome.exit_code, 1);  // some are still on their way
+  EXPECT_THAT(outcome.err, MatchesRegex("mvtp: [0-9]+ of [0-9]+ vehicles had not arrived at t = "
+                                        "200.00 s .end reached.\n"));
+  EXPECT_THAT(outcome.out, IsEmpty());
+  const json s = summary();
+  for (const char* pointer : {"/vehicles",
+                              "/completed",
+                              "/throughput_veh_h",
+                              "/delay_s/mean",
+                              "/delay_s/p50",
+                              "/delay_s/p95",
+                              "/delay_s/max",
+                              "/time_loss_s",
+                              "/depart_delay_s",
+                              "/waiting_time_s",
+                              "/audit/overlap_pairs",
+                              "/audit/overlap_pairs_coordinated",
+                              "/audit/overlap_vehicle_steps",
+                              "/audit/min_clearance_m",
+                              "/audit/off_road_steps",
+                              "/sumo_collisions",
+                              "/max_accel",
+                              "/max_decel",
+                              "/max_lateral_accel",
+                              "/max_curvature_ratio",
+                              "/max_speed",
+                              "/hard_brakings_after_handback",
+                              "/replan_ms/p50",
+                              "/replan_ms/p95",
+                              "/replan_ms/p99",
+                              "/replan_ms/max",
+                              "/replans",
+                              "/fallbacks",
+                              "/real_time_factor",
+                              "/seed"}) {
+    ASSERT_TRUE(s.contains(json::json_pointer(pointer))) << pointer;
+    EXPECT_TRUE(s[json::json_pointer(pointer)].is_number()) << pointer;
+  }
+  for (const char* key : {"sumo_version", "mvtp_version", "command", "status"}) {
+    EXPECT_TRUE(s[key].is_string()) << key;
+  }
+  EXPECT_EQ(s["status"], "end reached");
+  EXPECT_GT(s["vehicles"], 20);
+  EXPECT_GT(s["replans"], 100);
+  EXPECT_EQ(s["audit"]["overlap_pairs"], 0);
+  EXPECT_EQ(elements_in("out/fcd.xml", "timestep"), 2000);
+  EXPECT_GE(elements_in("out/tripinfo.xml", "tripinfo"), s["vehicles"]);
+  for (const char* name : {"vehicles.csv", "replans.csv", "events.csv", "view.html"}) {
+    EXPECT_FALSE(content_of(directory_.path(std::string("out/") + name)).empty()) << name;
+  }
+  expect_no_files_but(7);
+}
+
+TEST_F(Coordinate, TheSameCommandGivesTheSameVehicles) {
+  const std::string arguments = "coordinate -c '" + kQuiet + "' --end 200 --seed 7 --no-view";
+  (void)run(arguments + " --output-dir a --no-fcd");
+  (void)run(arguments + " --output-dir b --no-fcd");
+  (void)run("coordinate -c '" + kQuiet + "' --end 200 --seed 8 --no-view --output-dir c");
+  const std::string vehicles = content_of(directory_.path("a/vehicles.csv"));
+  EXPECT_GT(vehicles.size(), 1000U);
+  EXPECT_EQ(vehicles, content_of(directory_.path("b/vehicles.csv")));
+  EXPECT_NE(vehicles, content_of(directory_.path("c/vehicles.csv")));
+  EXPECT_FALSE(fs::exists(directory_.path("a/fcd.xml")));
+  EXPECT_FALSE(fs::exists(directory_.path("a/view.html")));
+}
+
+TEST_F(Coordinate, WithoutItsPlannerNobodyIsHit) {
+  const Outcome outcome = run("coordinate -c '" + kBusy +
+                              "' --end 300 --replan-budget-ms 0 --replan-budget-from 100 --no-fcd");
+  EXPECT_EQ(outcome.exit_code, 1) << outcome.err;  // those that have not arrived
+  EXPECT_THAT(outcome.err, ContainsRegex("vehicles had not arrived at t = 300.00 s"));
+  const json s = summary();
+  EXPECT_EQ(s["status"], "end reached");
+  EXPECT_EQ(s["audit"]["overlap_pairs_coordinated"], 0);
+  EXPECT_GT(s["replans"], 50);
+  const std::string replans = content_of(directory_.path("out/replans.csv"));
+  const std::string last = replans.substr(replans.rfind('\n', replans.size() - 2) + 1);
+  EXPECT_LT(std::stod(last), 100.0);
+  EXPECT_GT(s["completed"], 60);  // traffic goes on by right of way
+}
+
+TEST_F(Coordinate, AnInterruptedRunLeavesCompleteFiles) {
+  const Outcome outcome = during_a_run("kill -INT $pid");
+  EXPECT_EQ(outcome.exit_code, 130) << outcome.err;
+  EXPECT_EQ(summary()["status"], "interrupted");
+  EXPECT_GT(elements_in("out/fcd.xml", "timestep"), 10);
+  EXPECT_GT(elements_in("out/tripinfo.xml", "tripinfo"), 0);
+  expect_no_files_but(7);
+}
+
+TEST_F(Coordinate, ACrashOfSumoIsOneLine) {
+  const Outcome outcome = during_a_run("kill -ABRT $sumo");
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_THAT(outcome.err,
+              MatchesRegex("mvtp: coordinate: the simulation crashed .Aborted.; [^\n]*\n"));
+  EXPECT_FALSE(fs::exists(directory_.path("out/summary.json")));
+}
+
+}  // namespace
+}  // namespace mvtp
