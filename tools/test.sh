@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Installs what is missing, builds, and runs every test: release first, then under the sanitizers.
+# Installs what is missing, builds, and runs every test: with assertions first, then under the sanitizers.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
