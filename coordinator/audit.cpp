@@ -58,6 +58,12 @@ double corner_distance(const Corners& a, const Corners& b) {
   return nearest;
 }
 
+/// The arc over a chord: at speed in a bend the chord is shorter by enough to look like braking.
+double arc_length(double chord, double turned) {
+  const double half = 0.5 * turned;
+  return half > 1e-6 ? chord * half / std::sin(half) : chord;
+}
+
 Point front_bumper(const Pose& rear_axle, const Vehicle& body) {
   const Pose p = compose(rear_axle, {body.front, 0.0, 0.0});
   return {p.x, p.y};
@@ -165,10 +171,10 @@ void Audit::follow(double time, const Sighting& s) {
 
 void Audit::judge_motion(double time, const Sighting& s, const Track& before, Track& now) {
   const Vehicle& body = s.type->body;
-  const double driven = distance(before.pose, now.pose);
+  const double turned = std::abs(wrap_to_pi(now.pose.theta - before.pose.theta));
+  const double driven = arc_length(distance(before.pose, now.pose), turned);
   now.driven_speed = driven / dt_;
   figures_.max_speed = std::max(figures_.max_speed, now.driven_speed);
-  const double turned = std::abs(wrap_to_pi(now.pose.theta - before.pose.theta));
   if (driven > 0.05) {
     figures_.max_curvature_ratio =
         std::max(figures_.max_curvature_ratio, turned / driven * body.min_turning_radius);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "planner/problem/input_error.hpp"
 
@@ -187,6 +188,20 @@ double Zone::length_behind(const Lanes& lanes, const std::string& exit) const {
   return length;
 }
 
+/// The speed at s that keeps to the limit [m/s]. Speeds are looked up at a few places of each decision
+/// only: the sharpest bend nearby counts, with a little to spare.
+double Zone::lateral_limit(const GuidePath& path, double s) const {
+  constexpr double kNearby = 0.75;  // [m]
+  constexpr double kSpare = 0.97;
+  double sharpest = 1e-9;
+  for (double d = -kNearby; d <= kNearby; d += GuidePath::kSpacing) {
+    sharpest = std::max(sharpest, std::abs(path.curvature(s + d)));
+  }
+  return options_.max_lateral_accel > 0.0
+             ? std::sqrt(kSpare * options_.max_lateral_accel / sharpest)
+             : std::numeric_limits<double>::infinity();
+}
+
 Movement Zone::build(const Lanes& lanes, const VehicleType& type) {
   const double before = std::min(shape_length(lane(lanes[0])) - options_.radius - kLeadIn, 0.0);
   const double skipped = std::max(shape_length(lane(lanes[0])) - options_.radius - kLeadIn, before);
@@ -224,10 +239,7 @@ Movement Zone::build(const Lanes& lanes, const VehicleType& type) {
       if (s + type.body.front >= start) limit = speed;
     }
     m.lane_limits.push_back(limit);
-    const double kappa = std::abs(path.curvature(s));
-    m.lateral_limits.push_back(options_.max_lateral_accel > 0.0 && kappa > 1e-6
-                                   ? std::sqrt(options_.max_lateral_accel / kappa)
-                                   : 1e3);
+    m.lateral_limits.push_back(lateral_limit(path, s));
   }
   m.path = library_.add(std::move(path), type.body);
   return m;

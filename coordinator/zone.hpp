@@ -73,6 +73,7 @@ class Zone {
   int movement_along(const Lanes& lanes, const VehicleType& type);
   [[nodiscard]] std::string exit_lane_of(const Lanes& lanes) const;
   [[nodiscard]] double length_behind(const Lanes& lanes, const std::string& exit) const;
+  [[nodiscard]] double lateral_limit(const GuidePath& path, double s) const;
   Movement build(const Lanes& lanes, const VehicleType& type);
   int number_of(const std::string& lane);
 

@@ -92,17 +92,19 @@ class CrossingPlanner {
     return result;
   }
 
-  /// Extends `entries` along `order`; returns the place of the first vehicle without a plan.
+  /// Extends `entries` along `order`; returns the place of the first vehicle without a plan, or where
+  /// it is clear that the cost will not be below `budget`: nobody is faster than alone.
   std::optional<std::size_t> plan_rest(const Order& order, std::vector<Entry>& entries,
-                                       double budget = 1e300) const {
+                                       double budget) {
     double cost = 0.0;
     for (const Entry& e : entries) cost += handback_cost(e);
+    for (std::size_t i = entries.size(); i < order.size(); ++i) cost += cost_alone(order[i]);
     for (std::size_t i = entries.size(); i < order.size(); ++i) {
+      if (cost >= budget) return i;
       auto t = plan_vehicle(scene_, scene_.vehicle(order[i]), entries, options_.trajectory);
       if (!t) return i;
       entries.push_back({order[i], std::make_shared<PathTrajectory>(std::move(*t))});
-      cost += handback_cost(entries.back());
-      if (cost >= budget) return i;
+      cost += handback_cost(entries.back()) - cost_alone(order[i]);
     }
     return std::nullopt;
   }
@@ -222,14 +224,18 @@ class CrossingPlanner {
   std::vector<double> delays_of(const std::vector<Entry>& entries) {
     std::vector<double> delays;
     for (const Entry& e : entries) {
-      const auto [alone, is_new] = alone_.try_emplace(e.key, 0.0);
-      if (is_new) {
-        auto run = plan_alone(scene_, scene_.vehicle(e.key), options_.trajectory);
-        alone->second = handback_cost({e.key, std::make_shared<PathTrajectory>(std::move(run))});
-      }
-      delays.push_back(std::max(0.0, handback_cost(e) - alone->second));
+      delays.push_back(std::max(0.0, handback_cost(e) - cost_alone(e.key)));
     }
     return delays;
+  }
+
+  double cost_alone(std::int64_t key) {
+    const auto [alone, is_new] = alone_.try_emplace(key, 0.0);
+    if (is_new) {
+      auto run = plan_alone(scene_, scene_.vehicle(key), options_.trajectory);
+      alone->second = handback_cost({key, std::make_shared<PathTrajectory>(std::move(run))});
+    }
+    return alone->second;
   }
 
   [[nodiscard]] double cost_of(const std::vector<Entry>& entries) const {

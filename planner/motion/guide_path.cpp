@@ -115,8 +115,12 @@ Pose GuidePath::at(double s) const {
   const Pose& a = poses_[i];
   const Pose& b = poses_[std::min(i + 1, poses_.size() - 1)];
   const double f = cell - double(i);
-  return {a.x + f * (b.x - a.x), a.y + f * (b.y - a.y),
-          wrap_to_pi(a.theta + f * wrap_to_pi(b.theta - a.theta))};
+  // Between two samples the path is an arc: it bulges away from the chord, to the right in a left
+  // turn. On the chords alone a vehicle would jerk at every sample.
+  const double turn = wrap_to_pi(b.theta - a.theta);
+  const double aside = -0.5 * turn * f * (1.0 - f);
+  return {a.x + f * (b.x - a.x) - aside * (b.y - a.y), a.y + f * (b.y - a.y) + aside * (b.x - a.x),
+          wrap_to_pi(a.theta + f * turn)};
 }
 
 double GuidePath::curvature(double s) const {

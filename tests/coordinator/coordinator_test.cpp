@@ -6,6 +6,7 @@
 #include <random>
 
 #include "coordinator/audit.hpp"
+#include "planner/problem/input_error.hpp"
 #include "tests/coordinator/fake_traffic.hpp"
 
 namespace mvtp {
@@ -74,6 +75,154 @@ TEST(Coordinator, EverybodyCrossesWithoutTouching) {
   EXPECT_EQ(run.audit.figures().accel_violations, 0);
   EXPECT_LE(run.audit.figures().max_curvature_ratio, 1.0);
   EXPECT_LE(run.audit.figures().max_jump, 0.05);
+}
+
+/// The true bodies of all vehicles under control, `tau` seconds after everyone began to brake.
+double least_clearance_while_braking(const ClosedLoop& run, double tau) {
+  const RoadScene scene = run.coordinator.scene();
+  std::vector<Pose> poses;
+  for (const RoadVehicle& v : scene.vehicles) {
+    const double s = braked_position(v.now, scene.body(v).max_decel, tau);
+    poses.push_back(scene.library->path(v.path).at(s));
+  }
+  double least = 1e9;
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      least = std::min(least, clearance(poses[i], run.car.body, poses[j], run.car.body));
+    }
+  }
+  return least;
+}
+
+TEST(Coordinator, EverybodyBrakesNowIsSafeAtEveryDecision) {
+  ClosedLoop run(random_trips(600.0, 100.0, 2));
+  for (int step = 0; run.traffic.running() && run.traffic.time() < 300.0; ++step) {
+    run.step();
+    if (step % 5 != 0) continue;  // a decision was taken before this step
+    for (double tau = 0.0; tau < 4.0; tau += 0.1) {
+      ASSERT_GT(least_clearance_while_braking(run, tau), 0.0) << "at t = " << run.traffic.time();
+    }
+  }
+}
+
+TEST(Coordinator, WhatIsExecutedLeadsEverybodyOutOfTheZone) {
+  ClosedLoop run(random_trips(600.0, 100.0, 3));
+  while (run.traffic.running() && run.traffic.time() < 300.0) {
+    run.step();
+    const RoadScene scene = run.coordinator.scene();
+    for (const RoadVehicle& v : scene.vehicles) {
+      const PathTrajectory* t = run.coordinator.plan().find(v.key);
+      ASSERT_NE(t, nullptr);
+      ASSERT_TRUE(t->complete);
+      ASSERT_GE(t->states.back().s, v.s_end);
+    }
+  }
+  EXPECT_EQ(run.traffic.arrived(), run.number_of_trips);
+}
+
+TEST(Coordinator, WithADeadPlannerTheVehiclesUnderControlFinishAndOthersStayOut) {
+  CoordinatorOptions options;
+  options.replan_budget_ms = 0.0;
+  options.budget_from = 60.0;
+  ClosedLoop run(random_trips(400.0, 80.0, 4), options);
+  run.run_until(60.0);
+  ASSERT_FALSE(run.coordinator.driven().empty());
+  while (!run.coordinator.driven().empty() && run.traffic.time() < 120.0) run.step();
+  EXPECT_TRUE(run.coordinator.driven().empty());
+  EXPECT_EQ(run.audit.figures().overlap_pairs, 0);
+}
+
+TEST(Coordinator, ALatePlanIsDroppedAndTheOldOneGoesOn) {
+  CoordinatorOptions options;
+  options.replan_budget_ms = 1e-6;  // no plan is made within a nanosecond
+  options.budget_from = 60.0;
+  ClosedLoop run(random_trips(400.0, 80.0, 4), options);
+  run.run_until(90.0);
+  EXPECT_EQ(run.audit.figures().overlap_pairs_coordinated, 0);
+  const auto late = std::ranges::count_if(run.coordinator.replans(), &Replan::fallback);
+  EXPECT_GT(late, 0);
+}
+
+TEST(Coordinator, StopsBehindACarThatBreaksDownAfterItsHandBack) {
+  ClosedLoop run({{"a", 0.0, "W_in", "E_out"},
+                  {"b", 3.0, "W_in", "E_out"},
+                  {"c", 6.0, "S_in", "E_out"},
+                  {"d", 6.0, "N_in", "S_out"}});
+  while (run.traffic.running() && run.traffic.time() < 120.0) {
+    run.step();
+    for (const std::string& id : run.coordinator.handed_back()) {
+      if (id == "a") run.traffic.freeze("a");
+    }
+  }
+  EXPECT_EQ(run.audit.figures().overlap_pairs, 0);
+  EXPECT_EQ(run.traffic.arrived(), 1);  // d; b and c wait behind a
+}
+
+TEST(Coordinator, TheSameSeedGivesTheSameRun) {
+  ClosedLoop a(random_trips(500.0, 60.0, 5));
+  ClosedLoop b(random_trips(500.0, 60.0, 5));
+  while (a.traffic.running() && a.traffic.time() < 150.0) {
+    a.step();
+    b.step();
+    ASSERT_EQ(a.traffic.vehicles().size(), b.traffic.vehicles().size());
+    for (std::size_t i = 0; i < a.traffic.vehicles().size(); ++i) {
+      ASSERT_EQ(a.traffic.vehicles()[i].pose, b.traffic.vehicles()[i].pose);
+    }
+  }
+}
+
+TEST(Coordinator, KeepsToALateralAccelerationLimit) {
+  ZoneOptions zone;
+  zone.max_lateral_accel = 3.0;
+  ClosedLoop run(random_trips(300.0, 100.0, 6), {}, zone);
+  run.run_until(300.0);
+  EXPECT_EQ(run.traffic.arrived(), run.number_of_trips);
+  EXPECT_GT(run.audit.figures().max_lateral_accel, 2.0);
+  EXPECT_LE(run.audit.figures().max_lateral_accel, 3.0);
+}
+
+TEST(Zone, NamesAJunctionThatIsNotThere) {
+  const RoadNetwork network = make_crossroads();
+  const DrivableArea area(network);
+  EXPECT_THAT([&] { Zone(network, area, {"X"}, {}); },
+              testing::ThrowsMessage<InputError>(
+                  "--junction X: the network has no junction with this id"));
+}
+
+TEST(Zone, HasNoMovementForAVehicleInALaneThatDoesNotLeadThere) {
+  const RoadNetwork network = make_crossroads();
+  const DrivableArea area(network);
+  Zone zone(network, area, {"C"}, {});
+  const VehicleState v{.id = "v", .type = "car", .lane = "W_in_0", .lane_position = 150.0};
+  const VehicleType car = FakeTraffic(network, {}).type("car");
+  EXPECT_TRUE(zone.movement_for(v, std::vector<std::string>{"W_in", "E_out"}, car).has_value());
+  EXPECT_FALSE(zone.movement_for(v, std::vector<std::string>{"W_in", "W_out"}, car).has_value());
+}
+
+// A bus of 12 m turns on a radius of 5.6 m: only a path of its own keeps it on the road.
+TEST(GuidePaths, ALongBusStaysOnTheRoadInTheTightestTurn) {
+  const RoadNetwork network = make_crossroads();
+  const DrivableArea area(network);
+  VehicleType bus{.id = "bus",
+                  .body = {.front = 8.64,
+                           .rear = 3.36,
+                           .width = 2.5,
+                           .wheelbase = 6.0,
+                           .min_turning_radius = 6.0,
+                           .max_speed = 20.0,
+                           .max_accel = 1.2,
+                           .max_decel = 4.0}};
+  Zone zone(network, area, {"C"}, {});
+  for (const std::string to : {"S_out", "E_out", "N_out"}) {
+    const VehicleState v{.id = "v", .type = "bus", .lane = "W_in_0", .lane_position = 150.0};
+    const auto m = zone.movement_for(v, std::vector<std::string>{"W_in", to}, bus);
+    ASSERT_TRUE(m);
+    const GuidePath& path = zone.library().path(zone.movement(*m).path);
+    EXPECT_LE(path.max_abs_curvature() * bus.body.min_turning_radius, 1.0) << to;
+    for (double s = 30.0; s < zone.movement(*m).s_handback; s += 0.5) {
+      EXPECT_EQ(area.share_outside(path.at(s), bus.body, 0.05), 0.0) << to << " at s = " << s;
+    }
+  }
 }
 
 }  // namespace

@@ -1,0 +1,259 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <numeric>
+
+#include "planner/algorithms/road_escot.hpp"
+
+namespace mvtp {
+namespace {
+
+const Vehicle kCar = {.front = 3.6,
+                      .rear = 0.9,
+                      .width = 1.8,
+                      .wheelbase = 2.7,
+                      .min_turning_radius = 3.86,
+                      .max_speed = 15.0,
+                      .max_accel = 2.6,
+                      .max_decel = 4.5};
+
+GuidePath straight(Point from, Point to) { return GuidePath(std::vector<Point>{from, to}); }
+
+//            | 1        Path 0 leads east, path 1 north; they cross at the origin, where each has
+//            |          s = 100. Path 2 is path 0 again, path 3 runs beside it, 10 m to the south.
+//   0, 2 ----+----->
+//   3 ------------->
+class Crossing : public testing::Test {
+ protected:
+  Crossing() : library(Margins{}) {
+    library.add(straight({-100, 0}, {100, 0}), kCar);
+    library.add(straight({0, -100}, {0, 100}), kCar);
+    library.add(straight({-100, 0}, {100, 0}), kCar);
+    library.add(straight({-100, -10}, {100, -10}), kCar);
+    scene.library = &library;
+  }
+
+  RoadVehicle& add(int path, double s, double v) {
+    RoadVehicle vehicle{.key = std::int64_t(scene.vehicles.size()), .path = path, .now = {s, v}};
+    vehicle.envelope = std::make_shared<SpeedEnvelope>(std::vector<double>(801, 13.9), 3.5);
+    vehicle.entry_lane = path == 2 ? 0 : path;
+    vehicle.exit_lane = path == 2 ? 0 : path;
+    vehicle.s_entry_line = 90.0;
+    vehicle.s_exit_lane = 110.0;
+    vehicle.s_handback = 170.0;
+    vehicle.s_end = 190.0;
+    scene.vehicles.push_back(vehicle);
+    return scene.vehicles.back();
+  }
+
+  std::vector<std::int64_t> keys() const {
+    std::vector<std::int64_t> all(scene.vehicles.size());
+    std::iota(all.begin(), all.end(), 0);
+    return all;
+  }
+
+  /// Do the true bodies touch anywhere along the two trajectories?
+  bool ever_touch(const RoadVehicle& a, const PathTrajectory& ta, const RoadVehicle& b,
+                  const PathTrajectory& tb) const {
+    const ContactTable bodies(library.path(a.path), kCar, library.path(b.path), kCar, {0.0, 0.0});
+    for (std::int64_t k = scene.step; k < std::min(ta.end(), tb.end()); ++k) {
+      if (bodies.touches(ta.at(k).s, tb.at(k).s)) return true;
+    }
+    return false;
+  }
+
+  PathLibrary library;
+  RoadScene scene;
+};
+
+using ContactTables = Crossing;
+
+TEST_F(ContactTables, TellTheSameFromBothSides) {
+  const ContactTable& ab = library.contacts(0, 1);
+  const ContactTable& ba = library.contacts(1, 0);
+  for (double a = 80.0; a < 120.0; a += 0.25) {
+    for (double b = 80.0; b < 120.0; b += 0.25) EXPECT_EQ(ab.touches(a, b), ba.touches(b, a));
+  }
+}
+
+// Car 0 stands with its rear axle at s = 100: its body, with half the margins, reaches 3.6 + 0.3 m
+// ahead. Car 2 behind it touches with its front at 0.3 m before that of the margin: s < 100 - 5.1.
+TEST_F(ContactTables, HoldTheLengthOfTheCarBehind) {
+  const ContactTable& table = library.contacts(0, 2);
+  EXPECT_TRUE(table.touches(100.0, 95.25));
+  EXPECT_FALSE(table.touches(100.0, 94.5));
+}
+
+TEST_F(ContactTables, AreEmptyForPathsThatNeverMeet) {
+  EXPECT_TRUE(library.contacts(0, 3).empty());
+  EXPECT_FALSE(library.contacts(0, 1).empty());
+}
+
+TEST(InertialCar, TwoHalfStepsMakeOneStep) {
+  for (const double a : {2.6, 0.0, -2.0, -4.5}) {
+    const InertialState whole = advance({10.0, 1.5}, a, 0.8);
+    const InertialState halves = advance(advance({10.0, 1.5}, a, 0.4), a, 0.4);
+    EXPECT_NEAR(whole.s, halves.s, 1e-12);
+    EXPECT_NEAR(whole.v, halves.v, 1e-12);
+  }
+}
+
+TEST(InertialCar, BrakingEndsAtTheStoppingDistance) {
+  EXPECT_NEAR(braked_position({5.0, 9.0}, 4.5, 100.0), 5.0 + stopping_distance(9.0, 4.5), 1e-12);
+  EXPECT_NEAR(advance({5.0, 9.0}, -4.5, 100.0).s, 5.0 + stopping_distance(9.0, 4.5), 1e-12);
+}
+
+TEST(SpeedEnvelope, LowerLimitsCanBeReachedWithTheBrakingGiven) {
+  std::vector<double> limits(200, 14.0);
+  limits[150] = 4.0;
+  const SpeedEnvelope envelope(limits, 3.5);
+  for (double s = 0.0; s < 37.0; s += 0.25) {
+    const double v = envelope.at(s);
+    const double next = envelope.at(s + 0.25);
+    EXPECT_LE((v * v - next * next) / (2.0 * 0.25), 3.5 + 1e-9);
+  }
+  EXPECT_DOUBLE_EQ(envelope.at(37.5), 4.0);
+}
+
+TEST_F(Crossing, AloneOnTheRoadAVehicleNeverSlowsDown) {
+  const auto plan = plan_vehicle(scene, add(0, 20.0, 13.9), {}, {});
+  ASSERT_TRUE(plan);
+  for (const InertialState& x : plan->states) EXPECT_NEAR(x.v, 13.9, 1e-9);
+  EXPECT_GE(plan->states.back().s, 190.0);
+}
+
+TEST_F(Crossing, TheSecondVehicleLetsTheFirstOnePass) {
+  add(0, 20.0, 13.9);
+  add(1, 20.0, 13.9);
+  const auto result = plan_crossing(scene, keys(), {}, {}, 0);
+  ASSERT_TRUE(result.unplanned.empty());
+  const PathTrajectory& first = *result.plan.find(0);
+  const PathTrajectory& second = *result.plan.find(1);
+  EXPECT_FALSE(ever_touch(scene.vehicles[0], first, scene.vehicles[1], second));
+  // One passes at full speed, and the other is not far behind.
+  EXPECT_LT(std::min(arrival_step(first, 110.0), arrival_step(second, 110.0)), 70);
+  EXPECT_LT(std::max(arrival_step(first, 110.0), arrival_step(second, 110.0)), 100);
+}
+
+TEST_F(Crossing, NobodyStopsWhereAnotherOneWillPass) {
+  for (int i = 0; i < 4; ++i) {
+    add(0, 60.0 - 15.0 * i, 10.0);
+    add(1, 60.0 - 15.0 * i, 10.0);
+  }
+  const auto result = plan_crossing(scene, keys(), {}, {}, 0);
+  ASSERT_TRUE(result.unplanned.empty());
+  for (const auto& e : result.plan.entries) {
+    const RoadVehicle& v = scene.vehicle(e.key);
+    for (std::int64_t k = 0; k < e.trajectory->end(); ++k) {
+      const InertialState x = e.trajectory->at(k);
+      if (x.v > 0.0) continue;
+      EXPECT_LT(x.s + kCar.front, 100.0 - kCar.width / 2) << "vehicle " << v.key << " at step " << k;
+    }
+  }
+}
+
+TEST_F(Crossing, EverybodyBrakesNowIsSafeAtEveryDecisionOfAPlan) {
+  for (int i = 0; i < 4; ++i) {
+    add(0, 70.0 - 15.0 * i, 12.0);
+    add(1, 66.0 - 15.0 * i, 12.0);
+  }
+  const auto result = plan_crossing(scene, keys(), {}, {}, 0);
+  ASSERT_TRUE(result.unplanned.empty());
+  const auto& entries = result.plan.entries;
+  for (std::size_t i = 0; i < entries.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      const RoadVehicle& a = scene.vehicle(entries[i].key);
+      const RoadVehicle& b = scene.vehicle(entries[j].key);
+      const ContactTable bodies(library.path(a.path), kCar, library.path(b.path), kCar, {0, 0});
+      for (std::int64_t k = 0; k < 200; k += scene.grid.steps_per_decision) {
+        for (double tau = 0.0; tau < 4.0; tau += 0.05) {
+          const double sa = braked_position(entries[i].trajectory->at(k), 4.5, tau);
+          const double sb = braked_position(entries[j].trajectory->at(k), 4.5, tau);
+          ASSERT_FALSE(bodies.touches(sa, sb)) << a.key << " and " << b.key << " at step " << k;
+        }
+      }
+    }
+  }
+}
+
+TEST_F(Crossing, BehindAnObstacleThatNeverLeavesThereIsNoCompletePlan) {
+  RoadVehicle obstacle = add(2, 120.0, 0.0);
+  scene.vehicles.clear();
+  obstacle.key = -1;
+  scene.forecasts.push_back({obstacle, {.states = {{120.0, 0.0}}, .complete = false}});
+  add(0, 20.0, 13.9);
+  EXPECT_FALSE(plan_vehicle(scene, scene.vehicles[0], {}, {}).has_value());
+}
+
+TEST_F(Crossing, WithoutACompletePlanPbcrStopsTheVehicleInTime) {
+  RoadVehicle obstacle = add(2, 120.0, 0.0);
+  scene.vehicles.clear();
+  obstacle.key = -1;
+  scene.forecasts.push_back({obstacle, {.states = {{120.0, 0.0}}, .complete = false}});
+  add(0, 20.0, 13.9);
+  double s = 20.0;
+  for (int decision = 0; decision < 60; ++decision) {
+    const RoadDecision next = decide_on_road(scene, {}, {0}, {});
+    ASSERT_EQ(next.stepped, 1);
+    scene.step += scene.grid.steps_per_decision;
+    scene.vehicles[0].now = next.plan.find(0)->at(scene.step);
+    s = scene.vehicles[0].now.s;
+    ASSERT_LT(s + kCar.front, 120.0 - kCar.rear) << "ran into the obstacle";
+  }
+  EXPECT_GT(s, 60.0);  // it used the road up to the obstacle, or to the crossing before it
+  EXPECT_EQ(scene.vehicles[0].now.v, 0.0);
+}
+
+TEST_F(Crossing, APlanIsReplacedOnlyByABetterOne) {
+  for (int i = 0; i < 5; ++i) {
+    add(0, 70.0 - 14.0 * i, 13.0);
+    add(1, 64.0 - 14.0 * i, 13.0);
+  }
+  CrossingOptions one_shot;
+  one_shot.tries = 0;
+  const auto first = plan_crossing(scene, keys(), {}, one_shot, 0);
+  CrossingOptions search;
+  search.tries = 60;
+  const auto better = plan_crossing(scene, keys(), first.plan, search, 1);
+  EXPECT_LE(better.cost, first.cost);
+  const auto again = plan_crossing(scene, keys(), better.plan, one_shot, 2);
+  EXPECT_NEAR(again.cost, better.cost, 1e-9);
+}
+
+TEST_F(Crossing, TheSameSeedGivesTheSamePlan) {
+  for (int i = 0; i < 5; ++i) {
+    add(0, 70.0 - 14.0 * i, 13.0);
+    add(1, 64.0 - 14.0 * i, 13.0);
+  }
+  const auto a = plan_crossing(scene, keys(), {}, {}, 7);
+  const auto b = plan_crossing(scene, keys(), {}, {}, 7);
+  ASSERT_EQ(a.plan.entries.size(), b.plan.entries.size());
+  for (std::size_t i = 0; i < a.plan.entries.size(); ++i) {
+    EXPECT_EQ(a.plan.entries[i].key, b.plan.entries[i].key);
+    EXPECT_EQ(a.plan.entries[i].trajectory->states, b.plan.entries[i].trajectory->states);
+  }
+}
+
+TEST_F(Crossing, FollowersHaveTheirHeadwayAtHandBack) {
+  for (int i = 0; i < 4; ++i) add(0, 80.0 - 8.0 * i, 8.0);
+  const auto result = plan_crossing(scene, keys(), {}, {}, 0);
+  ASSERT_TRUE(result.unplanned.empty());
+  for (int i = 1; i < 4; ++i) {
+    const std::int64_t k = arrival_step(*result.plan.find(i), 170.0);
+    const InertialState behind = result.plan.find(i)->at(k);
+    const InertialState ahead = result.plan.find(i - 1)->at(k);
+    if (ahead.s >= PathTrajectory::kGone) continue;
+    EXPECT_GE(ahead.s - behind.s - kCar.length(), 2.5 + behind.v * 1.0);
+  }
+}
+
+TEST_F(Crossing, VehiclesWhosePathsNeverMeetAreInDifferentGroups) {
+  add(0, 20.0, 10.0);
+  add(3, 20.0, 10.0);
+  add(2, 60.0, 10.0);
+  EXPECT_THAT(group_vehicles(scene),
+              testing::ElementsAre(testing::ElementsAre(0, 2), testing::ElementsAre(1)));
+}
+
+}  // namespace
+}  // namespace mvtp
