@@ -5,9 +5,12 @@
 #include <cmath>
 #include <random>
 
+#include "coordinator/referee.hpp"
+
 namespace mvtp {
 namespace {
 
+constexpr int kRefereeSteps = 2;  ///< of the simulation between two looks at a new plan
 constexpr double kBlend = 20.0;  ///< [m] over which the offset at takeover disappears
 
 /// Comfortable braking towards lower speed limits.
@@ -113,6 +116,7 @@ void Coordinator::decide() {
     std::ranges::shuffle(order, random);
   }
   RoadDecision decision = decide_on_road(now, incumbent, order, escot);
+  const bool refused = find_planned_contact(now, decision.plan, kRefereeSteps).has_value();
 
   Replan record{.time = traffic_.time(),
                 .vehicles = int(now.vehicles.size()),
@@ -123,8 +127,9 @@ void Coordinator::decide() {
                 .cost = decision.cost};
   record.ms =
       std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
-  record.fallback =
+  const bool late =
       traffic_.time() >= options_.budget_from && record.ms > options_.replan_budget_ms;
+  record.fallback = late || refused;
   replans_.push_back(record);
   if (record.fallback) {
     for (const auto& [id, driven] : admitted) driven_.erase(id);

@@ -30,7 +30,7 @@ struct Replan {
   int forecasts = 0;
   int groups = 0;
   int stepped = 0;        ///< vehicles without a complete plan, moved by PBCR
-  bool fallback = false;  ///< late: the previous plan was kept
+  bool fallback = false;  ///< late, or refused by the referee: the previous plan was kept
   double cost = 0.0;      ///< [s]
   double ms = 0.0;        ///< wall clock
 };

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 namespace mvtp {
 namespace {
@@ -171,14 +172,13 @@ class VehiclePlanner {
 
   [[nodiscard]] std::optional<PathTrajectory> plan() {
     std::optional<PathTrajectory> best;
-    double best_cost = 0.0;
     for (const double share : options_.approach_speeds) {
       blocked_ = false;
       if (approach(share)) {
         const double cost = cost_of(states_);
-        if (!best || cost < best_cost) {
+        if (cost < best_cost_) {
           best = PathTrajectory{.begin = start_, .states = states_};
-          best_cost = cost;
+          best_cost_ = cost;
         }
       }
       if (!blocked_) break;  // nothing stood in its way: no timing can be better
@@ -199,7 +199,7 @@ class VehiclePlanner {
   bool approach(double share) {
     states_ = {vehicle_.now};
     while (states_.back().s < vehicle_.s_end) {
-      if (decisions() >= max_decisions_) return false;
+      if (decisions() >= max_decisions_ || least_cost() >= best_cost_) return false;
       const InertialState from = states_.back();
       const Accelerations choices = accelerations(from, share * vehicle_.cruise_speed);
       const std::int64_t k = now();
@@ -292,6 +292,12 @@ class VehiclePlanner {
   [[nodiscard]] int decisions() const { return int(states_.size() - 1) / grid_.steps_per_decision; }
   [[nodiscard]] std::int64_t now() const { return start_ + std::int64_t(states_.size()) - 1; }
 
+  /// What the states so far will cost at least: nobody is faster than at cruise speed.
+  [[nodiscard]] double least_cost() const {
+    const double left = std::max(0.0, vehicle_.s_handback - states_.back().s);
+    return decisions() * grid_.decision() + left / vehicle_.cruise_speed;
+  }
+
   /// Time of hand-back, and what it takes to be at cruise speed again.
   [[nodiscard]] double cost_of(const std::vector<InertialState>& states) const {
     const auto exit = std::ranges::find_if(
@@ -310,6 +316,7 @@ class VehiclePlanner {
   int max_decisions_;
   std::vector<InertialState> states_;
   bool blocked_ = false;
+  double best_cost_ = std::numeric_limits<double>::infinity();
 };
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "coordinator/free_flow.hpp"
+#include "coordinator/referee.hpp"
 #include "coordinator/report.hpp"
 #include "tests/coordinator/fake_traffic.hpp"
 
@@ -75,7 +76,8 @@ TEST_F(AuditTest, SeesABodyThatLeavesTheRoad) {
   const VehicleState far{.id = "b", .pose = {100, -1.6, 0}};
   see(0.1, {.id = "a", .pose = {-100, -1.6, 0}}, true, far);
   EXPECT_EQ(audit.figures().off_road_steps, 0);
-  see(0.2, {.id = "a", .pose = {-100, -2.4, 0}}, true, far);  // its side is at -3.3, the road's -3.2
+  see(0.2, {.id = "a", .pose = {-100, -2.4, 0}}, true,
+      far);  // its side is at -3.3, the road's -3.2
   EXPECT_EQ(audit.figures().off_road_steps, 1);
 }
 
@@ -106,6 +108,29 @@ TEST_F(AuditTest, CountsHardBrakingOnlyAfterAHandBack) {
   EXPECT_EQ(audit.figures().hard_brakings_after_handback, 1);
 }
 
+// Two paths that cross at s = 50; both vehicles get there at the same time.
+TEST(Referee, SeesTwoVehiclesThatWouldMeet) {
+  PathLibrary library(Margins{});
+  library.add(GuidePath(std::vector<Point>{{-50, 0}, {50, 0}}), kCar);
+  library.add(GuidePath(std::vector<Point>{{0, -50}, {0, 50}}), kCar);
+  RoadScene scene{.library = &library};
+  JointPlan plan;
+  for (int i = 0; i < 2; ++i) {
+    scene.vehicles.push_back({.key = i, .path = i, .now = {0, 10}});
+    PathTrajectory t;
+    for (int k = 0; k < 90; ++k) t.states.push_back({double(k), 10.0});
+    plan.entries.push_back({i, std::make_shared<PathTrajectory>(t)});
+  }
+  const auto contact = find_planned_contact(scene, plan, 1);
+  ASSERT_TRUE(contact);
+  EXPECT_NEAR(double(contact->step), 46.0, 2.0);
+
+  PathTrajectory later;  // two seconds behind
+  for (int k = 0; k < 110; ++k) later.states.push_back({std::max(0.0, k - 20.0), 10.0});
+  plan.entries[1].trajectory = std::make_shared<PathTrajectory>(later);
+  EXPECT_FALSE(find_planned_contact(scene, plan, 1));
+}
+
 TEST(FreeFlow, AddsTheTimesOfAllLanes) {
   const RoadNetwork network = make_crossroads(200.0);
   // 182.8 m before the junction, an arc of 5.6 m radius at 6.5 m/s, 150 m behind it.
@@ -118,7 +143,8 @@ TEST(FreeFlow, AddsTheTimesOfAllLanes) {
 }
 
 TEST(Report, CountsTheDelayOfThoseWhoNeverArrive) {
-  const VehicleRecord done{.intended_departure = 10, .departure = 12, .arrival = 70, .free_flow = 50};
+  const VehicleRecord done{
+      .intended_departure = 10, .departure = 12, .arrival = 70, .free_flow = 50};
   const VehicleRecord stuck{.intended_departure = 10, .departure = 12, .free_flow = 50};
   EXPECT_DOUBLE_EQ(delay_of(done, 100.0), 10.0);
   EXPECT_DOUBLE_EQ(delay_of(stuck, 100.0), 40.0);

@@ -184,9 +184,9 @@ TEST(Coordinator, KeepsToALateralAccelerationLimit) {
 TEST(Zone, NamesAJunctionThatIsNotThere) {
   const RoadNetwork network = make_crossroads();
   const DrivableArea area(network);
-  EXPECT_THAT([&] { Zone(network, area, {"X"}, {}); },
-              testing::ThrowsMessage<InputError>(
-                  "--junction X: the network has no junction with this id"));
+  EXPECT_THAT(
+      [&] { Zone(network, area, {"X"}, {}); },
+      testing::ThrowsMessage<InputError>("--junction X: the network has no junction with this id"));
 }
 
 TEST(Zone, HasNoMovementForAVehicleInALaneThatDoesNotLeadThere) {

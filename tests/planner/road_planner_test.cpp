@@ -147,7 +147,8 @@ TEST_F(Crossing, NobodyStopsWhereAnotherOneWillPass) {
     for (std::int64_t k = 0; k < e.trajectory->end(); ++k) {
       const InertialState x = e.trajectory->at(k);
       if (x.v > 0.0) continue;
-      EXPECT_LT(x.s + kCar.front, 100.0 - kCar.width / 2) << "vehicle " << v.key << " at step " << k;
+      EXPECT_LT(x.s + kCar.front, 100.0 - kCar.width / 2)
+          << "vehicle " << v.key << " at step " << k;
     }
   }
 }
