@@ -57,7 +57,8 @@ std::string SumoLog::take_errors() {
   return errors_in(log);
 }
 
-SumoLog::Redirection::Redirection(const SumoLog& log) : stderr_(dup(STDERR_FILENO)) {
+SumoLog::Redirection::Redirection(const SumoLog& log)
+    : stderr_(fcntl(STDERR_FILENO, F_DUPFD_CLOEXEC, 0)) {
   dup2(log.descriptor(), STDERR_FILENO);
 }
 

@@ -67,7 +67,7 @@ std::vector<std::string> arguments_of(const SumoOptions& options) {
   const auto add = [&](std::initializer_list<std::string> more) {
     arguments.insert(arguments.end(), more);
   };
-  if (options.seed) add({"--seed", std::to_string(*options.seed)});
+  if (options.seed) add({"--seed", std::to_string(*options.seed), "--random", "false"});
   if (options.gui) add({"--start", "true", "--quit-on-end", "true"});
   return arguments;
 }
