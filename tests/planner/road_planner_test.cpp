@@ -153,6 +153,28 @@ TEST_F(Crossing, NobodyStopsWhereAnotherOneWillPass) {
   }
 }
 
+//          | 1     A car stands behind the crossing for 20 s. Vehicle 0 gets there first; if it
+//          drove
+//   0 -----+[ ]    up to that car, it would stand in the way of vehicle 1, with no way out.
+//          |
+TEST_F(Crossing, WaitsBeforeTheCrossingIfItCouldNotClearIt) {
+  RoadVehicle obstacle = add(2, 107.5, 0.0);
+  scene.vehicles.clear();
+  obstacle.key = -1;
+  scene.forecasts.push_back({obstacle, {.states = std::vector<InertialState>(200, {107.5, 0.0})}});
+  add(0, 60.0, 13.0);
+  add(1, 20.0, 8.0);
+  const PathTrajectory crossing = plan_alone(scene, scene.vehicles[1], {});
+  const std::vector<JointPlan::Entry> before = {{1, std::make_shared<PathTrajectory>(crossing)}};
+  WholeTrajectoryOptions one_speed;
+  one_speed.approach_speeds = {1.0};
+
+  const auto plan = plan_vehicle(scene, scene.vehicles[0], before, one_speed);
+
+  ASSERT_TRUE(plan);
+  EXPECT_FALSE(ever_touch(scene.vehicles[0], *plan, scene.vehicles[1], crossing));
+}
+
 TEST_F(Crossing, EverybodyBrakesNowIsSafeAtEveryDecisionOfAPlan) {
   for (int i = 0; i < 4; ++i) {
     add(0, 70.0 - 15.0 * i, 12.0);
