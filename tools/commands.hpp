@@ -7,6 +7,7 @@ namespace mvtp {
 // The sub-commands, one source file each.
 [[nodiscard]] Action declare_solve(CLI::App& app);
 [[nodiscard]] Action declare_validate(CLI::App& app);
+[[nodiscard]] Action declare_generate(CLI::App& app);
 [[nodiscard]] Action declare_view(CLI::App& app);
 
 // Those of the sibling executable mvtp-sumo.

@@ -6,6 +6,7 @@ int main(int argc, char** argv) {
   constexpr std::array kCommands = {
       mvtp::Command{"solve", "Solve one standalone instance", mvtp::declare_solve},
       mvtp::Command{"validate", "Judge a plan, ours or anyone's", mvtp::declare_validate},
+      mvtp::Command{"generate", "Write the benchmark suites", mvtp::declare_generate},
       mvtp::Command{"view", "One page that replays plans and SUMO runs", mvtp::declare_view},
       mvtp::Command{"coordinate", "Run a SUMO scenario headless, coordinated", nullptr},
       mvtp::Command{"compare", "One demand under SUMO's own control and coordinated", nullptr},

@@ -3,9 +3,11 @@
 #include <CLI/CLI.hpp>
 #include <charconv>
 #include <cmath>
+#include <cstdint>
 #include <map>
 #include <sstream>
 #include <string>
+#include <vector>
 
 namespace mvtp {
 
@@ -29,6 +31,39 @@ namespace mvtp {
     message << "is \"" << text << "\"; give a number from " << low << " to " << high;
     return message.str();
   };
+}
+
+/// For CLI::Option::check(): a whole number from `low` to `high`, in digits alone.
+[[nodiscard]] inline auto whole_number_between(std::int64_t low, std::int64_t high) {
+  return [low, high](const std::string& text) -> std::string {
+    std::int64_t value = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    const bool is_number = error == std::errc() && end == text.data() + text.size();
+    if (is_number && value >= low && value <= high) return "";
+    return "is \"" + text + "\"; give a whole number from " + std::to_string(low) + " to " +
+           std::to_string(high);
+  };
+}
+
+/// Declares an option that takes whole numbers from `low` to `high` with commas between, "5,10".
+inline CLI::Option* add_numbers(CLI::App& app, const std::string& name, std::vector<int>& target,
+                                int low, int high, const std::string& description) {
+  const auto split = [](const std::string& text) { return CLI::detail::split(text, ','); };
+  return app
+      .add_option_function<std::string>(
+          name,
+          [&target, split](const std::string& text) {
+            target.clear();
+            for (const std::string& word : split(text)) target.push_back(std::stoi(word));
+          },
+          description)
+      ->check([split, is_valid = whole_number_between(low, high)](const std::string& text) {
+        for (const std::string& word : split(text)) {
+          if (std::string problem = is_valid(word); !problem.empty()) return problem;
+        }
+        return std::string();
+      })
+      ->type_name("N,N,...");
 }
 
 /// Declares an option that takes one of a few words, each standing for a value.

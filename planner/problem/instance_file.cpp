@@ -294,6 +294,14 @@ std::string vehicle_text(const Vehicle& vehicle) {
   return "{" + text + "}";
 }
 
+/// The preset whose vehicle this is.
+std::optional<std::string_view> preset_of(const Vehicle& vehicle) {
+  for (const std::string_view name : {"escot", "cl-cbs"}) {
+    if (vehicle_preset(name).value().vehicle == vehicle) return name;
+  }
+  return std::nullopt;
+}
+
 std::string map_text(const Map& map, bool is_plain_format) {
   std::string text = fmt::format("map:\n  dimensions: [{}, {}]\n", yaml_number(map.width),
                                  yaml_number(map.height));
@@ -335,23 +343,34 @@ Instance read_instance(const std::string& path, const InstanceReadOptions& optio
   return instance;
 }
 
-void write_instance(const Instance& instance, const std::string& path, YawSense yaw) {
+void write_instance(const Instance& instance, const std::string& path,
+                    const InstanceWriteOptions& options) {
   const VehiclePreset standard = vehicle_preset("escot").value();
   const bool is_mixed = std::ranges::adjacent_find(instance.agents, std::ranges::not_equal_to{},
                                                    &Agent::vehicle) != instance.agents.end();
   const Vehicle common = instance.agents.empty() ? standard.vehicle : instance.agents[0].vehicle;
-  const bool has_vehicle = !is_mixed && common != standard.vehicle;
-  const bool has_dt = instance.dt != standard.dt;
+  const bool has_vehicle = !is_mixed && (common != standard.vehicle || options.name_vehicle);
+  const std::optional<std::string_view> preset = preset_of(common);
+  const double implied_dt =
+      has_vehicle && preset ? vehicle_preset(*preset).value().dt : standard.dt;
+  const bool has_dt = instance.dt != implied_dt;
 
   std::string text;
-  if (has_vehicle) text += fmt::format("vehicle: {}\n", vehicle_text(common));
+  if (!options.description.empty()) {
+    text += fmt::format("description: {}\n", yaml_string(options.description));
+  }
+  if (has_vehicle) {
+    text += preset ? fmt::format("vehicle: {{preset: {}}}\n", *preset)
+                   : fmt::format("vehicle: {}\n", vehicle_text(common));
+  }
   if (has_dt) text += fmt::format("dt: {}\n", yaml_number(instance.dt));
   text += "agents:\n";
   for (const Agent& agent : instance.agents) {
     const std::string own =
         is_mixed ? fmt::format(", vehicle: {}", vehicle_text(agent.vehicle)) : "";
-    text += fmt::format("  - {{name: {}, start: {}, goal: {}{}}}\n", yaml_string(agent.name),
-                        pose_text(agent.start, yaw), pose_text(agent.goal, yaw), own);
+    text +=
+        fmt::format("  - {{name: {}, start: {}, goal: {}{}}}\n", yaml_string(agent.name),
+                    pose_text(agent.start, options.yaw), pose_text(agent.goal, options.yaw), own);
   }
   text += map_text(instance.map, !has_vehicle && !has_dt && !is_mixed);
   write_text_file(path, text);

@@ -34,9 +34,20 @@ struct InstanceReadOptions {
 [[nodiscard]] Instance read_instance(const std::string& path,
                                      const InstanceReadOptions& options = {});
 
+/// How an instance file is written.
+struct InstanceWriteOptions {
+  YawSense yaw = YawSense::kCounterClockwise;
+  /// Names the vehicle even where it is the default, so that the file does not lean on it.
+  bool name_vehicle = false;
+  std::string description;  ///< kept in the file for its readers; empty: none
+};
+
 /// Writes the YAML format; read_instance() gives back the same instance, bit by bit.
+///
+/// A vehicle that all agents share is named by its preset where one fits, so that `vehicle_preset`
+/// of InstanceReadOptions replaces it together with the step duration.
 /// Without mixed vehicles, polygons and bounds kFootprint the file is one that CL-CBS can read.
 void write_instance(const Instance& instance, const std::string& path,
-                    YawSense yaw = YawSense::kCounterClockwise);
+                    const InstanceWriteOptions& options = {});
 
 }  // namespace mvtp

@@ -15,6 +15,7 @@ namespace mvtp {
 namespace {
 
 using testing::HasSubstr;
+using testing::StartsWith;
 
 constexpr double kPi = std::numbers::pi;
 
@@ -321,7 +322,7 @@ TEST_F(InstanceFile, WritesWhatItReads) {
     for (const YawSense yaw : {YawSense::kCounterClockwise, YawSense::kClockwise}) {
       const Instance instance = read(text, {.yaw = yaw});
       const std::string path = directory_.path("out.yaml");
-      write_instance(instance, path, yaw);
+      write_instance(instance, path, {.yaw = yaw});
       const Instance again = read_instance(path, {.yaw = yaw});
       ASSERT_EQ(again.agents.size(), instance.agents.size());
       for (std::size_t i = 0; i < again.agents.size(); ++i) {
@@ -338,6 +339,23 @@ TEST_F(InstanceFile, WritesWhatItReads) {
       EXPECT_EQ(again.map.circles.size(), instance.map.circles.size());
     }
   }
+}
+
+TEST_F(InstanceFile, NamesTheVehicleByItsPresetWhereOneFits) {
+  const auto written = [&](const std::string& text, const InstanceWriteOptions& options) {
+    write_instance(read(text, {}), directory_.path("out.yaml"), options);
+    return content_of(directory_.path("out.yaml"));
+  };
+  EXPECT_THAT(written("vehicle: {preset: cl-cbs}\n" + kPlain, {}),
+              StartsWith("vehicle: {preset: cl-cbs}\nagents:"));
+  EXPECT_THAT(written("vehicle: {preset: cl-cbs}\ndt: 1\n" + kPlain, {}),
+              StartsWith("vehicle: {preset: cl-cbs}\ndt: 1.0\nagents:"));
+  EXPECT_THAT(written("vehicle: {width: 1.5}\n" + kPlain, {}), StartsWith("vehicle: {front: 2.5,"));
+  EXPECT_THAT(written(kPlain, {}), StartsWith("agents:"));
+
+  const std::string named = written(kPlain, {.name_vehicle = true, .description = "a: b"});
+  EXPECT_THAT(named, StartsWith("description: \"a: b\"\nvehicle: {preset: escot}\nagents:"));
+  EXPECT_THAT(named, HasSubstr("  bounds: axle\n"));
 }
 
 /// Valid files with a few bytes changed, cut, doubled or swapped are read or refused, nothing else;
