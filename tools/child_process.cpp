@@ -3,12 +3,18 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <spawn.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <cerrno>
 #include <chrono>
+#include <cmath>
 #include <cstring>
+#include <ctime>
 #include <map>
+#include <utility>
 
 #include "planner/problem/input_error.hpp"
 
@@ -18,26 +24,59 @@ namespace {
 /// Looks after the children of run_jobs.
 class JobRunner {
  public:
-  JobRunner(std::span<const Job> jobs, int parallel,
-            const std::function<bool(std::size_t, int)>& finished)
-      : jobs_(jobs), parallel_(static_cast<std::size_t>(parallel)), finished_(finished) {}
+  JobRunner(JobSource& source, int parallel)
+      : source_(source), parallel_(static_cast<std::size_t>(parallel)) {}
+  JobRunner(const JobRunner&) = delete;
+  JobRunner& operator=(const JobRunner&) = delete;
+  /// Nobody is left behind, should something have been thrown.
+  ~JobRunner() {
+    send(SIGKILL);
+    for (const auto& [id, child] : running_) waitpid(id, nullptr, 0);
+  }
 
   bool run() {
     while (true) {
       start_more();
       if (running_.empty()) return !interrupted_;
-      const siginfo_t info = signals_.next();
-      if (info.si_signo != SIGCHLD) interrupt(info);
+      const std::optional<siginfo_t> info = signals_.next(first_deadline());
+      if (info && info->si_signo != SIGCHLD) interrupt(*info);
+      kill_overdue();
       collect();
     }
   }
 
  private:
+  struct Child {
+    Job job;
+    Deadline::Clock::time_point started;
+    Deadline latest;
+    bool out_of_time = false;
+  };
+
   void start_more() {
-    while (!ending_ && next_ < jobs_.size() && running_.size() < parallel_) {
-      const Job& job = jobs_[next_];
-      running_[start_child(job.arguments.front(), job.arguments, signals_, job.messages)] = next_;
-      ++next_;
+    while (!ending_ && running_.size() < parallel_) {
+      std::optional<Job> job = source_.next();
+      if (!job) return;
+      const pid_t child =
+          start_child(job->arguments.front(), job->arguments, signals_, job->messages);
+      const Deadline latest = Deadline::in(job->time_limit);
+      running_.emplace(child, Child{std::move(*job), Deadline::Clock::now(), latest});
+    }
+  }
+
+  [[nodiscard]] Deadline first_deadline() const {
+    Deadline first = Deadline::never();
+    for (const auto& [id, child] : running_) {
+      if (!child.out_of_time) first = first.within(child.latest.remaining());
+    }
+    return first;
+  }
+
+  void kill_overdue() {
+    for (auto& [id, child] : running_) {
+      if (child.out_of_time || !child.latest.expired()) continue;
+      child.out_of_time = true;
+      kill(id, SIGKILL);
     }
   }
 
@@ -53,14 +92,18 @@ class JobRunner {
 
   void collect() {
     int status = 0;
-    for (auto child = running_.begin(); child != running_.end();) {
-      if (waitpid(child->first, &status, WNOHANG) == 0) {
-        ++child;
+    rusage usage{};
+    for (auto entry = running_.begin(); entry != running_.end();) {
+      if (wait4(entry->first, &status, WNOHANG, &usage) == 0) {
+        ++entry;
         continue;
       }
-      const std::size_t job = child->second;
-      child = running_.erase(child);
-      if (!finished_(job, status) && !ending_) {
+      const Child child = std::move(entry->second);
+      entry = running_.erase(entry);
+      const std::chrono::duration<double> time = Deadline::Clock::now() - child.started;
+      const JobEnd end{status, time.count(), double(usage.ru_maxrss) / 1024.0, child.out_of_time,
+                       ending_};
+      if (!source_.finished(child.job, end) && !ending_) {
         send(SIGTERM);
         ending_ = true;
       }
@@ -68,18 +111,38 @@ class JobRunner {
   }
 
   void send(int signal) const {
-    for (const auto& [child, job] : running_) kill(child, signal);
+    for (const auto& [id, child] : running_) kill(id, signal);
   }
 
-  std::span<const Job> jobs_;
+  JobSource& source_;
   std::size_t parallel_;
-  const std::function<bool(std::size_t, int)>& finished_;
   AwaitedSignals signals_;
-  std::map<pid_t, std::size_t> running_;
-  std::size_t next_ = 0;
+  std::map<pid_t, Child> running_;
   bool ending_ = false;
   bool interrupted_ = false;
   std::chrono::steady_clock::time_point first_interrupt_{};
+};
+
+/// A fixed list of jobs.
+class JobList : public JobSource {
+ public:
+  JobList(std::span<const Job> jobs, const std::function<bool(std::size_t, int)>& finished)
+      : jobs_(jobs), finished_(finished) {}
+
+  [[nodiscard]] std::optional<Job> next() override {
+    if (next_ == jobs_.size()) return std::nullopt;
+    Job job = jobs_[next_];
+    job.tag = next_++;
+    return job;
+  }
+  [[nodiscard]] bool finished(const Job& job, const JobEnd& end) override {
+    return finished_(job.tag, end.status);
+  }
+
+ private:
+  std::span<const Job> jobs_;
+  const std::function<bool(std::size_t, int)>& finished_;
+  std::size_t next_ = 0;
 };
 
 }  // namespace
@@ -92,11 +155,14 @@ AwaitedSignals::AwaitedSignals() {
 
 AwaitedSignals::~AwaitedSignals() { sigprocmask(SIG_SETMASK, &before_, nullptr); }
 
-siginfo_t AwaitedSignals::next() const {
+std::optional<siginfo_t> AwaitedSignals::next(Deadline latest) const {
   siginfo_t info{};
-  while (sigwaitinfo(&set_, &info) < 0) {  // EINTR: a stop and a continue
+  while (true) {
+    const double seconds = std::max(latest.remaining(), 0.0);
+    const timespec patience{std::time_t(seconds), long(1e9 * (seconds - std::floor(seconds)))};
+    if (sigtimedwait(&set_, &info, &patience) >= 0) return info;
+    if (errno == EAGAIN) return std::nullopt;  // else EINTR: a stop and a continue
   }
-  return info;
 }
 
 pid_t start_child(const std::filesystem::path& program, const std::vector<std::string>& arguments,
@@ -129,9 +195,12 @@ pid_t start_child(const std::filesystem::path& program, const std::vector<std::s
   return child;
 }
 
+bool run_jobs(JobSource& source, int parallel) { return JobRunner(source, parallel).run(); }
+
 bool run_jobs(std::span<const Job> jobs, int parallel,
               const std::function<bool(std::size_t, int)>& finished) {
-  return JobRunner(jobs, parallel, finished).run();
+  JobList list(jobs, finished);
+  return run_jobs(list, parallel);
 }
 
 }  // namespace mvtp

@@ -5,9 +5,12 @@
 #include <csignal>
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
+
+#include "planner/problem/deadline.hpp"
 
 namespace mvtp {
 
@@ -20,8 +23,8 @@ class AwaitedSignals {
   AwaitedSignals& operator=(const AwaitedSignals&) = delete;
   ~AwaitedSignals();
 
-  /// Waits for the next one.
-  [[nodiscard]] siginfo_t next() const;
+  /// Waits for the next one; nullopt if none came until `latest`.
+  [[nodiscard]] std::optional<siginfo_t> next(Deadline latest = Deadline::never()) const;
   /// The signals that were blocked before, as a child needs them.
   [[nodiscard]] const sigset_t& before() const { return before_; }
 
@@ -39,18 +42,47 @@ class AwaitedSignals {
                                 const AwaitedSignals& signals,
                                 const std::filesystem::path& messages = {});
 
-/// One program to run, and how it ended.
+/// One program to run.
 struct Job {
   std::vector<std::string> arguments;  ///< argv; the first is the program's path
   std::filesystem::path messages;      ///< file for what it prints
+  double time_limit = 1e9;             ///< killed after so long [s]
+  std::size_t tag = 0;                 ///< for whoever made the job
 };
 
-/// Runs the jobs as child processes, at most `parallel` at once, in this order.
+/// How a job ended.
+struct JobEnd {
+  int status = 0;            ///< of waitpid()
+  double seconds = 0.0;      ///< wall clock
+  double peak_rss = 0.0;     ///< most memory it had at once [MiB]
+  bool out_of_time = false;  ///< killed for its time limit
+  bool interrupted = false;  ///< a signal to this process ended it, or another job's end did
+};
+
+/// Where the jobs come from, one after the other; an end may lead to further jobs.
+class JobSource {
+ public:
+  JobSource() = default;
+  JobSource(const JobSource&) = delete;
+  JobSource& operator=(const JobSource&) = delete;
+  virtual ~JobSource() = default;
+
+  /// The job to start next, asked for when there is room for one; nullopt: none for now.
+  [[nodiscard]] virtual std::optional<Job> next() = 0;
+  /// Called as each job ends. @return false to end everything: no more jobs are started, and those
+  /// that run get SIGTERM.
+  [[nodiscard]] virtual bool finished(const Job& job, const JobEnd& end) = 0;
+};
+
+/// Runs jobs as child processes, at most `parallel` at once, until none runs and none is left.
 ///
-/// `finished(i, status)` is called with the status of waitpid() as each one ends; if it returns
-/// false no more are started and those that run get SIGTERM. SIGINT and SIGTERM are passed on to
-/// the children, and nothing more is started; one that comes a second later kills them.
+/// SIGINT and SIGTERM are passed on to the children, and nothing more is started; one that comes a
+/// second later kills them.
 /// @return true unless a signal ended it early.
+[[nodiscard]] bool run_jobs(JobSource& source, int parallel);
+
+/// The same for a fixed list of jobs, in this order; `finished(i, status)` is called with the
+/// status of waitpid() and may return false to end everything.
 [[nodiscard]] bool run_jobs(std::span<const Job> jobs, int parallel,
                             const std::function<bool(std::size_t, int)>& finished);
 

@@ -19,8 +19,4 @@ struct CompareOptions {
   bool quiet = false;
 };
 
-/// Reads "7", "1-5" or "1,2,7-9" into ascending seeds without repetition, at most 1000.
-/// @throws InputError
-[[nodiscard]] std::vector<std::uint32_t> parse_seeds(const std::string& text);
-
 }  // namespace mvtp

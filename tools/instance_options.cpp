@@ -5,7 +5,7 @@
 namespace mvtp {
 
 void add_instance_options(CLI::App& app, InstanceReadOptions& options) {
-  const char* group = "Instance";
+  const char* group = kInstanceGroup;
   app.add_option("--vehicle", options.vehicle_preset,
                  "Vehicle preset, in place of the file's own [escot]")
       ->type_name("escot|cl-cbs")
@@ -29,7 +29,7 @@ void add_collision_option(CLI::App& app, CollisionRule& rule) {
       app, "--collision", rule,
       {{"continuous", CollisionRule::kContinuous}, {"steps", CollisionRule::kSteps}},
       "Footprints may not touch along the motion, or only at whole steps [continuous]")
-      ->group("Rules");
+      ->group(kRulesGroup);
 }
 
 }  // namespace mvtp

@@ -6,6 +6,10 @@
 
 namespace mvtp {
 
+/// The groups of these options, for commands that hand them on.
+inline constexpr const char* kInstanceGroup = "Instance";
+inline constexpr const char* kRulesGroup = "Rules";
+
 /// The options by which every command that reads an instance lets the user say how to read it.
 /// `options` must outlive the parsing.
 void add_instance_options(CLI::App& app, InstanceReadOptions& options);

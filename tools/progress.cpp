@@ -10,16 +10,33 @@
 
 namespace mvtp {
 
-Progress::Progress(std::string label, bool quiet)
-    : label_(std::move(label)), quiet_(quiet), on_terminal_(::isatty(STDERR_FILENO) == 1) {}
+std::string time_left(double seconds, double fraction) {
+  if (!(fraction > 0.0) || fraction >= 1.0) return {};
+  const double left = seconds * (1.0 - fraction) / fraction;
+  if (left < 90.0) return fmt::format("{:.0f} s left", std::ceil(left));
+  if (left < 90.0 * 60.0) return fmt::format("{:.0f} min left", left / 60.0);
+  return fmt::format("{:.1f} h left", left / 3600.0);
+}
+
+Progress::Progress(std::string label, bool quiet, TimeLeft time_left)
+    : label_(std::move(label)),
+      quiet_(quiet),
+      on_terminal_(::isatty(STDERR_FILENO) == 1),
+      time_left_(time_left) {}
 
 Progress::~Progress() {
   if (width_ > 0) fmt::print(stderr, "\n");
 }
 
-void Progress::update(double fraction, const std::string& note) {
+void Progress::update(double fraction, const std::string& what) {
   if (quiet_ || !(fraction >= 0.0)) return;
   fraction = std::min(fraction, 1.0);
+  std::string note = what;
+  if (time_left_ == TimeLeft::kShown) {
+    const std::chrono::duration<double> elapsed = Clock::now() - start_;
+    const std::string left = time_left(elapsed.count(), fraction);
+    if (!left.empty()) note = left + (what.empty() ? "" : ", ") + what;
+  }
   if (on_terminal_) {
     draw_bar(fraction, note);
     return;

@@ -21,8 +21,8 @@ namespace fs = std::filesystem;
 int wait_for(pid_t child, const AwaitedSignals& signals) {
   int status = 0;
   while (waitpid(child, &status, WNOHANG) == 0) {
-    const siginfo_t info = signals.next();
-    if (info.si_signo != SIGCHLD && info.si_code <= 0) kill(child, info.si_signo);
+    const std::optional<siginfo_t> info = signals.next();
+    if (info && info->si_signo != SIGCHLD && info->si_code <= 0) kill(child, info->si_signo);
   }
   return status;
 }

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <algorithm>
 #include <memory>
 #include <string>
 
@@ -13,7 +12,7 @@
 #include "planner/problem/validate.hpp"
 #include "tools/commands.hpp"
 #include "tools/instance_options.hpp"
-#include "tools/option_types.hpp"
+#include "tools/solve_options.hpp"
 #include "tools/version.hpp"
 
 namespace mvtp {
@@ -22,6 +21,7 @@ namespace {
 struct SolveCommand {
   std::string instance;
   std::string output;
+  std::string statistics;
   InstanceReadOptions reading;
   SolveOptions solving;
   double time_limit = 60.0;
@@ -37,15 +37,39 @@ void judge(const Instance& instance, CollisionRule rule, Plan& plan) {
   plan.statistics.reason = "the referee rejects the plan: " + violations.front().message;
 }
 
+/// Writes how it went, solved or not, as a plan without trajectories.
+void write_statistics(const SolveCommand& command, const Statistics& statistics) {
+  if (command.statistics.empty()) return;
+  write_plan({.statistics = statistics, .names = {}, .trajectories = {}}, command.statistics,
+             command.reading.yaw);
+}
+
+/// @throws InputError if the instance cannot be solved at first sight.
+void refuse_blocked(const SolveCommand& command, const Instance& instance) {
+  const std::vector<InputError> problems = check_instance(instance, command.instance);
+  if (problems.empty()) return;
+  Statistics statistics;
+  statistics.status = to_string(Status::kInfeasible);
+  statistics.algorithm = command.solving.algorithm;
+  statistics.seed = command.solving.seed;
+  statistics.dt = instance.dt;
+  statistics.version = version();
+  statistics.reason = problems.front().what();
+  write_statistics(command, statistics);
+  throw problems.front();
+}
+
 int solve_file(const SolveCommand& command) {
   const Instance instance = read_instance(command.instance, command.reading);
-  const std::vector<InputError> problems = check_instance(instance, command.instance);
-  if (!problems.empty()) throw problems.front();
-  if (!command.output.empty()) check_writable(command.output);
+  for (const std::string& file : {command.output, command.statistics}) {
+    if (!file.empty()) check_writable(file);
+  }
+  refuse_blocked(command, instance);
 
   Plan plan = solve(instance, command.solving, Deadline::in(command.time_limit));
   plan.statistics.version = version();
   judge(instance, command.solving.collision, plan);
+  write_statistics(command, plan.statistics);
 
   const Statistics& s = plan.statistics;
   if (s.status != to_string(Status::kSolved)) {
@@ -63,36 +87,14 @@ int solve_file(const SolveCommand& command) {
 }
 
 void add_search_options(CLI::App& app, SolveCommand& command) {
-  const char* group = "Search";
   app.add_option("-a,--algorithm", command.solving.algorithm, "What plans [escot]")
       ->type_name(fmt::format("{}", fmt::join(algorithm_names(), "|")))
-      ->check([](const std::string& name) {
-        const bool known = std::ranges::count(algorithm_names(), name) > 0;
-        return known ? std::string()
-                     : fmt::format("is \"{}\"; choose {}", name, fmt::join(algorithm_names(), "|"));
-      })
-      ->group(group);
-  app.add_option("--time-limit", command.time_limit, "For all runs together [s] [60]")
-      ->type_name("S")
-      ->check(positive_number)
-      ->group(group);
+      ->check(known_algorithm)
+      ->group(kSearchGroup);
   app.add_option("--seed", command.solving.seed, "Of the random choices [0]")
       ->type_name("N")
-      ->group(group);
-  app.add_option("--runs", command.solving.runs,
-                 "Tries with seeds N, N+1, ...; the first success counts [1]")
-      ->type_name("N")
-      ->check([](const std::string& text) {
-        const bool positive = text.find_first_not_of("0123456789") == std::string::npos &&
-                              text.find_first_not_of('0') != std::string::npos;
-        return positive ? std::string() : "is \"" + text + "\"; give a whole number > 0";
-      })
-      ->group(group);
-  app.add_option("--run-time-limit", command.solving.run_time_limit,
-                 "For each run [s] [the time limit]")
-      ->type_name("S")
-      ->check(positive_number)
-      ->group(group);
+      ->group(kSearchGroup);
+  add_limit_options(app, command.solving, command.time_limit);
 }
 
 }  // namespace
@@ -108,6 +110,10 @@ Action declare_solve(CLI::App& app) {
       ->type_name("FILE")
       ->group("Input");
   app.add_option("-o,--output", command->output, "Plan to write (CL-CBS YAML) [none]")
+      ->type_name("FILE")
+      ->group("Output");
+  app.add_option("--statistics", command->statistics,
+                 "How it went, solved or not (YAML: a plan without trajectories) [none]")
       ->type_name("FILE")
       ->group("Output");
   app.add_flag("-q,--quiet", command->quiet, "Print nothing when solved")->group("Output");

@@ -77,6 +77,9 @@ struct Statistics {
   double makespan = 0.0;  ///< [s]
   double flowtime = 0.0;  ///< [s]
   double runtime = 0.0;   ///< [s]
+  /// When the first valid plan was there [s], by algorithms that go on to improve it; nullopt: the
+  /// plan is the first, and `runtime` says when.
+  std::optional<double> first_solution;
   std::size_t makespan_steps = 0;
   double lower_bound = 0.0;              ///< [s]; see metrics.hpp
   std::optional<double> solo_makespan;   ///< [s]

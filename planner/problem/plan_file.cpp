@@ -48,6 +48,7 @@ Statistics read_statistics(const Value& value, double default_dt) {
   number("runtime", result.runtime, "s");
   number("lower_bound", result.lower_bound, "s");
   if (const auto entry = value.find("solo_makespan")) result.solo_makespan = entry->number("s");
+  if (const auto entry = value.find("first_solution")) result.first_solution = entry->number("s");
   if (const auto entry = value.find("makespan_steps")) result.makespan_steps = entry->count();
   if (const auto entry = value.find("seed")) result.seed = entry->count();
   if (const auto entry = value.find("dt")) result.dt = entry->positive("s");
@@ -135,6 +136,7 @@ std::string statistics_text(const Statistics& statistics, YawSense yaw) {
   line("makespan", yaml_number(statistics.makespan));
   line("flowtime", yaml_number(statistics.flowtime));
   line("runtime", yaml_number(statistics.runtime));
+  if (statistics.first_solution) line("first_solution", yaml_number(*statistics.first_solution));
   line("makespan_steps", fmt::to_string(statistics.makespan_steps));
   line("lower_bound", yaml_number(statistics.lower_bound));
   if (statistics.solo_makespan) line("solo_makespan", yaml_number(*statistics.solo_makespan));

@@ -49,6 +49,7 @@ Plan example_plan() {
   plan.statistics.runtime = 0.1;
   plan.statistics.lower_bound = 1.5;
   plan.statistics.solo_makespan = 1.75;
+  plan.statistics.first_solution = 0.0625;
   plan.statistics.seed = 18446744073709551615u;
   plan.statistics.dt = 0.1;
   plan.statistics.version = "0.1.0";
@@ -95,6 +96,7 @@ TEST_F(PlanFile, ReadsBackWhatItWritesBitByBit) {
     EXPECT_EQ(again.statistics.makespan_steps, 1u);
     EXPECT_EQ(again.statistics.makespan, plan.statistics.makespan);
     EXPECT_EQ(again.statistics.solo_makespan, 1.75);
+    EXPECT_EQ(again.statistics.first_solution, 0.0625);
     EXPECT_EQ(again.statistics.version, "0.1.0");
   }
 }

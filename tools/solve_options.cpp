@@ -1,0 +1,39 @@
+#include "tools/solve_options.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <limits>
+
+#include "tools/option_types.hpp"
+
+namespace mvtp {
+
+void add_limit_options(CLI::App& app, SolveOptions& options, double& time_limit) {
+  app.add_option("--time-limit", time_limit, "For all runs together [s] [60]")
+      ->type_name("S")
+      ->check(positive_number)
+      ->group(kSearchGroup);
+  app.add_option("--runs", options.runs,
+                 "Tries with seeds N, N+1, ...; the first success counts [1]")
+      ->type_name("N")
+      ->check([](const std::string& text) {
+        const bool positive = text.find_first_not_of("0123456789") == std::string::npos &&
+                              text.find_first_not_of('0') != std::string::npos;
+        return positive ? std::string() : "is \"" + text + "\"; give a whole number > 0";
+      })
+      ->group(kSearchGroup);
+  app.add_option("--run-time-limit", options.run_time_limit, "For each run [s] [the time limit]")
+      ->type_name("S")
+      ->check(positive_number)
+      ->group(kSearchGroup);
+}
+
+std::string known_algorithm(const std::string& name) {
+  const bool known = std::ranges::count(algorithm_names(), name) > 0;
+  return known ? std::string()
+               : fmt::format("is \"{}\"; choose {}", name, fmt::join(algorithm_names(), "|"));
+}
+
+}  // namespace mvtp

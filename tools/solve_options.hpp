@@ -1,0 +1,18 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+#include "planner/algorithms/solve.hpp"
+
+namespace mvtp {
+
+/// The options that `solve` takes and `bench` hands on to it, in this group.
+inline constexpr const char* kSearchGroup = "Search";
+
+/// --time-limit, --runs and --run-time-limit. The targets must outlive the parsing.
+void add_limit_options(CLI::App& app, SolveOptions& options, double& time_limit);
+
+/// For CLI::Option::check(): one of algorithm_names().
+[[nodiscard]] std::string known_algorithm(const std::string& name);
+
+}  // namespace mvtp
