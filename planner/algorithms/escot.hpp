@@ -1,12 +1,11 @@
 #pragma once
 
 #include <cstdint>
-#include <vector>
 
 #include "planner/algorithms/fleet.hpp"
+#include "planner/algorithms/step_plan.hpp"
 #include "planner/algorithms/stepped_world.hpp"
 #include "planner/problem/deadline.hpp"
-#include "planner/problem/plan.hpp"
 
 namespace mvtp {
 
@@ -15,11 +14,6 @@ struct EscotOptions {
   bool replan_duplicates = true;  ///< false, and world.grouping false: PBCR [Algorithm 1]
   std::uint64_t seed = 0;
   int max_steps = 20000;  ///< steps that are planned, those cut out again included
-};
-
-struct StepPlan {
-  Status status = Status::kExhausted;
-  std::vector<Trajectory> trajectories;
 };
 
 /// Plans step by step until every robot is at its goal.

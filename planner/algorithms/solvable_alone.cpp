@@ -15,8 +15,8 @@ bool solvable_alone(const Fleet& fleet, int i) {
   const SpacetimeHybridAstar planner(fleet.curves());
   // Full steps do not get out of every narrow place; shorter ones may.
   return std::ranges::any_of(std::array{1.0, 0.5, 0.25}, [&](double scale) {
-    return planner.search(problem, {.w = 1.5, .max_expansions = 20'000, .arc_scale = scale})
-        .has_value();
+    const SearchOptions options{.w = 1.5, .max_expansions = 20'000, .arc_scale = scale};
+    return planner.search(problem, options, Deadline::never()).has_value();
   });
 }
 

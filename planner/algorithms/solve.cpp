@@ -6,9 +6,10 @@
 #include <algorithm>
 #include <chrono>
 
-#include "planner/algorithms/eccr.hpp"
+#include "planner/algorithms/conflict_based_search.hpp"
 #include "planner/algorithms/escot.hpp"
 #include "planner/algorithms/fleet.hpp"
+#include "planner/algorithms/prioritised.hpp"
 #include "planner/problem/input_error.hpp"
 #include "planner/problem/metrics.hpp"
 
@@ -29,30 +30,36 @@ StepPlan run_pbcr(const Fleet& fleet, const SolveOptions& options, const Deadlin
   return solve_escot(fleet, escot, deadline);
 }
 
-StepPlan run_eccr(const Fleet& fleet, const SolveOptions&, const Deadline& deadline) {
-  std::vector<EccrRobot> robots;
+/// Conflict-based search over all robots at once.
+StepPlan run_cbs(const Fleet& fleet, const CbsOptions& options, const Deadline& deadline) {
+  std::vector<CbsRobot> robots;
   const Configuration starts = fleet.starts();
   for (int i = 0; i < fleet.size(); ++i) {
     robots.push_back({&fleet.car(i), &fleet.cost_to_go(i), starts[std::size_t(i)]});
   }
-  EccrOptions eccr;
-  eccr.max_nodes = 1'000'000;
-  eccr.max_expansions = 200'000;
-  const EccrResult result =
-      solve_eccr(robots, {}, SpacetimeHybridAstar(fleet.curves()), eccr, deadline);
-  if (result.failure == EccrFailure::kTimeout) return {Status::kTimeout, {}};
-  if (result.failure != EccrFailure::kNone) return {Status::kExhausted, {}};
-
+  const CbsResult result =
+      conflict_based_search(robots, {}, SpacetimeHybridAstar(fleet.curves()), options, deadline);
+  if (result.failure == CbsFailure::kTimeout) return {Status::kTimeout, {}};
+  if (result.failure != CbsFailure::kNone) return {Status::kExhausted, {}};
   StepPlan plan{Status::kSolved, {}};
   for (int i = 0; i < fleet.size(); ++i) {
-    Trajectory trajectory(starts[std::size_t(i)]);
-    for (const Arc& arc : result.steps[std::size_t(i)]) {
-      const Pose& from = trajectory.waypoints().back().pose;
-      trajectory.push_back(fleet.car(i).waypoint(arc, fleet.after(i, from, arc)));
-    }
-    plan.trajectories.push_back(std::move(trajectory));
+    plan.trajectories.push_back(trajectory_of(fleet, i, result.steps[std::size_t(i)]));
   }
   return plan;
+}
+
+StepPlan run_eccr(const Fleet& fleet, const SolveOptions&, const Deadline& deadline) {
+  return run_cbs(fleet, eccr_options(), deadline);
+}
+
+StepPlan run_cl_cbs(const Fleet& fleet, const SolveOptions&, const Deadline& deadline) {
+  return run_cbs(fleet, cl_cbs_options(), deadline);
+}
+
+StepPlan run_sha(const Fleet& fleet, const SolveOptions& options, const Deadline& deadline) {
+  PrioritisedOptions sha;
+  sha.seed = options.seed;
+  return plan_prioritised(fleet, sha, deadline);
 }
 
 struct Algorithm {
@@ -61,8 +68,11 @@ struct Algorithm {
 };
 
 const std::vector<Algorithm>& algorithms() {
-  static const std::vector<Algorithm> kAll = {
-      {"escot", run_escot}, {"pbcr", run_pbcr}, {"eccr", run_eccr}};
+  static const std::vector<Algorithm> kAll = {{"escot", run_escot},
+                                              {"pbcr", run_pbcr},
+                                              {"eccr", run_eccr},
+                                              {"cl-cbs", run_cl_cbs},
+                                              {"sha", run_sha}};
   return kAll;
 }
 

@@ -6,8 +6,6 @@
 #include <numeric>
 #include <tuple>
 
-#include "planner/search/conflict.hpp"
-
 namespace mvtp {
 namespace {
 
@@ -227,7 +225,7 @@ std::optional<std::vector<SteppedWorld::Motion>> SteppedWorld::get_opt_traj(cons
     return first_motions();
   }
 
-  std::vector<EccrRobot> members;
+  std::vector<CbsRobot> members;
   for (const int i : group) {
     members.push_back({&fleet_.car(i), &fleet_.cost_to_go(i), q[std::size_t(i)]});
   }
@@ -242,8 +240,8 @@ std::optional<std::vector<SteppedWorld::Motion>> SteppedWorld::get_opt_traj(cons
   std::vector<const MovingObstacle*> to_avoid;
   for (const MovingObstacle& other : others) to_avoid.push_back(&other);
 
-  EccrResult result = solve_eccr(members, to_avoid, planner_, options_.eccr, deadline_);
-  if (result.failure != EccrFailure::kNone) {
+  CbsResult result = conflict_based_search(members, to_avoid, planner_, options_.eccr, deadline_);
+  if (result.failure != CbsFailure::kNone) {
     failed_[group] = step_;
     return std::nullopt;
   }
@@ -292,7 +290,7 @@ std::optional<TimedPath> SteppedWorld::find_guide(int i, const Pose& pose) const
   // Full steps do not get out of every narrow place; shorter ones may.
   for (const double scale : {1.0, 0.5, 0.25}) {
     search.arc_scale = scale;
-    if (auto path = planner_.search(problem, search)) return path;
+    if (auto path = planner_.search(problem, search, deadline_)) return path;
   }
   return std::nullopt;
 }

@@ -8,7 +8,7 @@
 #include <unordered_map>
 #include <vector>
 
-#include "planner/algorithms/eccr.hpp"
+#include "planner/algorithms/conflict_based_search.hpp"
 #include "planner/algorithms/fleet.hpp"
 #include "planner/algorithms/generate_config.hpp"
 #include "planner/problem/deadline.hpp"
@@ -21,7 +21,8 @@ struct SteppedWorldOptions {
   int max_group = 5;     ///< robots in a group, at most
   /// PreCheck: a group that could not be planned is not tried again for so many steps.
   int retry_after = 5;
-  EccrOptions eccr{.w = 1.5, .max_nodes = 200, .max_expansions = 2000};
+  CbsOptions eccr{
+      .w = 1.5, .cost = CbsCost::kLateForSlowest, .max_nodes = 200, .max_expansions = 2000};
   double guide_w = 1.2;          ///< weight of the search for a guide path, >= 1
   int guide_expansions = 20000;  ///< of that search
 };

@@ -22,6 +22,16 @@ SteppedCar::SteppedCar(const Vehicle& vehicle, double dt, CollisionRule rule, co
   arcs_ = {{{length, 0.0}, {length, k}, {length, -k}, {-length, 0.0}, {-length, k}, {-length, -k}}};
 }
 
+std::vector<Primitive> SteppedCar::primitives(double scale) const {
+  std::vector<Primitive> result;
+  for (Arc arc : arcs_) {
+    arc.length *= scale;
+    result.push_back({arc, drive({}, arc), sweep({}, arc)});
+  }
+  result.push_back({{}, {}, sweep({}, {})});
+  return result;
+}
+
 bool SteppedCar::in_bounds(const Pose& from, const Arc& arc) const {
   // No point of the body is farther from its rear axle than this, nor the axle than its way.
   const double margin =

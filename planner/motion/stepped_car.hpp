@@ -12,6 +12,19 @@
 
 namespace mvtp {
 
+/// A step that a car may try from anywhere, worked out once: as it is from the origin.
+struct Primitive {
+  Arc arc;
+  Pose end;
+  Sweep sweep;  ///< SteppedCar::sweep() of it
+
+  /// The pose in which it ends when driven from `from`, whose frame is `frame`.
+  [[nodiscard]] Pose end_from(const Pose& from, const Frame& frame) const {
+    const Point point = frame.world(end.x, end.y);
+    return {point.x, point.y, wrap_to_pi(from.theta + end.theta)};
+  }
+};
+
 /// The paper's motion model: a car that may change speed and steering at once at every step, and so
 /// stands at the end of each. Its safe stop is the pose itself.
 ///
@@ -28,6 +41,9 @@ class SteppedCar {
   [[nodiscard]] double step_length() const { return vehicle_.max_speed * dt_; }
   /// The six arcs of a full step: straight, left, right, each forwards and in reverse.
   [[nodiscard]] const std::array<Arc, 6>& arcs() const { return arcs_; }
+
+  /// The steps tried from everywhere: those arcs, `scale` times as long, and last a wait.
+  [[nodiscard]] std::vector<Primitive> primitives(double scale = 1.0) const;
 
   /// What may not overlap during a step: all of it, or under CollisionRule::kSteps its end.
   [[nodiscard]] Sweep sweep(const Pose& from, const Arc& arc) const {

@@ -138,6 +138,17 @@ Sweep::Sweep(const Vehicle& vehicle, const Pose& from, const Arc& arc)
   radius_ = std::hypot(half_length_, half_width_) + travel_ / 2;
 }
 
+Sweep Sweep::moved_to(const Frame& in) const {
+  Sweep moved = *this;
+  const Point start = in.world(x_, y_);
+  moved.x_ = start.x;
+  moved.y_ = start.y;
+  moved.ux_ = in.ux * ux_ - in.uy * uy_;
+  moved.uy_ = in.uy * ux_ + in.ux * uy_;
+  moved.centre_ = in.world(centre_.x, centre_.y);
+  return moved;
+}
+
 OrientedBox Sweep::at(double s) const {
   const Trig t = trig(turn_ * s);
   const double along = length_ * s * t.sinc;

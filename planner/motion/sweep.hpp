@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cmath>
+
 #include "planner/motion/arc.hpp"
 #include "planner/motion/oriented_box.hpp"
 
@@ -9,6 +11,23 @@ namespace mvtp {
 /// referee's tolerance, so that robots which touch from the start can be planned for.
 inline constexpr double kTouch = 0.0005;
 
+/// A pose with the unit vector of its heading at hand.
+struct Frame {
+  double x = 0.0;
+  double y = 0.0;
+  double ux = 1.0;
+  double uy = 0.0;
+
+  Frame() = default;
+  explicit Frame(const Pose& pose)
+      : x(pose.x), y(pose.y), ux(std::cos(pose.theta)), uy(std::sin(pose.theta)) {}
+
+  /// The point (ahead, left) of this frame in the world.
+  [[nodiscard]] Point world(double ahead, double left) const {
+    return {x + ux * ahead - uy * left, y + uy * ahead + ux * left};
+  }
+};
+
 /// The footprint of a car during one arc, driven evenly while s runs from 0 to 1.
 ///
 /// What collision tests need is kept beside the arc: a circle around all of it, and a bound on the
@@ -16,6 +35,10 @@ inline constexpr double kTouch = 0.0005;
 class Sweep {
  public:
   Sweep(const Vehicle& vehicle, const Pose& from, const Arc& arc);
+
+  /// This sweep, taken to be in the frame `in`, in the world: the motion of a car that begins
+  /// there, if this one begins at the origin. Saves the trigonometry.
+  [[nodiscard]] Sweep moved_to(const Frame& in) const;
 
   /// The footprint at s in [0, 1].
   [[nodiscard]] OrientedBox at(double s) const;

@@ -7,6 +7,7 @@ namespace mvtp {
 
 /// Wraps an angle [rad] to (-pi, pi].
 [[nodiscard]] inline double wrap_to_pi(double angle) {
+  if (angle > -std::numbers::pi && angle <= std::numbers::pi) return angle;
   const double wrapped = std::remainder(angle, 2.0 * std::numbers::pi);
   return wrapped <= -std::numbers::pi ? wrapped + 2.0 * std::numbers::pi : wrapped;
 }

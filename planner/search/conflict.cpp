@@ -3,28 +3,38 @@
 #include <algorithm>
 
 namespace mvtp {
+namespace {
 
-Conflicts find_conflicts(std::span<const MovingObstacle* const> robots) {
-  Conflicts result;
-  int end = 0;
-  for (const MovingObstacle* robot : robots) end = std::max(end, robot->makespan());
+/// Appends the collisions of robots i and j, whose motions are `a` and `b`.
+void append(std::vector<Conflict>& conflicts, int i, const MovingObstacle& a, int j,
+            const MovingObstacle& b) {
+  const int end = std::max(a.makespan(), b.makespan());
   for (int t = 0; t <= end; ++t) {
-    for (int i = 0; i < int(robots.size()); ++i) {
-      for (int j = i + 1; j < int(robots.size()); ++j) {
-        if (!collide(robots[std::size_t(i)]->at(t), robots[std::size_t(j)]->at(t))) continue;
-        ++result.count;
-        if (!result.first) result.first = Conflict{i, j, t};
-      }
-    }
+    if (collide(a.at(t), b.at(t))) conflicts.push_back({t, std::min(i, j), std::max(i, j)});
   }
-  return result;
 }
 
-std::optional<int> first_conflict(const MovingObstacle& a, const MovingObstacle& b, int horizon) {
-  for (int t = 0; t < horizon; ++t) {
-    if (collide(a.at(t), b.at(t))) return t;
+}  // namespace
+
+std::vector<Conflict> find_conflicts(std::span<const MovingObstacle> robots) {
+  std::vector<Conflict> conflicts;
+  for (int i = 0; i < int(robots.size()); ++i) {
+    for (int j = i + 1; j < int(robots.size()); ++j) {
+      append(conflicts, i, robots[std::size_t(i)], j, robots[std::size_t(j)]);
+    }
   }
-  return std::nullopt;
+  std::ranges::sort(conflicts);
+  return conflicts;
+}
+
+std::vector<Conflict> find_conflicts_of(int i, const MovingObstacle& own,
+                                        std::span<const MovingObstacle> robots) {
+  std::vector<Conflict> conflicts;
+  for (int j = 0; j < int(robots.size()); ++j) {
+    if (j != i) append(conflicts, i, own, j, robots[std::size_t(j)]);
+  }
+  std::ranges::sort(conflicts);
+  return conflicts;
 }
 
 }  // namespace mvtp

@@ -1,29 +1,27 @@
 #pragma once
 
-#include <optional>
+#include <compare>
 #include <span>
+#include <vector>
 
 #include "planner/search/moving_obstacle.hpp"
 
 namespace mvtp {
 
-/// Robots i < j overlap during step t.
+/// Robots i < j overlap during step t. Ordered by time, then by number.
 struct Conflict {
+  int t = 0;
   int i = 0;
   int j = 0;
-  int t = 0;
+
+  friend auto operator<=>(const Conflict&, const Conflict&) = default;
 };
 
-/// The number of (pair, step) collisions, and the first of them: earliest step, lowest numbers.
-struct Conflicts {
-  int count = 0;
-  std::optional<Conflict> first;
-};
+/// Every (pair, step) collision, in order.
+[[nodiscard]] std::vector<Conflict> find_conflicts(std::span<const MovingObstacle> robots);
 
-[[nodiscard]] Conflicts find_conflicts(std::span<const MovingObstacle* const> robots);
-
-/// The first step in [0, horizon) at which the two overlap; nullopt if none.
-[[nodiscard]] std::optional<int> first_conflict(const MovingObstacle& a, const MovingObstacle& b,
-                                                int horizon);
+/// Every collision of `own`, as the motion of robot i, with the other robots, in order.
+[[nodiscard]] std::vector<Conflict> find_conflicts_of(int i, const MovingObstacle& own,
+                                                      std::span<const MovingObstacle> robots);
 
 }  // namespace mvtp

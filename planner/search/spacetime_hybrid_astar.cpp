@@ -1,7 +1,6 @@
 #include "planner/search/spacetime_hybrid_astar.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdint>
 #include <numbers>
@@ -20,18 +19,22 @@ constexpr double kHeadingPerTurn = 0.75;
 // Reeds-Shepp shots: from the root, from every sixth node, and from every node close to the goal.
 constexpr int kShotEvery = 6;
 constexpr double kShotRange = 9.0;  // [m]
-// Reversing costs a little more, so that of equally quick ways the plain one is taken.
 // Of FOCAL the node that looks quickest to finish is expanded, a conflict being worth so many
 // steps. Strictly fewest conflicts first would search all of a dead end before it accepts one.
 constexpr double kConflictCost = 10.0;
-constexpr double kReversePenalty = 1.02;
+// Reversing costs a little more there, so that of equally quick ways the plain one is taken.
+constexpr double kReversePenalty = 0.02;
+/// The cost-to-go is known to about this part of a step: no more is rounded up to a whole one.
+constexpr double kRounding = 0.1;
+constexpr int kMaxPieces = 5;    // of a Reeds-Shepp path; each ends with a shorter step
+constexpr int kClockEvery = 32;  // expansions
 
 struct Node {
   Pose pose;
-  double g = 0.0;
-  double h = 0.0;
-  double f = 0.0;  ///< max(g + h, least cost, f of the parent)
+  double h = 0.0;  ///< [m]
+  double f = 0.0;  ///< steps until arrival, or least cost, or f of the parent if that is more
   int t = 0;
+  int reversed = 0;  ///< steps in reverse
   int conflicts = 0;
   int parent = -1;
   Arc arc;                ///< from the parent
@@ -41,34 +44,45 @@ struct Node {
 
 /// The node that looks quickest to finish; among those early enough, the one that has come
 /// farthest.
-using FocalKey = std::pair<double, double>;
+using FocalKey = std::pair<double, int>;
 
 class Search {
  public:
-  Search(const SearchProblem& problem, const SearchOptions& options, const ReedsShepp& curves)
+  Search(const SearchProblem& problem, const SearchOptions& options, const ReedsShepp& curves,
+         const Deadline& deadline)
       : car_(*problem.car),
         to_go_(*problem.cost_to_go),
         problem_(problem),
         options_(options),
         curves_(curves),
+        deadline_(deadline),
+        primitives_(car_.primitives(options.arc_scale)),
+        parked_(car_.sweep(to_go_.goal(), {})),
         open_(options.w) {
     for (const Constraint& c : problem.constraints) end_ = std::max(end_, c.last + 1);
-    for (const MovingObstacle* other : problem.to_avoid) end_ = std::max(end_, other->makespan());
-    timed_ = !problem.constraints.empty() || !problem.to_avoid.empty();
-    arcs_ = car_.arcs();
-    for (Arc& arc : arcs_) arc.length *= options.arc_scale;
-    cell_ = std::min(kMaxCell, kCellPerStep * std::abs(arcs_[0].length));
-    const double turn = std::abs(arcs_[0].length) * car_.vehicle().max_curvature();
+    timed_ = !problem.constraints.empty();
+    for (const Traffic* traffic : {problem.to_keep_clear_of, problem.to_avoid}) {
+      if (traffic == nullptr || traffic->empty()) continue;
+      end_ = std::max(end_, traffic->end());
+      timed_ = true;
+    }
+    const double step = options.arc_scale * car_.step_length();
+    cell_ = std::min(kMaxCell, kCellPerStep * step);
+    const double turn = step * car_.vehicle().max_curvature();
     headings_ = std::clamp(std::round(2 * std::numbers::pi / (kHeadingPerTurn * turn)), 8.0, 90.0);
   }
 
   std::optional<TimedPath> run() {
+    if (forbidden(parked_, end_)) return std::nullopt;
+    goal_free_from_ = goal_free_from();
+    least_cost_ = std::max(problem_.least_cost, double(goal_free_from_));
     Node root;
     root.pose = problem_.start;
     root.h = to_go_(root.pose);
-    root.f = std::max(root.h, problem_.least_cost);
+    root.f = std::max(steps_to_arrival(root), least_cost_);
     add(std::move(root));
     for (int expansions = 0; !open_.empty() && expansions < options_.max_expansions;) {
+      if (expansions % kClockEvery == 0 && deadline_.expired()) return std::nullopt;
       const int n = open_.pop();
       if (nodes_[std::size_t(n)].at_goal) return path_to(n);
       if (!closed_.insert(key(nodes_[std::size_t(n)]))) continue;
@@ -82,10 +96,25 @@ class Search {
   }
 
  private:
+  /// The step from which on the robot may stand at its goal for ever, if it may in the end.
+  [[nodiscard]] int goal_free_from() const {
+    int t = end_;
+    while (t > 0 && !forbidden(parked_, t - 1)) --t;
+    return t;
+  }
+
+  [[nodiscard]] double steps_to_arrival(const Node& node) const {
+    return double(node.t) + std::ceil(node.h / car_.step_length() - kRounding);
+  }
+
   void add(Node node) {
-    const double finish = std::max(node.g + options_.w * node.h, problem_.least_cost);
-    const double conflicts = kConflictCost * car_.step_length() * double(node.conflicts);
-    open_.push(int(nodes_.size()), node.f, node.f, FocalKey(finish + conflicts, -node.g));
+    // Time that there is to spare is not spent on coming close to the goal: the weight counts
+    // alone.
+    const double to_go = node.h / car_.step_length();
+    const double arrival = double(node.t) + kReversePenalty * node.reversed + to_go;
+    const double finish = std::max(arrival, least_cost_) + (options_.w - 1.0) * to_go;
+    const double conflicts = kConflictCost * double(node.conflicts);
+    open_.push(int(nodes_.size()), node.f, node.f, FocalKey(finish + conflicts, -node.t));
     nodes_.push_back(std::move(node));
   }
 
@@ -99,64 +128,67 @@ class Search {
     return (x & 0xfffffU) | (y & 0xfffffU) << 20U | h << 40U | (t & 0xffffU) << 47U;
   }
 
-  [[nodiscard]] bool constrained(const Sweep& sweep, int t) const {
+  /// May nobody drive `sweep` during step t, whatever the cost?
+  [[nodiscard]] bool forbidden(const Sweep& sweep, int t) const {
+    const Traffic* hard = problem_.to_keep_clear_of;
+    if (hard != nullptr && hard->hit(sweep, t)) return true;
     return std::ranges::any_of(problem_.constraints, [&](const Constraint& c) {
       return c.first <= t && t <= c.last && collide(sweep, c.sweep);
     });
   }
 
   [[nodiscard]] int conflicts(const Sweep& sweep, int t) const {
-    return int(std::ranges::count_if(problem_.to_avoid, [&](const MovingObstacle* other) {
-      return collide(sweep, other->at(t));
-    }));
+    return problem_.to_avoid == nullptr ? 0 : problem_.to_avoid->count(sweep, t);
   }
 
   void expand(int n) {
-    for (const Arc& arc : arcs_) extend(n, arc);
-    if (timed_ && nodes_[std::size_t(n)].t < end_) extend(n, {});
+    const Frame frame(nodes_[std::size_t(n)].pose);
+    const bool may_wait = timed_ && nodes_[std::size_t(n)].t < end_;
+    const std::size_t count = primitives_.size() - (may_wait ? 0 : 1);  // the wait is the last
+    for (std::size_t k = 0; k < count; ++k) extend(n, frame, primitives_[k]);
   }
 
-  void extend(int n, const Arc& arc) {
+  void extend(int n, const Frame& frame, const Primitive& step) {
     const Node& from = nodes_[std::size_t(n)];
-    const Sweep sweep = car_.sweep(from.pose, arc);
-    if (!car_.is_free(from.pose, arc, sweep) || constrained(sweep, from.t)) return;
     Node node;
-    node.pose = drive(from.pose, arc);
-    node.g = from.g + car_.step_length() * (arc.length < 0.0 ? kReversePenalty : 1.0);
-    node.h = to_go_(node.pose);
-    node.f = std::max(from.f, node.g + node.h);  // pathmax
+    node.pose = step.end_from(from.pose, frame);
     node.t = from.t + 1;
+    if (closed_.contains(key(node))) return;
+    const Sweep sweep = step.sweep.moved_to(frame);
+    if (!car_.is_free(from.pose, step.arc, sweep) || forbidden(sweep, from.t)) return;
+    node.h = to_go_(node.pose);
+    node.f = std::max(from.f, steps_to_arrival(node));  // pathmax
+    node.reversed = from.reversed + (step.arc.length < 0.0 ? 1 : 0);
     node.conflicts = from.conflicts + conflicts(sweep, from.t);
     node.parent = n;
-    node.arc = arc;
+    node.arc = step.arc;
     add(std::move(node));
   }
 
   /// Adds the end of the Reeds-Shepp path from n to the goal, if it is free.
   void shoot(int n) {
     const Node& from = nodes_[std::size_t(n)];
+    const double earliest = from.t + from.h / car_.step_length();
+    if (earliest + kMaxPieces < goal_free_from_) return;
     Node node;
     node.shot =
         car_.steps(curves_.path(from.pose, to_go_.goal(), car_.vehicle().min_turning_radius));
+    if (from.t + int(node.shot.size()) < goal_free_from_) return;
     node.pose = from.pose;
-    node.g = from.g;
     node.t = from.t;
+    node.reversed = from.reversed;
     node.conflicts = from.conflicts;
     for (const Arc& arc : node.shot) {
       const Sweep sweep = car_.sweep(node.pose, arc);
-      if (!car_.is_free(node.pose, arc, sweep) || constrained(sweep, node.t)) return;
+      if (!car_.is_free(node.pose, arc, sweep) || forbidden(sweep, node.t)) return;
       node.conflicts += conflicts(sweep, node.t);
-      node.g += car_.step_length();
       node.pose = drive(node.pose, arc);
+      node.reversed += arc.length < 0.0 ? 1 : 0;
       ++node.t;
     }
     // It stays at the goal: whoever comes by later counts.
-    const Sweep parked = car_.sweep(to_go_.goal(), {});
-    for (int t = node.t; t <= end_; ++t) {
-      if (constrained(parked, t)) return;
-      node.conflicts += conflicts(parked, t);
-    }
-    node.f = std::max(from.f, node.g);
+    for (int t = node.t; t <= end_; ++t) node.conflicts += conflicts(parked_, t);
+    node.f = std::max(from.f, double(node.t));
     node.parent = n;
     node.at_goal = true;
     const int number = int(nodes_.size());
@@ -188,9 +220,13 @@ class Search {
   const SearchProblem& problem_;
   const SearchOptions& options_;
   const ReedsShepp& curves_;
-  int end_ = 0;  ///< from this step on everything rests
+  const Deadline& deadline_;
+  int goal_free_from_ = 0;
+  double least_cost_ = 0.0;  ///< [steps]
+  int end_ = 0;              ///< from this step on everything rests
   bool timed_;
-  std::array<Arc, 6> arcs_;
+  std::vector<Primitive> primitives_;
+  Sweep parked_;
   double cell_;
   double headings_;
   std::vector<Node> nodes_;
@@ -202,8 +238,9 @@ class Search {
 }  // namespace
 
 std::optional<TimedPath> SpacetimeHybridAstar::search(const SearchProblem& problem,
-                                                      const SearchOptions& options) const {
-  return Search(problem, options, curves_).run();
+                                                      const SearchOptions& options,
+                                                      const Deadline& deadline) const {
+  return Search(problem, options, curves_, deadline).run();
 }
 
 }  // namespace mvtp

@@ -7,7 +7,8 @@
 #include "planner/motion/cost_to_go.hpp"
 #include "planner/motion/reeds_shepp.hpp"
 #include "planner/motion/stepped_car.hpp"
-#include "planner/search/moving_obstacle.hpp"
+#include "planner/problem/deadline.hpp"
+#include "planner/search/traffic.hpp"
 
 namespace mvtp {
 
@@ -23,9 +24,10 @@ struct SearchProblem {
   const SteppedCar* car = nullptr;
   const CostToGo* cost_to_go = nullptr;  ///< names the goal
   Pose start;
-  std::span<const Constraint> constraints;          ///< must be kept
-  std::span<const MovingObstacle* const> to_avoid;  ///< collisions are counted, and kept few
-  /// Arriving earlier than this is worth nothing: no way costs less [m]. The slowest robot's
+  std::span<const Constraint> constraints;    ///< must be kept
+  const Traffic* to_keep_clear_of = nullptr;  ///< may not be touched; nullptr: nobody
+  const Traffic* to_avoid = nullptr;  ///< collisions are counted, and kept few; nullptr: nobody
+  /// Arriving earlier than this is worth nothing: no way costs less [steps]. The slowest robot's
   /// cost-to-go makes room for the quick ones to wait, or to leave their goals and come back.
   double least_cost = 0.0;
 };
@@ -39,23 +41,27 @@ struct SearchOptions {
 /// A way in steps of one arc each, waits included; it ends exactly at the goal.
 struct TimedPath {
   std::vector<Arc> steps;
-  double cost = 0.0;         ///< way that could have been driven in the time [m], or least_cost
+  double cost = 0.0;         ///< its steps, or least_cost if that is more
   double lower_bound = 0.0;  ///< nearly: cost <= w * lower_bound, unless out of expansions
   int conflicts = 0;         ///< (robot, step) collisions with `to_avoid`
 };
 
 /// Focal hybrid A* in (x, y, theta, t) with Reeds-Shepp shots to the goal.
 ///
-/// FOCAL holds the nodes with f <= w * min f; the fewest conflicts are expanded first. Without
-/// anything that moves, time is left out of the state and this is weighted hybrid A*.
+/// Nodes are rated by f, the number of steps until arrival, rounded up to whole steps, for a last
+/// arc however short takes a step. FOCAL holds those with f <= w * min f; the fewest conflicts
+/// are expanded first. Without anything that moves, time is left out of the state and this is
+/// weighted hybrid A*. After its arrival a robot stays: whoever comes by later counts.
 /// Source: ESCoT paper Sec. III-E (ECCR's low level); Dolgov et al. 2010; Barer et al. 2014.
 class SpacetimeHybridAstar {
  public:
   explicit SpacetimeHybridAstar(const ReedsShepp& curves) : curves_(curves) {}
 
-  /// @return nullopt if no way was found in `max_expansions`, or there is none on the search grid.
+  /// @return nullopt if no way was found in `max_expansions` or until the deadline, or if there is
+  ///         none on the search grid.
   [[nodiscard]] std::optional<TimedPath> search(const SearchProblem& problem,
-                                                const SearchOptions& options) const;
+                                                const SearchOptions& options,
+                                                const Deadline& deadline) const;
 
  private:
   const ReedsShepp& curves_;

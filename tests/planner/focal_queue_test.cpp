@@ -79,6 +79,7 @@ TEST(CellSet, IsASet) {
   std::set<std::uint64_t> expected;
   for (int k = 0; k < 20000; ++k) {
     const std::uint64_t key = rng() % 9000;
+    EXPECT_EQ(cells.contains(key), expected.contains(key));
     EXPECT_EQ(cells.insert(key), expected.insert(key).second);
   }
 }

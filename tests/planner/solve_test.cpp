@@ -63,11 +63,41 @@ TEST_P(RandomInstances, EveryPlanSatisfiesTheReferee) {
 
 INSTANTIATE_TEST_SUITE_P(Shards, RandomInstances, testing::Range(0, 8));
 
-TEST(Eccr, PlansForWholeInstancesSatisfyTheReferee) {
+class EveryAlgorithm : public testing::TestWithParam<std::string> {};
+
+TEST_P(EveryAlgorithm, MakesPlansThatSatisfyTheReferee) {
   for (std::uint64_t seed = 500; seed < 510; ++seed) {
-    (void)judged(random_instance(seed, 3, 4, 30), {.algorithm = "eccr"});
+    SCOPED_TRACE(seed);
+    const auto rule = seed % 4 == 0 ? CollisionRule::kSteps : CollisionRule::kContinuous;
+    (void)judged(random_instance(seed, 2 + int(seed % 4), 4, 30),
+                 {.algorithm = GetParam(), .collision = rule});
   }
 }
+
+TEST_P(EveryAlgorithm, GivesTheSamePlanForTheSameSeed) {
+  const Instance instance = random_instance(7, 5, 4, 30);
+  const SolveOptions options{.algorithm = GetParam(), .seed = 3};
+  EXPECT_EQ(judged(instance, options).trajectories, judged(instance, options).trajectories);
+}
+
+TEST_P(EveryAlgorithm, EndsAtTheDeadline) {
+  const Plan plan = solve(circle(8), {.algorithm = GetParam()}, Deadline::in(0));
+  EXPECT_EQ(plan.statistics.status, "timeout");
+  EXPECT_THAT(plan.statistics.reason, HasSubstr("time limit"));
+}
+
+TEST_P(EveryAlgorithm, TakesNoStepIfAllIsSolvedFromTheStart) {
+  Instance instance = circle(3);
+  for (Agent& a : instance.agents) a.goal = a.start;
+  EXPECT_EQ(judged(instance, {.algorithm = GetParam()}).statistics.makespan_steps, 0U);
+}
+
+INSTANTIATE_TEST_SUITE_P(Names, EveryAlgorithm, testing::ValuesIn(algorithm_names()),
+                         [](const auto& test) {
+                           std::string name = test.param;
+                           std::erase(name, '-');
+                           return name;
+                         });
 
 /// Ten robots on 30 x 30 m: much pushing.
 class Crowd : public testing::TestWithParam<std::uint64_t> {};
@@ -104,22 +134,6 @@ TEST_P(Crowd, AfterEveryStepEverybodyMayStopAtOnce) {
 
 INSTANTIATE_TEST_SUITE_P(Seeds, Crowd, testing::Range(std::uint64_t{900}, std::uint64_t{906}));
 
-TEST(Solve, GivesTheSamePlanForTheSameSeed) {
-  const Instance instance = random_instance(7, 8, 4, 30);
-  for (const std::string& algorithm : algorithm_names()) {
-    const SolveOptions options{.algorithm = algorithm, .seed = 3};
-    const Plan first = solve(instance, options, Deadline::in(60));
-    const Plan second = solve(instance, options, Deadline::in(60));
-    EXPECT_EQ(first.trajectories, second.trajectories) << algorithm;
-  }
-}
-
-TEST(Solve, AnInstanceThatIsSolvedFromTheStartTakesNoStep) {
-  Instance instance = circle(3);
-  for (Agent& a : instance.agents) a.goal = a.start;
-  EXPECT_EQ(judged(instance).statistics.makespan_steps, 0U);
-}
-
 TEST(Solve, ProvesThatABlockedGoalIsInfeasible) {
   Instance instance = circle(2);
   instance.map.circles = {{instance.agents[1].goal.x, instance.agents[1].goal.y, 0.8}};
@@ -134,12 +148,6 @@ TEST(Solve, ProvesThatGoalsThatOverlapAreInfeasible) {
   const Plan plan = solve(instance, {}, Deadline::in(60));
   EXPECT_EQ(plan.statistics.status, "infeasible");
   EXPECT_EQ(plan.statistics.reason, "the goals of agent0 and agent2 overlap");
-}
-
-TEST(Solve, EndsAtTheDeadline) {
-  const Plan plan = solve(circle(8), {}, Deadline::in(0));
-  EXPECT_EQ(plan.statistics.status, "timeout");
-  EXPECT_THAT(plan.statistics.reason, HasSubstr("time limit"));
 }
 
 TEST(Solve, NamesTheAlgorithmsThereAre) {

@@ -11,6 +11,7 @@ namespace mvtp {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
+const Deadline kNever = Deadline::never();
 
 /// A room of 30 x 30 m with a wall at x = 15, open for 6 m at the top.
 Map room() {
@@ -45,7 +46,7 @@ class SpacetimeSearch : public testing::Test {
 TEST_F(SpacetimeSearch, FindsTheReedsSheppPathWhereNothingIsInTheWay) {
   const Instance instance = instance_of(empty_map(50), {agent({10, 10, 0}, {30, 20, kPi / 2})});
   const Fleet fleet(instance, CollisionRule::kContinuous);
-  const auto path = SpacetimeHybridAstar(fleet.curves()).search(problem(fleet, 0), {});
+  const auto path = SpacetimeHybridAstar(fleet.curves()).search(problem(fleet, 0), {}, kNever);
   ASSERT_TRUE(path);
   expect_free_way_to_goal(fleet, 0, *path);
   EXPECT_LE(double(path->steps.size()), fleet.lower_bound() + 5.0);  // one short step per piece
@@ -54,7 +55,7 @@ TEST_F(SpacetimeSearch, FindsTheReedsSheppPathWhereNothingIsInTheWay) {
 TEST_F(SpacetimeSearch, GoesRoundAWall) {
   const Instance instance = instance_of(room(), {agent({7, 5, kPi / 2}, {23, 5, -kPi / 2})});
   const Fleet fleet(instance, CollisionRule::kContinuous);
-  const auto path = SpacetimeHybridAstar(fleet.curves()).search(problem(fleet, 0), {});
+  const auto path = SpacetimeHybridAstar(fleet.curves()).search(problem(fleet, 0), {}, kNever);
   ASSERT_TRUE(path);
   expect_free_way_to_goal(fleet, 0, *path);
   EXPECT_GT(path->steps.size(), 40U);
@@ -65,7 +66,7 @@ TEST_F(SpacetimeSearch, GivesUpWhereThereIsNoWay) {
   map.polygons = {{{14.5, 0}, {15.5, 0}, {15.5, 30}, {14.5, 30}}};
   const Instance instance = instance_of(map, {agent({7, 5, 0}, {23, 5, 0})});
   const Fleet fleet(instance, CollisionRule::kContinuous);
-  EXPECT_FALSE(SpacetimeHybridAstar(fleet.curves()).search(problem(fleet, 0), {}));
+  EXPECT_FALSE(SpacetimeHybridAstar(fleet.curves()).search(problem(fleet, 0), {}, kNever));
 }
 
 //   [0>] ........ [<1]   robot 1 comes straight at robot 0, which gives way at the cost of a step
@@ -75,13 +76,14 @@ TEST_F(SpacetimeSearch, KeepsClearOfARobotThatComesTowardsIt) {
                                                         agent({40, 25, -kPi}, {10, 25, -kPi}, 1)});
   const Fleet fleet(instance, CollisionRule::kContinuous);
   const SpacetimeHybridAstar planner(fleet.curves());
-  const auto straight = planner.search(problem(fleet, 1), {});
+  const auto straight = planner.search(problem(fleet, 1), {}, kNever);
   ASSERT_TRUE(straight);
   const MovingObstacle oncoming(fleet.car(1), fleet.starts()[1], straight->steps);
   const std::vector<const MovingObstacle*> others = {&oncoming};
   SearchProblem avoiding = problem(fleet, 0);
-  avoiding.to_avoid = others;
-  const auto path = planner.search(avoiding, {});
+  const Traffic traffic(others);
+  avoiding.to_avoid = &traffic;
+  const auto path = planner.search(avoiding, {}, kNever);
   ASSERT_TRUE(path);
   expect_free_way_to_goal(fleet, 0, *path);
   EXPECT_EQ(path->conflicts, 0);
@@ -97,7 +99,7 @@ TEST_F(SpacetimeSearch, LeavesItsGoalForAConstraintAndComesBack) {
   const std::vector<Constraint> constraints = {{5, 8, fleet.car(0).sweep({15, 15, kPi / 2}, {})}};
   SearchProblem constrained = problem(fleet, 0);
   constrained.constraints = constraints;
-  const auto path = SpacetimeHybridAstar(fleet.curves()).search(constrained, {});
+  const auto path = SpacetimeHybridAstar(fleet.curves()).search(constrained, {}, kNever);
   ASSERT_TRUE(path);
   expect_free_way_to_goal(fleet, 0, *path);
   const MovingObstacle own(fleet.car(0), fleet.starts()[0], path->steps);
@@ -113,11 +115,101 @@ TEST_F(SpacetimeSearch, ShorterArcsFindTheWayOutOfATightPlace) {
   const Instance instance = instance_of(map, {agent({15.2, 15, 0}, {15.2, 22, 0})});
   const Fleet fleet(instance, CollisionRule::kContinuous);
   const SpacetimeHybridAstar planner(fleet.curves());
-  EXPECT_FALSE(planner.search(problem(fleet, 0), {.w = 1.2, .max_expansions = 20000}));
-  const auto path =
-      planner.search(problem(fleet, 0), {.w = 1.2, .max_expansions = 20000, .arc_scale = 0.5});
+  EXPECT_FALSE(planner.search(problem(fleet, 0), {.w = 1.2, .max_expansions = 20000}, kNever));
+  const auto path = planner.search(problem(fleet, 0),
+                                   {.w = 1.2, .max_expansions = 20000, .arc_scale = 0.5}, kNever);
   ASSERT_TRUE(path);
   expect_free_way_to_goal(fleet, 0, *path);
+}
+
+//   Another robot drives over the goal at steps 25 ... 30: it is reached only after that.
+TEST_F(SpacetimeSearch, ArrivesWhenNobodyComesByTheGoalAnyMore) {
+  const Instance instance = instance_of(
+      empty_map(50),
+      {agent({20, 25, 0}, {30, 25, 0}, 0), agent({31, 5, kPi / 2}, {31, 45, kPi / 2}, 1)});
+  const Fleet fleet(instance, CollisionRule::kContinuous);
+  std::vector<Arc> late(8);  // waits
+  late.resize(48, Arc{1, 0});
+  const MovingObstacle passing(fleet.car(1), fleet.starts()[1], late);
+  const std::vector<const MovingObstacle*> others = {&passing};
+  const Traffic traffic(others);
+  SearchProblem careful = problem(fleet, 0);
+  careful.to_keep_clear_of = &traffic;
+  const auto path = SpacetimeHybridAstar(fleet.curves()).search(careful, {.w = 1.0}, kNever);
+  ASSERT_TRUE(path);
+  expect_free_way_to_goal(fleet, 0, *path);
+  EXPECT_GT(path->steps.size(), 28U);
+  EXPECT_LT(path->steps.size(), 36U);
+  const MovingObstacle own(fleet.car(0), fleet.starts()[0], path->steps);
+  for (int t = 0; t < 60; ++t) EXPECT_FALSE(collide(own.at(t), passing.at(t)));
+}
+
+TEST_F(SpacetimeSearch, FindsNoWayToAGoalThatAnotherRobotKeeps) {
+  const Instance instance = instance_of(
+      empty_map(50), {agent({20, 25, 0}, {30, 25, 0}, 0), agent({30, 5, 0}, {30, 26, 0}, 1)});
+  const Fleet fleet(instance, CollisionRule::kContinuous);
+  const MovingObstacle standing(fleet.car(1), {30, 26, 0}, {});
+  const std::vector<const MovingObstacle*> others = {&standing};
+  const Traffic traffic(others);
+  SearchProblem careful = problem(fleet, 0);
+  careful.to_keep_clear_of = &traffic;
+  EXPECT_FALSE(SpacetimeHybridAstar(fleet.curves()).search(careful, {}, kNever));
+}
+
+TEST_F(SpacetimeSearch, EndsAtTheDeadline) {
+  const Instance instance = instance_of(empty_map(50), {agent({10, 10, 0}, {30, 20, kPi / 2})});
+  const Fleet fleet(instance, CollisionRule::kContinuous);
+  EXPECT_FALSE(SpacetimeHybridAstar(fleet.curves()).search(problem(fleet, 0), {}, Deadline::in(0)));
+}
+
+TEST(SteppedCar, PrimitivesAreItsStepsFromAnywhere) {
+  const Instance instance = circle(2);
+  for (const CollisionRule rule : {CollisionRule::kContinuous, CollisionRule::kSteps}) {
+    const Fleet fleet(instance, rule);
+    const SteppedCar& car = fleet.car(0);
+    const std::vector<Primitive> primitives = car.primitives(0.5);
+    ASSERT_EQ(primitives.size(), 7U);
+    EXPECT_EQ(primitives.back().arc, Arc{});
+    for (const Primitive& primitive : primitives) {
+      const Pose from{12, 17, 3.0};
+      const Frame frame(from);
+      const Pose end = primitive.end_from(from, frame);
+      const Pose expected = drive(from, primitive.arc);
+      EXPECT_LT(distance(end, expected), 1e-12);
+      EXPECT_NEAR(end.theta, expected.theta, 1e-12);
+      const Sweep sweep = primitive.sweep.moved_to(frame);
+      const Sweep same = car.sweep(from, primitive.arc);
+      EXPECT_NEAR(sweep.at(1.0).x, same.at(1.0).x, 1e-12);
+      EXPECT_NEAR(sweep.at(0.0).y, same.at(0.0).y, 1e-12);
+      EXPECT_EQ(sweep.radius(), same.radius());
+    }
+  }
+}
+
+TEST(Traffic, CountsWhoeverCollidesAtAStep) {
+  const Instance instance = random_instance(11, 12, 0, 30);
+  const Fleet fleet(instance, CollisionRule::kContinuous);
+  std::vector<MovingObstacle> robots;
+  for (int i = 1; i < fleet.size(); ++i) {
+    const std::vector<Arc> steps(std::size_t(2 * i), fleet.car(i).arcs()[std::size_t(i % 6)]);
+    robots.emplace_back(fleet.car(i), fleet.starts()[std::size_t(i)], steps);
+  }
+  std::vector<const MovingObstacle*> pointers;
+  for (const MovingObstacle& robot : robots) pointers.push_back(&robot);
+  const Traffic traffic(pointers);
+  EXPECT_EQ(traffic.end(), 22);
+  int collisions = 0;
+  for (int t = 0; t < 40; ++t) {
+    for (double x = 2; x < 30; x += 2) {
+      const Sweep sweep = fleet.car(0).sweep({x, 30 - x, x}, fleet.car(0).arcs()[1]);
+      const auto expected = int(std::ranges::count_if(
+          robots, [&](const MovingObstacle& other) { return collide(sweep, other.at(t)); }));
+      EXPECT_EQ(traffic.count(sweep, t), expected);
+      EXPECT_EQ(traffic.hit(sweep, t), expected > 0);
+      collisions += expected;
+    }
+  }
+  EXPECT_GT(collisions, 100);
 }
 
 }  // namespace

@@ -216,5 +216,26 @@ TEST(Extents, AreThoseOfDenselySampledMotions) {
   }
 }
 
+TEST(Sweep, MovedToAPoseIsTheSweepFromThere) {
+  Random random(40);
+  for (int k = 0; k < 500; ++k) {
+    const Pose first = random.pose(3.0);
+    const Pose pose = random.pose(20.0);
+    const Arc arc = random.arc();
+    const Sweep moved = Sweep(kCar, first, arc).moved_to(Frame(pose));
+    const Sweep expected(kCar, compose(pose, first), arc);
+    EXPECT_NEAR(moved.centre().x, expected.centre().x, 1e-12);
+    EXPECT_NEAR(moved.centre().y, expected.centre().y, 1e-12);
+    EXPECT_EQ(moved.radius(), expected.radius());
+    EXPECT_EQ(moved.travel(), expected.travel());
+    for (const double s : {0.0, 0.3, 1.0}) {
+      EXPECT_NEAR(moved.at(s).x, expected.at(s).x, 1e-12);
+      EXPECT_NEAR(moved.at(s).y, expected.at(s).y, 1e-12);
+      EXPECT_NEAR(moved.at(s).ux, expected.at(s).ux, 1e-12);
+      EXPECT_NEAR(moved.at(s).uy, expected.at(s).uy, 1e-12);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace mvtp

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "planner/search/moving_obstacle.hpp"
+
+namespace mvtp {
+
+/// Robots on their ways, looked up by time: which of them does a sweep of step t touch?
+///
+/// The circles around all sweeps of one step lie side by side, so that the scan over robots far
+/// away costs about a nanosecond each.
+class Traffic {
+ public:
+  Traffic() = default;
+  /// @param robots  outlive this object.
+  explicit Traffic(std::span<const MovingObstacle* const> robots);
+
+  [[nodiscard]] bool empty() const { return robots_.empty(); }
+  /// From this step on everybody rests.
+  [[nodiscard]] int end() const { return end_; }
+
+  /// Does `sweep`, driven during step t >= 0, collide with anybody?
+  [[nodiscard]] bool hit(const Sweep& sweep, int t) const;
+  /// With how many?
+  [[nodiscard]] int count(const Sweep& sweep, int t) const;
+
+ private:
+  struct Circle {
+    double x;
+    double y;
+    double radius;
+  };
+  template <class Visit>
+  void for_each_near(const Sweep& sweep, int t, const Visit& visit) const;
+
+  std::vector<const MovingObstacle*> robots_;
+  std::vector<Circle> circles_;  ///< around sweep (t, robot), at t * robots_.size() + robot
+  int end_ = 0;
+};
+
+}  // namespace mvtp
