@@ -4,6 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <utility>
+
+#include "planner/motion/passages.hpp"
 
 namespace mvtp {
 namespace {
@@ -12,6 +16,7 @@ constexpr double kRounding = 1e-6;  // [m], [rad]
 /// Part of half the vehicle's width by which obstacles grow on the grid of the cost-to-go: cells
 /// are a metre wide, and a grid that closes passable gaps misleads more than one that opens some.
 constexpr double kInflation = 0.8;
+constexpr double kProofMargin = 0.005;  // [m]; a proof must hold for touches and rounding
 
 /// Radius of the circle around the longest sweep of one step.
 double longest_reach(const Instance& instance) {
@@ -26,7 +31,7 @@ double longest_reach(const Instance& instance) {
 }  // namespace
 
 Fleet::Fleet(const Instance& instance, CollisionRule rule)
-    : instance_(instance), obstacles_(instance.map, longest_reach(instance)) {
+    : instance_(instance), rule_(rule), obstacles_(instance.map, longest_reach(instance)) {
   cars_.reserve(instance.agents.size());
   costs_to_go_.reserve(instance.agents.size());
   for (const Agent& agent : instance.agents) {
@@ -67,6 +72,39 @@ double Fleet::lower_bound() const {
 }
 
 std::string Fleet::proof_of_infeasibility() const {
+  const std::string proof = proof_by_places();
+  return proof.empty() ? proof_by_passages() : proof;
+}
+
+std::string Fleet::proof_by_passages() const {
+  if (obstacles_.empty()) return {};
+  std::map<std::pair<double, double>, Passages> all;  // by radius and freedom to be outside
+  for (int i = 0; i < size(); ++i) {
+    // The largest disc in the body, around its middle, moves with it, and a little smaller for
+    // touches that are allowed. Checked at steps only, it gets through what is not deeper than
+    // half its longest jump: no point between two places is farther from both.
+    const Vehicle& vehicle = car(i).vehicle();
+    const double ahead = (vehicle.front - vehicle.rear) / 2;
+    double radius = std::min(vehicle.width, vehicle.length()) / 2 - kProofMargin;
+    const double outside =
+        instance_.map.bounds == Bounds::kFootprint ? -radius : std::abs(ahead) + kProofMargin;
+    if (rule_ == CollisionRule::kSteps) {
+      radius -= car(i).step_length() * std::hypot(1.0, ahead * vehicle.max_curvature()) / 2;
+    }
+    if (radius <= 0.0) continue;
+    const Passages& passages =
+        all.try_emplace({radius, outside}, instance_.map, radius, outside).first->second;
+    const Agent& agent = instance_.agents[std::size_t(i)];
+    if (passages.separated(Frame(agent.start).world(ahead, 0.0),
+                           Frame(agent.goal).world(ahead, 0.0))) {
+      return fmt::format("no way for {} to its goal, even alone: every gap is narrower than it",
+                         agent.name);
+    }
+  }
+  return {};
+}
+
+std::string Fleet::proof_by_places() const {
   for (const bool goals : {false, true}) {
     const char* what = goals ? "goal" : "start";
     const auto pose = [&](int i) {

@@ -40,11 +40,17 @@ class Fleet {
   /// The largest over the robots of Reeds-Shepp length / v_max [s]: no plan is shorter.
   [[nodiscard]] double lower_bound() const;
 
-  /// Why nobody can solve the instance, as far as starts and goals show it; empty if they do not.
+  /// Why nobody can solve the instance: a start or goal that is blocked, or a goal that cannot be
+  /// reached even alone, because the gaps on the way are narrower than the vehicle. Empty if that
+  /// does not show.
   [[nodiscard]] std::string proof_of_infeasibility() const;
 
  private:
+  [[nodiscard]] std::string proof_by_places() const;
+  [[nodiscard]] std::string proof_by_passages() const;
+
   const Instance& instance_;
+  CollisionRule rule_;
   Obstacles obstacles_;
   ReedsShepp curves_;
   ReedsSheppTable table_;

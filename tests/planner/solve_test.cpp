@@ -150,6 +150,34 @@ TEST(Solve, ProvesThatGoalsThatOverlapAreInfeasible) {
   EXPECT_EQ(plan.statistics.reason, "the goals of agent0 and agent2 overlap");
 }
 
+/// A wall across a room of 30 x 30 m with a gap; the car is 2 m wide.
+Instance room_with_gap(double gap) {
+  Instance instance{.agents = {}, .map = empty_map(30), .dt = 1.0};
+  instance.agents = {agent({4, 4, 0}, {8, 24, 1}, 0), agent({5, 15, 0}, {22, 15, 0}, 1)};
+  instance.map.polygons = {{{14, 0}, {15, 0}, {15, 15 - gap / 2}, {14, 15 - gap / 2}},
+                           {{14, 15 + gap / 2}, {15, 15 + gap / 2}, {15, 30}, {14, 30}}};
+  return instance;
+}
+
+TEST(Solve, ProvesThatAGapNarrowerThanTheCarLetsNobodyThrough) {
+  const Plan plan = solve(room_with_gap(1.98), {}, Deadline::in(60));
+  EXPECT_EQ(plan.statistics.status, "infeasible");
+  EXPECT_EQ(plan.statistics.reason,
+            "no way for agent1 to its goal, even alone: every gap is narrower than it");
+}
+
+TEST(Solve, FindsAWayThroughAGapJustWiderThanTheCar) { (void)judged(room_with_gap(2.02)); }
+
+//   Seen at whole steps only, a car gets through a wall thinner than its jumps.
+TEST(Solve, DoesNotCallAWallClosedThatStepsJumpOver) {
+  const Instance instance = room_with_gap(0.0);
+  EXPECT_EQ(solve(instance, {}, Deadline::in(60)).statistics.status, "infeasible");
+  Instance thin = instance;
+  thin.map.polygons = {{{14, 0}, {14.01, 0}, {14.01, 30}, {14, 30}}};
+  thin.dt = 4.0;
+  (void)judged(thin, {.collision = CollisionRule::kSteps});
+}
+
 TEST(Solve, NamesTheAlgorithmsThereAre) {
   try {
     (void)solve(circle(2), {.algorithm = "magic"}, Deadline::in(1));
