@@ -9,6 +9,7 @@ namespace mvtp {
 [[nodiscard]] Action declare_validate(CLI::App& app);
 [[nodiscard]] Action declare_generate(CLI::App& app);
 [[nodiscard]] Action declare_bench(CLI::App& app);
+[[nodiscard]] Action declare_report(CLI::App& app);
 [[nodiscard]] Action declare_view(CLI::App& app);
 
 // Those of the sibling executable mvtp-sumo.

@@ -4,13 +4,13 @@
 #include <memory>
 #include <string>
 
-#include "planner/problem/input_error.hpp"
 #include "planner/problem/instance_file.hpp"
 #include "planner/problem/text_file.hpp"
 #include "tools/commands.hpp"
 #include "tools/generate/random_instance.hpp"
 #include "tools/generate/suite.hpp"
 #include "tools/option_types.hpp"
+#include "tools/output_folder.hpp"
 #include "tools/progress.hpp"
 
 namespace mvtp {
@@ -26,20 +26,9 @@ struct GenerateCommand {
   bool quiet = false;
 };
 
-void make_folder(const std::string& folder) {
-  if (folder.empty()) throw InputError("--output-dir", "is empty; give a folder");
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (error || !fs::is_directory(folder)) {
-    throw InputError(folder,
-                     fmt::format("cannot make this folder ({}); choose another --output-dir",
-                                 error ? error.message() : "a file has this name"));
-  }
-}
-
 int generate(const GenerateCommand& command) {
   const std::vector<Cell> cells = choose_cells(command.suite, command.choice);
-  make_folder(command.folder);
+  make_output_folder(command.folder, "--output-dir");
   const auto path = [&](const Cell& cell, int i) {
     return (fs::path(command.folder) / file_name(cell, i)).string();
   };

@@ -7,7 +7,8 @@ packages=(
   libeigen3-dev libfcl-dev libompl-dev libboost-serialization-dev
   libboost-filesystem-dev libboost-system-dev libtinyxml2-dev libyaml-cpp-dev nlohmann-json3-dev
   libcli11-dev libfmt-dev zlib1g-dev
-  libgtest-dev libgmock-dev
+  libgtest-dev libgmock-dev libbenchmark-dev
+  python3-matplotlib
   sumo sumo-tools
 )
 

@@ -8,6 +8,7 @@ int main(int argc, char** argv) {
       mvtp::Command{"validate", "Judge a plan, ours or anyone's", mvtp::declare_validate},
       mvtp::Command{"generate", "Write the benchmark suites", mvtp::declare_generate},
       mvtp::Command{"bench", "Run instances x algorithms x seeds", mvtp::declare_bench},
+      mvtp::Command{"report", "The figures and tables of such runs", mvtp::declare_report},
       mvtp::Command{"view", "One page that replays plans and SUMO runs", mvtp::declare_view},
       mvtp::Command{"coordinate", "Run a SUMO scenario headless, coordinated", nullptr},
       mvtp::Command{"compare", "One demand under SUMO's own control and coordinated", nullptr},

@@ -16,6 +16,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
+/// The directory above that of this program.
+fs::path prefix() { return fs::read_symlink("/proc/self/exe").parent_path().parent_path(); }
+
 /// Waits for the child's end. A signal from a terminal reaches the whole process group and so the
 /// child itself; one that somebody sent to this process alone is passed on.
 int wait_for(pid_t child, const AwaitedSignals& signals) {
@@ -29,9 +32,9 @@ int wait_for(pid_t child, const AwaitedSignals& signals) {
 
 }  // namespace
 
-fs::path sibling_path(const std::string& name) {
-  return fs::read_symlink("/proc/self/exe").parent_path().parent_path() / "libexec" / "mvtp" / name;
-}
+fs::path sibling_path(const std::string& name) { return prefix() / "libexec" / "mvtp" / name; }
+
+fs::path shared_file(const std::string& name) { return prefix() / "share" / "mvtp" / name; }
 
 int run_sibling(const std::string& name, int argc, char** argv) {
   const std::string command = argc > 1 ? argv[1] : name;

@@ -9,6 +9,9 @@ namespace mvtp {
 /// directory, in the build tree as where it is installed.
 [[nodiscard]] std::filesystem::path sibling_path(const std::string& name);
 
+/// Where a data file of the program lies: ../share/mvtp/NAME from its directory.
+[[nodiscard]] std::filesystem::path shared_file(const std::string& name);
+
 /// Runs the sibling with the same arguments, as a child process, and returns its exit code.
 ///
 /// SUMO's libraries are loaded only there: no other command pays for them, and a crash inside them

@@ -20,6 +20,7 @@
 #include "tools/bench/instance_paths.hpp"
 #include "tools/bench/results.hpp"
 #include "tools/child_process.hpp"
+#include "tools/output_folder.hpp"
 #include "tools/program.hpp"
 #include "tools/progress.hpp"
 #include "tools/version.hpp"
@@ -273,19 +274,11 @@ class Bench : public JobSource {
   std::vector<std::string> complaints_;
 };
 
-void make_folder(const std::string& folder) {
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (!error && fs::is_directory(folder)) return;
-  throw InputError(folder, fmt::format("cannot make this folder ({}); choose another --plans",
-                                       error ? error.message() : "a file has this name"));
-}
-
 }  // namespace
 
 int run_bench(const BenchOptions& options) {
   (void)find_instances(options.paths);  // before a file is made
-  if (!options.plans.empty()) make_folder(options.plans);
+  if (!options.plans.empty()) make_output_folder(options.plans, "--plans");
   ResultFile results(options.output,
                      options.resume ? ResultFile::Mode::kResume : ResultFile::Mode::kCreate);
   return Bench(options, results).run();

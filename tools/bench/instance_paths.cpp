@@ -23,10 +23,10 @@ bool looks_like_plan(const fs::path& file) {
   std::array<char, 4096> head{};
   std::ifstream stream(file, std::ios::binary);
   stream.read(head.data(), head.size());
-  const std::string_view text(head.data(), std::size_t(stream.gcount()));
-  return std::ranges::any_of(std::array{"statistics:", "schedule:"}, [&](std::string_view key) {
-    return text.starts_with(key) || text.find("\n" + std::string(key)) != std::string_view::npos;
-  });
+  std::string text = "\n";
+  text.append(head.data(), std::size_t(stream.gcount()));
+  return text.find("\nstatistics:") != std::string::npos ||
+         text.find("\nschedule:") != std::string::npos;
 }
 
 bool may_be_instance(const fs::directory_entry& entry) {
