@@ -1,0 +1,10 @@
+#!/usr/bin/env bash
+# Installs what is missing, builds the release, and times the hot pieces of the planner. Arguments go to Google
+# Benchmark, e.g. --benchmark_filter=sweep --benchmark_repetitions=5
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+tools/install_packages.sh
+cmake --preset release -DMVTP_BUILD_BENCHMARKS=ON >/dev/null
+cmake --build --preset release --target planner_benchmark >/dev/null
+exec build/release/tests/planner_benchmark "$@"
