@@ -66,8 +66,8 @@ struct Run {
   std::uint32_t seed = 0;
 };
 
-std::vector<Run> runs_of(const BenchOptions& options, const std::set<RunKey>& done) {
-  const std::vector<InstancePath> instances = find_instances(options.paths);
+std::vector<Run> runs_of(const BenchOptions& options, const std::vector<InstancePath>& instances,
+                         const std::set<RunKey>& done) {
   std::vector<Run> runs;
   for (std::size_t i = 0; i < instances.size(); ++i) {
     if (int(i % std::size_t(options.shard.count)) != options.shard.index - 1) continue;
@@ -92,8 +92,8 @@ std::string first_line(const fs::path& file) {
 /// Each run is two jobs: `solve`, and if it wrote a plan `validate`.
 class Bench : public JobSource {
  public:
-  Bench(const BenchOptions& options, ResultFile& results)
-      : options_(options), results_(results), runs_(runs_of(options, results.done())) {}
+  Bench(const BenchOptions& options, std::vector<Run> runs, ResultFile& results)
+      : options_(options), results_(results), runs_(std::move(runs)) {}
 
   int run() {
     const bool complete = run_jobs(*this, options_.jobs);
@@ -277,11 +277,11 @@ class Bench : public JobSource {
 }  // namespace
 
 int run_bench(const BenchOptions& options) {
-  (void)find_instances(options.paths);  // before a file is made
+  const std::vector<InstancePath> instances = find_instances(options.paths);
   if (!options.plans.empty()) make_output_folder(options.plans, "--plans");
   ResultFile results(options.output,
                      options.resume ? ResultFile::Mode::kResume : ResultFile::Mode::kCreate);
-  return Bench(options, results).run();
+  return Bench(options, runs_of(options, instances, results.done()), results).run();
 }
 
 }  // namespace mvtp
