@@ -96,7 +96,9 @@ class Bench : public JobSource {
       : options_(options), results_(results), runs_(std::move(runs)) {}
 
   int run() {
+    progress_.emplace("bench", options_.quiet, TimeLeft::kShown);
     const bool complete = run_jobs(*this, options_.jobs);
+    progress_.reset();  // ends its line
     report();
     return complete ? kDone : kInterrupted;
   }
@@ -230,8 +232,8 @@ class Bench : public JobSource {
       fs::remove(scratch(i, kind), ignored);
     }
     ++finished_;
-    progress_.update(double(finished_) / double(runs_.size()),
-                     fmt::format("{} {}", row.instance, row.algorithm));
+    progress_->update(double(finished_) / double(runs_.size()),
+                      fmt::format("{} {}", row.instance, row.algorithm));
   }
 
   void complain(std::size_t i, const std::string& what) {
@@ -264,7 +266,7 @@ class Bench : public JobSource {
   std::vector<Run> runs_;
   std::string program_ = fs::read_symlink("/proc/self/exe").string();
   TemporaryFolder scratch_;
-  Progress progress_{"bench", options_.quiet, TimeLeft::kShown};
+  std::optional<Progress> progress_;  ///< while jobs run
   std::size_t next_ = 0;
   std::deque<std::size_t> to_judge_;
   std::map<std::size_t, ResultRow> solved_;  ///< not yet judged
