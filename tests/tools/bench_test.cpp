@@ -167,10 +167,13 @@ TEST_F(BenchCommand, AKilledRunLosesNothing) {
   const std::string after_kill = content_of(directory_.path("r.csv"));
   EXPECT_THAT(results(), SizeIs(testing::Ge(1U)));
 
-  const Outcome interrupted =
-      shell(bench + " & child=$!; sleep 0.2; kill -INT $child; wait $child; code=$?; exit $code");
-  EXPECT_EQ(interrupted.exit_code, 130);
-  EXPECT_THAT(content_of(directory_.path("r.csv")), testing::StartsWith(after_kill));
+  for (const std::string signal : {"TERM", "INT"}) {
+    const Outcome interrupted = shell(bench + " & child=$!; sleep 0.2; kill -" + signal +
+                                      " $child; wait $child; code=$?; exit $code");
+    EXPECT_EQ(interrupted.exit_code, 130);
+    EXPECT_THAT(content_of(directory_.path("r.csv")), testing::StartsWith(after_kill));
+    for (const ResultRow& row : results()) EXPECT_NE(row.status, "crashed");  // it was us
+  }
 
   EXPECT_EQ(shell(bench).exit_code, 0);
   EXPECT_THAT(content_of(directory_.path("r.csv")), testing::StartsWith(after_kill));
