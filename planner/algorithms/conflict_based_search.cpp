@@ -1,6 +1,7 @@
 #include "planner/algorithms/conflict_based_search.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <deque>
 #include <iterator>
@@ -120,17 +121,18 @@ class ConflictTree {
   /// The path of robot i under `constraints`, with few conflicts with the others' motions.
   [[nodiscard]] std::optional<TimedPath> plan(int i, std::span<const Constraint> constraints,
                                               std::span<const MovingObstacle> motions) const {
-    std::vector<const MovingObstacle*> others(others_.begin(), others_.end());
+    std::vector<const MovingObstacle*> members;
     for (int j = 0; j < int(motions.size()); ++j) {
-      if (j != i) others.push_back(&motions[std::size_t(j)]);
+      if (j != i) members.push_back(&motions[std::size_t(j)]);
     }
-    const Traffic to_avoid(others);
+    const Traffic group(members);
+    const std::array<const Traffic*, 2> to_avoid = {&group, &others_};
     const CbsRobot& robot = robots_[std::size_t(i)];
     return low_level_.search({.car = robot.car,
                               .cost_to_go = robot.cost_to_go,
                               .start = robot.start,
                               .constraints = constraints,
-                              .to_avoid = &to_avoid,
+                              .to_avoid = to_avoid,
                               .least_cost = least_cost_},
                              {options_.w, options_.max_expansions}, deadline_);
   }
@@ -179,7 +181,7 @@ class ConflictTree {
   }
 
   std::span<const CbsRobot> robots_;
-  std::span<const MovingObstacle* const> others_;
+  Traffic others_;
   const SpacetimeHybridAstar& low_level_;
   const CbsOptions& options_;
   const Deadline& deadline_;

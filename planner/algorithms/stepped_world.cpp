@@ -16,10 +16,16 @@ constexpr double kTurnPenalty = 1.5;
 constexpr double kReversePenalty = 2.0;
 constexpr double kSwitchPenalty = 2.0;  // of driving direction
 constexpr double kInTheWay = 6.0;       // of where the pusher goes next
-constexpr int kLookAhead = 4;           // [steps] of the pusher
-constexpr double kForget = 0.99;        // of visits, per further visit
+constexpr double kAside = 0.5;          // per metre that is left to leave the pusher's lane
+/// A robot that was pushed straight back for so many steps is not any longer: nose to nose it would
+/// be driven back until the pusher is at its goal. The pusher has to swerve.
+constexpr int kLongRetreat = 3;
+constexpr int kLookAhead = 4;     // [steps] of the pusher
+constexpr double kForget = 0.99;  // of visits, per further visit
 /// A robot that may have no guide path is not searched for one again for so many steps.
 constexpr int kGuideRetry = 20;
+/// Groups avoid robots that they could meet within so many windows, both driving.
+constexpr double kSight = 2.0;
 /// Chances of a robot that is under way when a configuration repeats.
 constexpr double kRandomAction = 0.3;
 constexpr double kRandomLast = 0.3;
@@ -74,7 +80,7 @@ SteppedWorld::Motion SteppedWorld::motion(int i, const Pose& pose, const Arc& ar
 }
 
 std::vector<SteppedWorld::Motion> SteppedWorld::candidates(int i, const Pose& pose) const {
-  return candidates_away_from(i, pose, nullptr);
+  return candidates_away_from(i, pose, {});
 }
 
 std::vector<SteppedWorld::Motion> SteppedWorld::evasions(int i, const Pose& pose, int pusher,
@@ -93,11 +99,20 @@ std::vector<SteppedWorld::Motion> SteppedWorld::evasions(int i, const Pose& pose
       ahead.push_back(car.sweep(at, motion.arc));
     }
   }
-  return candidates_away_from(i, pose, &ahead);
+  return candidates_away_from(i, pose, {&ahead, pusher, motion.end});
 }
 
-std::vector<SteppedWorld::Motion> SteppedWorld::candidates_away_from(
-    int i, const Pose& pose, const std::vector<Sweep>* ahead) const {
+double SteppedWorld::still_to_clear(int i, const Pose& pose, int pusher,
+                                    const Pose& pushed_by) const {
+  const Vehicle& own = fleet_.car(i).vehicle();
+  const Pose seen = relative(pushed_by, pose);
+  const double radius = own.min_turning_radius;
+  const double clear = (own.width + fleet_.car(pusher).vehicle().width) / 2 + radius;
+  return std::max(0.0, clear - std::abs(seen.y) - radius * std::abs(std::sin(seen.theta)));
+}
+
+std::vector<SteppedWorld::Motion> SteppedWorld::candidates_away_from(int i, const Pose& pose,
+                                                                     const Push& push) const {
   const SteppedCar& car = fleet_.car(i);
   const Robot& robot = robots_[std::size_t(i)];
   std::vector<std::pair<double, Motion>> scored;
@@ -105,11 +120,15 @@ std::vector<SteppedWorld::Motion> SteppedWorld::candidates_away_from(
     const Motion m = motion(i, pose, arc);
     if (!car.is_free(pose, arc, m.sweep)) return;
     double value = score(i, m, greedy);
-    if (ahead != nullptr) {
+    if (push.ahead != nullptr) {
       const Sweep standing = car.sweep(m.end, {});
-      const bool in_the_way =
-          std::ranges::any_of(*ahead, [&](const Sweep& sweep) { return collide(standing, sweep); });
-      if (in_the_way) value += kWeight * kInTheWay * car.step_length();
+      const bool in_the_way = std::ranges::any_of(
+          *push.ahead, [&](const Sweep& sweep) { return collide(standing, sweep); });
+      if (in_the_way && robot.retreat >= kLongRetreat && arc.curvature == 0.0) return;
+      if (in_the_way) {
+        value += kWeight * kInTheWay * car.step_length() +
+                 kAside * still_to_clear(i, m.end, push.by, push.from);
+      }
     }
     scored.emplace_back(value, m);
   };
@@ -229,9 +248,16 @@ std::optional<std::vector<SteppedWorld::Motion>> SteppedWorld::get_opt_traj(cons
   for (const int i : group) {
     members.push_back({&fleet_.car(i), &fleet_.cost_to_go(i), q[std::size_t(i)]});
   }
+  // Only those who may be met soon: the way to the goal is long, and much will change until then.
+  const auto near = [&](int i) {
+    return std::ranges::any_of(group, [&](int k) {
+      const double steps = fleet_.car(i).step_length() + fleet_.car(k).step_length();
+      return distance(q[std::size_t(i)], q[std::size_t(k)]) <= kSight * options_.window * steps;
+    });
+  };
   std::vector<MovingObstacle> others;
   for (int i = 0; i < fleet_.size(); ++i) {
-    if (std::ranges::binary_search(group, i)) continue;
+    if (std::ranges::binary_search(group, i) || !near(i)) continue;
     const Robot& robot = robots_[std::size_t(i)];
     others.emplace_back(
         fleet_.car(i), q[std::size_t(i)],
@@ -322,6 +348,7 @@ void SteppedWorld::advance(const std::vector<Motion>& motions) {
     if (!is_wait(m.arc)) robot.last = m.arc;
 
     const bool under_way = robot.next < robot.guide.size();
+    const bool straight = !is_wait(m.arc) && m.arc.curvature == 0.0;
     const bool on_guide = under_way && m.arc == robot.guide[robot.next];
     if (on_guide) {
       ++robot.next;
@@ -330,6 +357,7 @@ void SteppedWorld::advance(const std::vector<Motion>& motions) {
       break_joint(robot.joint);  // late, or pushed off
     }
 
+    robot.retreat = straight && !on_guide ? robot.retreat + 1 : 0;
     if (m.end == fleet_.goal(i)) {
       robot.steps_under_way = 0;
     } else {

@@ -79,7 +79,15 @@ class SteppedWorld {
     std::unordered_map<std::uint64_t, double> visits;  ///< how much each cell is to be avoided
     Arc last;                                          ///< last arc driven
     int steps_under_way = 0;                           ///< since it was last at its goal
+    int retreat = 0;                                   ///< steps straight on, off its guide
     std::optional<Arc> random_action;                  ///< for the next step only
+  };
+
+  /// Who pushes a robot, from where, and where to next.
+  struct Push {
+    const std::vector<Sweep>* ahead = nullptr;  ///< nullptr: nobody
+    int by = -1;
+    Pose from;
   };
 
   [[nodiscard]] Motion motion(int i, const Pose& pose, const Arc& arc) const;
@@ -88,7 +96,11 @@ class SteppedWorld {
   /// In how many steps the two will overlap if they follow their guides; nullopt: not soon.
   [[nodiscard]] std::optional<int> predicted_conflict(int i, int j) const;
   [[nodiscard]] std::vector<Motion> candidates_away_from(int i, const Pose& pose,
-                                                         const std::vector<Sweep>* ahead) const;
+                                                         const Push& push) const;
+  /// How far robot i, in `pose`, is from having left the lane of the robot that pushes it and is
+  /// now at `pushed_by` [m]: the way aside, of which a turn across the lane is worth a radius.
+  [[nodiscard]] double still_to_clear(int i, const Pose& pose, int pusher,
+                                      const Pose& pushed_by) const;
   [[nodiscard]] std::optional<TimedPath> find_guide(int i, const Pose& pose) const;
   void break_joint(int joint);
   void set_guide(int i, const Pose& pose, std::vector<Arc> guide, int joint);

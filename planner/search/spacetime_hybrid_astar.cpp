@@ -61,11 +61,13 @@ class Search {
         open_(options.w) {
     for (const Constraint& c : problem.constraints) end_ = std::max(end_, c.last + 1);
     timed_ = !problem.constraints.empty();
-    for (const Traffic* traffic : {problem.to_keep_clear_of, problem.to_avoid}) {
-      if (traffic == nullptr || traffic->empty()) continue;
+    const auto consider = [this](const Traffic* traffic) {
+      if (traffic == nullptr || traffic->empty()) return;
       end_ = std::max(end_, traffic->end());
       timed_ = true;
-    }
+    };
+    consider(problem.to_keep_clear_of);
+    for (const Traffic* traffic : problem.to_avoid) consider(traffic);
     const double step = options.arc_scale * car_.step_length();
     cell_ = std::min(kMaxCell, kCellPerStep * step);
     const double turn = step * car_.vehicle().max_curvature();
@@ -138,7 +140,11 @@ class Search {
   }
 
   [[nodiscard]] int conflicts(const Sweep& sweep, int t) const {
-    return problem_.to_avoid == nullptr ? 0 : problem_.to_avoid->count(sweep, t);
+    int found = 0;
+    for (const Traffic* traffic : problem_.to_avoid) {
+      if (!traffic->empty()) found += traffic->count(sweep, t);
+    }
+    return found;
   }
 
   void expand(int n) {

@@ -26,7 +26,7 @@ struct SearchProblem {
   Pose start;
   std::span<const Constraint> constraints;    ///< must be kept
   const Traffic* to_keep_clear_of = nullptr;  ///< may not be touched; nullptr: nobody
-  const Traffic* to_avoid = nullptr;  ///< collisions are counted, and kept few; nullptr: nobody
+  std::span<const Traffic* const> to_avoid;   ///< collisions are counted, and kept few
   /// Arriving earlier than this is worth nothing: no way costs less [steps]. The slowest robot's
   /// cost-to-go makes room for the quick ones to wait, or to leave their goals and come back.
   double least_cost = 0.0;

@@ -1,6 +1,7 @@
 #include "planner/search/traffic.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace mvtp {
 
@@ -9,22 +10,31 @@ Traffic::Traffic(std::span<const MovingObstacle* const> robots)
   for (const MovingObstacle* robot : robots_) end_ = std::max(end_, robot->makespan());
   circles_.reserve(std::size_t(end_ + 1) * robots_.size());
   for (int t = 0; t <= end_; ++t) {
-    for (const MovingObstacle* robot : robots_) {
-      const Sweep& sweep = robot->at(t);
-      circles_.push_back({sweep.centre().x, sweep.centre().y, sweep.radius()});
+    const auto row = circles_.end() - circles_.begin();
+    for (int i = 0; i < int(robots_.size()); ++i) {
+      const Sweep& sweep = robots_[std::size_t(i)]->at(t);
+      circles_.push_back({sweep.centre().x, sweep.centre().y, sweep.radius(), i});
+      largest_ = std::max(largest_, sweep.radius());
     }
+    std::sort(circles_.begin() + row, circles_.end(), [](const Circle& a, const Circle& b) {
+      return std::pair(a.x, a.robot) < std::pair(b.x, b.robot);
+    });
   }
 }
 
 template <class Visit>
 void Traffic::for_each_near(const Sweep& sweep, int t, const Visit& visit) const {
   const Point centre = sweep.centre();
-  const Circle* circle = circles_.data() + std::size_t(std::min(t, end_)) * robots_.size();
-  for (std::size_t i = 0; i < robots_.size(); ++i, ++circle) {
+  const double strip = sweep.radius() + largest_;
+  const auto n = std::ptrdiff_t(robots_.size());
+  const auto first = circles_.begin() + std::min(t, end_) * n;
+  const auto near = std::ranges::lower_bound(first, first + n, centre.x - strip, {}, &Circle::x);
+  for (auto circle = near; circle != first + n && circle->x <= centre.x + strip; ++circle) {
     const double dx = centre.x - circle->x;
     const double dy = centre.y - circle->y;
     const double reach = sweep.radius() + circle->radius;
-    if (dx * dx + dy * dy <= reach * reach && !visit(robots_[i]->at(t))) return;
+    if (dx * dx + dy * dy > reach * reach) continue;
+    if (!visit(robots_[std::size_t(circle->robot)]->at(t))) return;
   }
 }
 

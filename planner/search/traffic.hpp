@@ -10,8 +10,8 @@ namespace mvtp {
 
 /// Robots on their ways, looked up by time: which of them does a sweep of step t touch?
 ///
-/// The circles around all sweeps of one step lie side by side, so that the scan over robots far
-/// away costs about a nanosecond each.
+/// The circles around all sweeps of one step are sorted by x, so that only robots in a strip of the
+/// map are looked at.
 class Traffic {
  public:
   Traffic() = default;
@@ -32,12 +32,14 @@ class Traffic {
     double x;
     double y;
     double radius;
+    int robot;
   };
   template <class Visit>
   void for_each_near(const Sweep& sweep, int t, const Visit& visit) const;
 
   std::vector<const MovingObstacle*> robots_;
-  std::vector<Circle> circles_;  ///< around sweep (t, robot), at t * robots_.size() + robot
+  std::vector<Circle> circles_;  ///< of step t from t * robots_.size() on, ordered by x
+  double largest_ = 0.0;         ///< radius [m]
   int end_ = 0;
 };
 

@@ -63,13 +63,13 @@ TEST_P(Cbs, SolvesFourOnACircle) {
 }
 
 //   Robot 1 stands at its goal, right at the end of a lane 3.2 m wide that robot 0 comes through.
-TEST_P(Cbs, MovesARobotOffItsGoalForAnother) {
+TEST(Eccr, MovesARobotOffItsGoalForAnother) {
   Instance instance{.agents = {}, .map = empty_map(60), .dt = 1.0};
   instance.map.polygons = {{{20, 0}, {40, 0}, {40, 28.4}, {20, 28.4}},
                            {{20, 31.6}, {40, 31.6}, {40, 60}, {20, 60}}};
   instance.agents = {agent({5, 30, 0}, {50, 40, 1}, 0), agent({41, 30, 0}, {41, 30, 0}, 1)};
   const Fleet fleet(instance, CollisionRule::kContinuous);
-  const CbsResult result = solved(fleet, GetParam());
+  const CbsResult result = solved(fleet, kEccr);
   ASSERT_EQ(result.steps.size(), 2U);
   EXPECT_GT(result.steps[1].size(), 2U);
 }

@@ -47,6 +47,11 @@ TEST(Escot, IsQuickerThanPbcrAlone) {
   }
 }
 
+//   Nose to nose, the pushed robot cannot turn away; without a limit it is driven back 865 steps.
+TEST(Pbcr, APushedRobotDoesNotRetreatForEver) {
+  EXPECT_LE(judged(circle(2), {.algorithm = "pbcr"}).statistics.makespan_steps, 400U);
+}
+
 /// Each shard solves 26 instances of 2 to 6 robots, with up to 8 obstacles, on 24 to 30 m.
 class RandomInstances : public testing::TestWithParam<int> {};
 

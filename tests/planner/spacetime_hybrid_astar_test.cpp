@@ -82,7 +82,8 @@ TEST_F(SpacetimeSearch, KeepsClearOfARobotThatComesTowardsIt) {
   const std::vector<const MovingObstacle*> others = {&oncoming};
   SearchProblem avoiding = problem(fleet, 0);
   const Traffic traffic(others);
-  avoiding.to_avoid = &traffic;
+  const std::vector<const Traffic*> to_avoid = {&traffic};
+  avoiding.to_avoid = to_avoid;
   const auto path = planner.search(avoiding, {}, kNever);
   ASSERT_TRUE(path);
   expect_free_way_to_goal(fleet, 0, *path);
