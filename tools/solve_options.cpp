@@ -24,6 +24,15 @@ void add_limit_options(CLI::App& app, SolveOptions& options, double& time_limit)
         return positive ? std::string() : "is \"" + text + "\"; give a whole number > 0";
       })
       ->group(kSearchGroup);
+  app.add_option("--gap", options.gap,
+                 "escot-star stops once the makespan is so close to its lower bound [0.01]")
+      ->type_name("PART")
+      ->check(number_between(0.0, 1e6))
+      ->group(kSearchGroup);
+  app.add_option("--threads", options.threads, "Searchers of escot-star side by side [1]")
+      ->type_name("N")
+      ->check(whole_number_between(1, 64))
+      ->group(kSearchGroup);
   app.add_option("--run-time-limit", options.run_time_limit, "For each run [s] [the time limit]")
       ->type_name("S")
       ->check(positive_number)

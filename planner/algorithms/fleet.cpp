@@ -44,8 +44,8 @@ Fleet::Fleet(const Instance& instance, CollisionRule rule)
       }
       grid = shared;
     }
-    costs_to_go_.emplace_back(agent.goal, agent.vehicle.min_turning_radius, table_,
-                              std::move(grid));
+    costs_to_go_.emplace_back(agent.goal, agent.vehicle.min_turning_radius,
+                              ReedsSheppTable::shared(), std::move(grid));
   }
 }
 

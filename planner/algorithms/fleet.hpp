@@ -53,7 +53,6 @@ class Fleet {
   CollisionRule rule_;
   Obstacles obstacles_;
   ReedsShepp curves_;
-  ReedsSheppTable table_;
   std::map<double, std::shared_ptr<const ObstacleGrid>> grids_;  ///< by the width of the vehicle
   std::vector<SteppedCar> cars_;
   std::vector<CostToGo> costs_to_go_;

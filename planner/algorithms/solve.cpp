@@ -8,6 +8,7 @@
 
 #include "planner/algorithms/conflict_based_search.hpp"
 #include "planner/algorithms/escot.hpp"
+#include "planner/algorithms/escot_star.hpp"
 #include "planner/algorithms/fleet.hpp"
 #include "planner/algorithms/prioritised.hpp"
 #include "planner/problem/input_error.hpp"
@@ -62,17 +63,20 @@ StepPlan run_sha(const Fleet& fleet, const SolveOptions& options, const Deadline
   return plan_prioritised(fleet, sha, deadline);
 }
 
+StepPlan run_escot_star(const Fleet& fleet, const SolveOptions& options, const Deadline& deadline) {
+  return solve_escot_star(
+      fleet, {.seed = options.seed, .gap = options.gap, .threads = options.threads}, deadline);
+}
+
 struct Algorithm {
   std::string name;
   StepPlan (*run)(const Fleet&, const SolveOptions&, const Deadline&);
 };
 
 const std::vector<Algorithm>& algorithms() {
-  static const std::vector<Algorithm> kAll = {{"escot", run_escot},
-                                              {"pbcr", run_pbcr},
-                                              {"eccr", run_eccr},
-                                              {"cl-cbs", run_cl_cbs},
-                                              {"sha", run_sha}};
+  static const std::vector<Algorithm> kAll = {{"escot", run_escot}, {"pbcr", run_pbcr},
+                                              {"eccr", run_eccr},   {"cl-cbs", run_cl_cbs},
+                                              {"sha", run_sha},     {"escot-star", run_escot_star}};
   return kAll;
 }
 
@@ -84,6 +88,10 @@ StepPlan run_repeatedly(const Algorithm& algorithm, const Fleet& fleet, SolveOpt
     if (plan.status == Status::kSolved || deadline.expired()) break;
   }
   return plan;
+}
+
+double seconds_since(std::chrono::steady_clock::time_point begin) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
 }
 
 std::string reason(const StepPlan& plan) {
@@ -120,8 +128,10 @@ Plan solve(const Instance& instance, const SolveOptions& options, const Deadline
 
   Plan plan;
   StepPlan solution;
+  double prepared = 0.0;  // [s]
   plan.statistics.reason = fleet.proof_of_infeasibility();
   if (plan.statistics.reason.empty()) {
+    prepared = seconds_since(begin);
     solution = run_repeatedly(*algorithm, fleet, options, deadline);
     plan.statistics.reason = reason(solution);
   } else {
@@ -133,11 +143,14 @@ Plan solve(const Instance& instance, const SolveOptions& options, const Deadline
   plan.statistics.status = to_string(solution.status);
   plan.statistics.algorithm = options.algorithm;
   plan.statistics.seed = options.seed;
-  plan.statistics.dt = instance.dt;
+  plan.statistics.dt = solution.dt.value_or(instance.dt);
+  plan.statistics.solo_makespan = solution.solo_makespan;
+  if (solution.first_solution) {
+    plan.statistics.first_solution = *solution.first_solution + prepared;
+  }
   plan.statistics.lower_bound = fleet.lower_bound();
   fill_in_durations(plan);
-  plan.statistics.runtime =
-      std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  plan.statistics.runtime = seconds_since(begin);
   return plan;
 }
 

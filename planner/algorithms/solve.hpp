@@ -16,6 +16,8 @@ struct SolveOptions {
   std::uint64_t seed = 0;
   int runs = 1;                 ///< tried one after the other with seeds seed, seed + 1, ...; >= 1
   double run_time_limit = 1e9;  ///< of each run [s], > 0
+  double gap = 0.01;            ///< escot-star stops at a makespan of (1 + gap) * lower bound, >= 0
+  int threads = 1;              ///< of escot-star, >= 1; the others use one
 };
 
 /// The algorithms that solve() knows, the default first.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "planner/algorithms/fleet.hpp"
@@ -11,6 +12,9 @@ namespace mvtp {
 struct StepPlan {
   Status status = Status::kExhausted;
   std::vector<Trajectory> trajectories;
+  std::optional<double> dt = std::nullopt;  ///< of one step [s], if it is not the instance's
+  std::optional<double> first_solution = std::nullopt;  ///< [s] after the algorithm was called
+  std::optional<double> solo_makespan = std::nullopt;   ///< [s]
 };
 
 /// The trajectory of robot i that drives `steps` from its start.

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <queue>
 #include <utility>
 
 #include "planner/motion/obstacles.hpp"
@@ -79,34 +78,60 @@ GridDistance::GridDistance(std::shared_ptr<const ObstacleGrid> grid, const Point
 
 void GridDistance::search(const Point& goal) {
   const ObstacleGrid& grid = *grid_;
-  const auto usable = [&](int column, int row) {
-    if (column < 0 || row < 0 || column >= grid.columns() || row >= grid.rows()) return false;
-    return !grid.blocked(column, row) ||
-           std::hypot((column + 0.5) * grid.side() - goal.x, (row + 0.5) * grid.side() - goal.y) <=
-               kFreeAroundGoal;
+  // Cells with a margin of two blocked ones around them, so that no move leaves the array.
+  const int stride = grid.columns() + 4;
+  const auto index = [&](int column, int row) { return (row + 2) * stride + column + 2; };
+  std::vector<char> usable(std::size_t(stride * (grid.rows() + 4)), 0);
+  for (int row = 0; row < grid.rows(); ++row) {
+    for (int column = 0; column < grid.columns(); ++column) {
+      usable[std::size_t(index(column, row))] =
+          !grid.blocked(column, row) ||
+          std::hypot((column + 0.5) * grid.side() - goal.x, (row + 0.5) * grid.side() - goal.y) <=
+              kFreeAroundGoal;
+    }
+  }
+  struct Step {
+    int to, via1, via2;
+    float length;
   };
-  static const std::array<Move, 16> kMoves = moves();
-  using Entry = std::pair<float, int>;  // distance, cell
-  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> open;
-  const int source = grid.row_of(goal.y) * grid.columns() + grid.column_of(goal.x);
-  distance_[std::size_t(source)] = 0.0F;
-  open.emplace(0.0F, source);
-  while (!open.empty()) {
-    const auto [distance, cell] = open.top();
-    open.pop();
-    if (distance > distance_[std::size_t(cell)]) continue;
-    const int column = cell % grid.columns();
-    const int row = cell / grid.columns();
-    for (const Move& move : kMoves) {
-      if (!usable(column + move.dx, row + move.dy)) continue;
-      if (!usable(column + move.via1_x, row + move.via1_y)) continue;
-      if (!usable(column + move.via2_x, row + move.via2_y)) continue;
-      const int next = (row + move.dy) * grid.columns() + column + move.dx;
-      const float longer = distance + move.length * float(grid.side());
-      if (longer < distance_[std::size_t(next)]) {
-        distance_[std::size_t(next)] = longer;
-        open.emplace(longer, next);
+  std::array<Step, 16> steps;
+  std::ranges::transform(moves(), steps.begin(), [&](const Move& m) {
+    return Step{m.dy * stride + m.dx, m.via1_y * stride + m.via1_x, m.via2_y * stride + m.via2_x,
+                m.length};
+  });
+
+  // Dijkstra with a bucket per cell's side: no move is shorter, so that nothing in a bucket can
+  // still improve once the one before it is done.
+  std::vector<float> distance(usable.size(), kNoWay);  // in sides of a cell
+  std::vector<std::vector<int>> buckets(4);            // of the cells at floor(distance), modulo 4
+  const int source = index(grid.column_of(goal.x), grid.row_of(goal.y));
+  distance[std::size_t(source)] = 0.0F;
+  buckets[0].push_back(source);
+  std::vector<int> current;
+  for (std::size_t level = 0, empty = 0; empty < buckets.size(); ++level) {
+    current.clear();
+    current.swap(buckets[level % buckets.size()]);
+    empty = current.empty() ? empty + 1 : 0;
+    for (const int cell : current) {
+      const float here = distance[std::size_t(cell)];
+      if (std::size_t(here) != level) continue;
+      for (const Step& step : steps) {
+        const std::size_t next = std::size_t(cell + step.to);
+        const float longer = here + step.length;
+        if (longer >= distance[next]) continue;
+        if (!usable[next] || !usable[std::size_t(cell + step.via1)] ||
+            !usable[std::size_t(cell + step.via2)]) {
+          continue;
+        }
+        distance[next] = longer;
+        buckets[std::size_t(longer) % buckets.size()].push_back(int(next));
       }
+    }
+  }
+  for (int row = 0; row < grid.rows(); ++row) {
+    for (int column = 0; column < grid.columns(); ++column) {
+      distance_[std::size_t(row * grid.columns() + column)] =
+          distance[std::size_t(index(column, row))] * float(grid.side());
     }
   }
 }

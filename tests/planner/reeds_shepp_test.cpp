@@ -6,6 +6,8 @@
 #include <numbers>
 #include <random>
 
+#include "tests/planner/ompl_reference.hpp"
+
 namespace mvtp {
 namespace {
 
@@ -50,6 +52,15 @@ TEST(ReedsShepp, KnowsLengthsFromGeometry) {
   EXPECT_NEAR(curves.length({0, 0, 0}, {-7, 0, 0}, 2.0), 7.0, 1e-9);
   EXPECT_NEAR(curves.length({0, 0, 0}, {2, 2, kPi / 2}, 2.0), kPi, 1e-9);
   EXPECT_NEAR(curves.length({0, 0, 0}, {0, 0, kPi}, 1.0), kPi, 1e-9);
+}
+
+TEST(ReedsShepp, IsAsLongAsOmplsPath) {
+  for (const auto& [from, to] : random_pairs(20000)) {
+    const double ours = reeds_shepp_length(from, to, kRadius);
+    EXPECT_NEAR(ours, ompl_reeds_shepp_length(from, to, kRadius), 1e-5)
+        << from.x << ' ' << from.y << ' ' << from.theta << " to " << to.x << ' ' << to.y << ' '
+        << to.theta;
+  }
 }
 
 TEST(ReedsShepp, TheWayBackIsAsLong) {

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <barrier>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include "planner/motion/timed_track.hpp"
+
+namespace mvtp {
+
+/// A plan that is free of conflicts; none yet if `tracks` is empty.
+struct Incumbent {
+  std::vector<TimedTrack> tracks;
+  int makespan = std::numeric_limits<int>::max();                    ///< [instants]
+  std::int64_t flowtime = std::numeric_limits<std::int64_t>::max();  ///< [instants]
+
+  [[nodiscard]] bool better_than(const Incumbent& other) const {
+    return makespan != other.makespan ? makespan < other.makespan : flowtime < other.flowtime;
+  }
+};
+
+/// Where searchers in several threads compare their plans, at the same expansions of each.
+///
+/// Everyone waits for everyone, so that the result depends on the number of searchers only.
+class Exchange {
+ public:
+  /// @param goal  a plan of this makespan ends the search [instants]
+  Exchange(int searchers, int goal);
+
+  /// Offers a plan and takes over the best of all, if it is better. To be called by every searcher
+  /// equally often. @return true if the search has ended
+  bool meet(int searcher, Incumbent& plan, bool finished);
+
+ private:
+  void compare() noexcept;
+
+  struct Slot {
+    Incumbent* plan = nullptr;
+    bool finished = false;
+  };
+  /// What std::barrier calls when everyone has come.
+  struct Completion {
+    Exchange* exchange;
+    void operator()() noexcept { exchange->compare(); }
+  };
+
+  int goal_;
+  std::vector<Slot> slots_;
+  Incumbent best_;
+  bool ended_ = false;
+  std::barrier<Completion> barrier_;
+};
+
+}  // namespace mvtp

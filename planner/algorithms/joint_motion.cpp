@@ -1,0 +1,130 @@
+#include "planner/algorithms/joint_motion.hpp"
+
+#include <algorithm>
+
+namespace mvtp {
+
+JointMotion::JointMotion(std::vector<MacroRobot> robots, TimeGrid time)
+    : robots_(std::move(robots)),
+      time_(time),
+      occupancy_(size(), time),
+      tracks_(robots_.size()),
+      present_(robots_.size(), 0),
+      weights_(robots_.size() * robots_.size(), 1.0F),
+      position_(robots_.size() * robots_.size(), -1),
+      prices_(robots_.size()),
+      found_(robots_.size() + Occupancy::kPadding) {
+  for (const MacroRobot& robot : robots_) shapes_.push_back(robot.car->shape());
+}
+
+template <class Visit>
+void JointMotion::for_each_contact(int i, const TimedTrack& track, Visit&& visit) {
+  const MacroCar& own = *robot(i).car;
+  const int buckets =
+      std::max(occupancy_.horizon(), (track.arrival() + time_.bucket - 1) / time_.bucket);
+  for (int k = 0; k <= buckets; ++k) {
+    const int t = k * time_.bucket;
+    const BoxPose* boxes = track.boxes(t);
+    const bool rests = track.arrival() <= t;
+    const BoxPose& middle = rests ? *boxes : *track.boxes(t + time_.bucket / 2);
+    BoxShape shape = own.shape();
+    if (rests) shape.travel = 0.0F;
+    const float radius = rests ? shape.half_diagonal() : own.reach();
+    const int n = occupancy_.near(k, middle.x, middle.y, radius, found_.data());
+    for (int f = 0; f < n; ++f) {
+      const int j = found_[std::size_t(f)];
+      BoxShape other = shapes_[std::size_t(j)];
+      other.travel = occupancy_.travel(k, j);
+      if (!meet(boxes, shape, tracks_[std::size_t(j)].boxes(t), other, time_.bucket)) continue;
+      if (!visit(j, k)) return;
+    }
+  }
+}
+
+void JointMotion::place(int i, TimedTrack track) {
+  for_each_contact(i, track, [&](int j, int) {
+    if (!in_conflict(i, j)) add_conflict(i, j);
+    return true;
+  });
+  occupancy_.place(i, track, shapes_[std::size_t(i)]);
+  tracks_[std::size_t(i)] = std::move(track);
+  present_[std::size_t(i)] = 1;
+}
+
+TimedTrack JointMotion::remove(int i) {
+  for (const int j : conflicts_of(i)) drop_conflict(i, j);
+  occupancy_.remove(i);
+  present_[std::size_t(i)] = 0;
+  return std::move(tracks_[std::size_t(i)]);
+}
+
+void JointMotion::place_all(const std::vector<TimedTrack>& tracks) {
+  for (int i = 0; i < size(); ++i) {
+    if (present(i)) remove(i);
+  }
+  for (int i = 0; i < size(); ++i) place(i, tracks[std::size_t(i)]);
+}
+
+void JointMotion::add_conflict(int i, int j) {
+  position_[at(i, j)] = position_[at(j, i)] = int(conflicts_.size());
+  conflicts_.emplace_back(std::min(i, j), std::max(i, j));
+  cost_ += weight(i, j);
+}
+
+void JointMotion::drop_conflict(int i, int j) {
+  const int hole = position_[at(i, j)];
+  const Pair last = conflicts_.back();
+  conflicts_[std::size_t(hole)] = last;
+  position_[at(last.first, last.second)] = position_[at(last.second, last.first)] = hole;
+  conflicts_.pop_back();
+  position_[at(i, j)] = position_[at(j, i)] = -1;
+  cost_ -= weight(i, j);
+}
+
+std::vector<int> JointMotion::conflicts_of(int i) const {
+  std::vector<int> result;
+  for (int j = 0; j < size(); ++j) {
+    if (in_conflict(i, j)) result.push_back(j);
+  }
+  return result;
+}
+
+int JointMotion::first_conflict(int i) {
+  int first = -1;
+  for_each_contact(i, track(i), [&](int j, int k) {
+    if (j == i) return true;
+    first = k;
+    return false;
+  });
+  return first;
+}
+
+void JointMotion::set_weight(int i, int j, float weight) {
+  if (in_conflict(i, j)) cost_ += double(weight) - this->weight(i, j);
+  weights_[at(i, j)] = weights_[at(j, i)] = weight;
+}
+
+OtherRobots JointMotion::others(int i, double price) {
+  for (int j = 0; j < size(); ++j) {
+    prices_[std::size_t(j)] = float(price) * weights_[at(i, j)];
+  }
+  return {&occupancy_, tracks_, shapes_, prices_};
+}
+
+int JointMotion::makespan() const {
+  int last = 0;
+  for (int i = 0; i < size(); ++i) {
+    if (present(i)) last = std::max(last, track(i).arrival());
+  }
+  return last;
+}
+
+std::int64_t JointMotion::flowtime() const {
+  std::int64_t sum = 0;
+  for (int i = 0; i < size(); ++i) {
+    if (present(i)) sum += track(i).arrival();
+  }
+  return sum;
+}
+
+}  // namespace mvtp

@@ -1,0 +1,90 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "planner/motion/macro_car.hpp"
+#include "planner/search/occupancy.hpp"
+#include "planner/search/soft_astar.hpp"
+
+namespace mvtp {
+
+/// One robot to be planned for; what it points at outlives its users.
+struct MacroRobot {
+  const MacroCar* car = nullptr;
+  const CostToGo* cost_to_go = nullptr;  ///< names the goal
+  Pose start;
+};
+
+/// The motions of all robots, and which pairs of them overlap at any time.
+///
+/// Every pair has a weight >= 1, which is what its overlap costs: guided local search raises the
+/// weights of pairs that stay in conflict.
+class JointMotion {
+ public:
+  using Pair = std::pair<int, int>;  ///< first < second
+
+  /// All robots are absent.
+  explicit JointMotion(std::vector<MacroRobot> robots, TimeGrid time);
+
+  [[nodiscard]] int size() const { return int(robots_.size()); }
+  [[nodiscard]] const MacroRobot& robot(int i) const { return robots_[std::size_t(i)]; }
+  [[nodiscard]] const TimeGrid& time() const { return time_; }
+  [[nodiscard]] const TimedTrack& track(int i) const { return tracks_[std::size_t(i)]; }
+  [[nodiscard]] bool present(int i) const { return present_[std::size_t(i)] != 0; }
+
+  /// Robot i, absent so far, moves along `track`.
+  void place(int i, TimedTrack track);
+  /// Takes robot i and its conflicts away. @return its track
+  TimedTrack remove(int i);
+  [[nodiscard]] const std::vector<TimedTrack>& tracks() const { return tracks_; }
+  /// Everyone moves along the given tracks, one per robot.
+  void place_all(const std::vector<TimedTrack>& tracks);
+
+  [[nodiscard]] const std::vector<Pair>& conflicts() const { return conflicts_; }
+  [[nodiscard]] bool in_conflict(int i, int j) const { return position_[at(i, j)] >= 0; }
+  /// The robots that robot i overlaps, ascending.
+  [[nodiscard]] std::vector<int> conflicts_of(int i) const;
+  /// The first bucket in which robot i overlaps anyone; -1 if it does not.
+  [[nodiscard]] int first_conflict(int i);
+  [[nodiscard]] double weight(int i, int j) const { return double(weights_[at(i, j)]); }
+  void set_weight(int i, int j, float weight);
+  /// Sum of the weights of all pairs in conflict.
+  [[nodiscard]] double cost() const { return cost_; }
+
+  /// The others as robot i's search sees them. @pre !present(i)
+  /// @param price  of a pair of weight 1 [s]
+  [[nodiscard]] OtherRobots others(int i, double price);
+
+  /// The last instant at which any robot moves.
+  [[nodiscard]] int makespan() const;
+  /// The sum of the arrivals [instants].
+  [[nodiscard]] std::int64_t flowtime() const;
+
+ private:
+  [[nodiscard]] std::size_t at(int i, int j) const {
+    return std::size_t(i) * robots_.size() + std::size_t(j);
+  }
+  void add_conflict(int i, int j);
+  void drop_conflict(int i, int j);
+  /// Calls visit(j, bucket) for robots that `track` overlaps, until it returns false.
+  template <class Visit>
+  void for_each_contact(int i, const TimedTrack& track, Visit&& visit);
+
+  std::vector<MacroRobot> robots_;
+  TimeGrid time_;
+  Occupancy occupancy_;
+  std::vector<TimedTrack> tracks_;
+  std::vector<BoxShape> shapes_;
+  std::vector<char> present_;
+  std::vector<float> weights_;
+  std::vector<int> position_;  ///< of a pair in conflicts_, -1 if it is not in conflict
+  std::vector<Pair> conflicts_;
+  double cost_ = 0.0;
+  std::vector<float> prices_;
+  std::vector<int> found_;
+};
+
+}  // namespace mvtp

@@ -1,0 +1,174 @@
+#include "planner/algorithms/repair.hpp"
+
+#include <algorithm>
+
+namespace mvtp {
+
+Repair::Repair(JointMotion& motion, const RepairOptions& options, std::uint64_t seed,
+               const Deadline& deadline)
+    : motion_(motion),
+      options_(options),
+      deadline_(deadline),
+      search_(motion.size()),
+      random_(seed) {}
+
+SoftProblem Repair::problem(int i) {
+  SoftProblem problem;
+  problem.car = motion_.robot(i).car;
+  problem.cost_to_go = motion_.robot(i).cost_to_go;
+  problem.others = motion_.others(i, options_.price);
+  problem.start = motion_.robot(i).start;
+  problem.deadline = limit_;
+  return problem;
+}
+
+std::optional<TimedTrack> Repair::plan_alone(int i, double weight, int expansions) {
+  const Occupancy nobody(1, motion_.time());
+  SoftProblem alone = problem(i);
+  alone.others = {.occupancy = &nobody};
+  SoftOptions options;
+  options.weight = weight;
+  options.max_expansions = expansions;
+  std::optional<SoftPath> path = search_.search(alone, options, deadline_);
+  if (!path) {
+    options.cell /= 3;
+    options.cell_heading /= 2;
+    options.max_expansions *= 20;
+    path = search_.search(alone, options, deadline_);
+  }
+  if (!path) return std::nullopt;
+  return TimedTrack(alone.car->vehicle(), alone.start, std::move(path->steps),
+                    motion_.time().bucket);
+}
+
+bool Repair::plan(int i, int expansions, const TimedTrack* old, int from) {
+  SoftProblem among = problem(i);
+  const Pose start = among.start;
+  std::vector<Arc> steps;
+  if (old != nullptr && from > 0) {
+    const int t = from * motion_.time().bucket;
+    among.start = old->pose(t);
+    among.start_bucket = from;
+    steps.assign(old->steps().begin(), old->steps().begin() + std::min(t, old->arrival()));
+    steps.resize(std::size_t(t));
+  }
+  SoftOptions options;
+  options.weight = options_.weight;
+  options.max_expansions = expansions;
+  const std::optional<SoftPath> path = search_.search(among, options, deadline_);
+  if (!path) return false;
+  steps.insert(steps.end(), path->steps.begin(), path->steps.end());
+  motion_.place(i,
+                TimedTrack(among.car->vehicle(), start, std::move(steps), motion_.time().bucket));
+  return true;
+}
+
+bool Repair::run(std::int64_t budget, const Interrupt& interrupt) {
+  const std::int64_t end = expansions() + budget;
+  while (!motion_.conflicts().empty()) {
+    if (expansions() > end || deadline_.expired() || interrupt()) return false;
+    try_neighbourhood();
+  }
+  return true;
+}
+
+Repair::Neighbourhood Repair::choose() {
+  Neighbourhood chosen;
+  std::vector<int>& group = chosen.group;
+  const std::vector<JointMotion::Pair>& conflicts = motion_.conflicts();
+  const JointMotion::Pair pair = conflicts[std::size_t(random_.below(int(conflicts.size())))];
+  group.push_back(random_.below(2) == 0 ? pair.first : pair.second);
+  const int size = 1 + random_.below(options_.max_group);
+  while (int(group.size()) < size) {
+    std::vector<int> neighbours;
+    for (const int i : group) {
+      for (const int j : motion_.conflicts_of(i)) {
+        if (std::ranges::find(group, j) == group.end()) neighbours.push_back(j);
+      }
+    }
+    if (neighbours.empty()) break;
+    group.push_back(neighbours[std::size_t(random_.below(int(neighbours.size())))]);
+  }
+  random_.shuffle(group);
+  for (const int i : group) {
+    int from = 0;
+    if (random_.below(100) < options_.tail_percent) {
+      from = motion_.first_conflict(i) - 1 - random_.below(options_.tail_buckets);
+    }
+    chosen.from.push_back(std::max(from, 0));
+  }
+  return chosen;
+}
+
+/// Plans the absent robots of a group in turn; false as soon as the conflicts cost more than
+/// `most`.
+bool Repair::plan_group(const Neighbourhood& chosen, const std::vector<TimedTrack>& old,
+                        double most) {
+  const bool larger = tried_ % options_.larger_every == 0;
+  const int expansions = options_.expansions * (larger ? options_.larger_factor : 1);
+  for (std::size_t k = 0; k < chosen.group.size(); ++k) {
+    if (!plan(chosen.group[k], expansions, &old[k], chosen.from[k])) return false;
+    if (motion_.cost() > most) return false;
+  }
+  return true;
+}
+
+void Repair::try_neighbourhood() {
+  ++tried_;
+  const Neighbourhood chosen = choose();
+  const double before = motion_.cost();
+  std::vector<JointMotion::Pair> conflicts;
+  for (const int i : chosen.group) {
+    for (const int j : motion_.conflicts_of(i)) conflicts.emplace_back(i, j);
+  }
+  std::vector<TimedTrack> old;
+  for (const int i : chosen.group) old.push_back(motion_.remove(i));
+  if (!plan_group(chosen, old, before)) {
+    for (const int i : chosen.group) {
+      if (motion_.present(i)) motion_.remove(i);
+    }
+    for (std::size_t k = 0; k < old.size(); ++k) {
+      motion_.place(chosen.group[k], std::move(old[k]));
+    }
+  }
+  for (const auto& [i, j] : conflicts) {
+    if (!motion_.in_conflict(i, j)) continue;
+    motion_.set_weight(i, j, float(motion_.weight(i, j)) + options_.weight_step);
+  }
+}
+
+bool Repair::lower(int limit, std::int64_t budget, int expansions,
+                   const std::vector<TimedTrack>& alone, const Interrupt& interrupt,
+                   bool& unreachable) {
+  limit_ = limit;
+  unreachable = false;
+  std::vector<int> late;
+  for (int i = 0; i < motion_.size(); ++i) {
+    if (motion_.track(i).arrival() > limit) late.push_back(i);
+  }
+  random_.shuffle(late);
+  for (const int i : late) motion_.remove(i);
+  for (const int i : late) {
+    if (plan(i, expansions)) continue;
+    const TimedTrack& track = alone[std::size_t(i)];
+    if (track.arrival() > limit || deadline_.expired()) {
+      unreachable = !deadline_.expired();
+      return false;
+    }
+    motion_.place(i, track);
+  }
+  return run(budget, interrupt);
+}
+
+bool Repair::shorten(int i, int expansions) {
+  TimedTrack old = motion_.remove(i);
+  const bool planned = plan(i, expansions);
+  if (planned && motion_.conflicts().empty() && motion_.track(i).arrival() < old.arrival()) {
+    return true;
+  }
+  if (planned) motion_.remove(i);
+  motion_.place(i, std::move(old));
+  return false;
+}
+
+}  // namespace mvtp

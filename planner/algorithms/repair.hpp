@@ -1,0 +1,106 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <random>
+#include <vector>
+
+#include "planner/algorithms/joint_motion.hpp"
+#include "planner/problem/deadline.hpp"
+#include "planner/search/soft_astar.hpp"
+
+namespace mvtp {
+
+/// Reproducible on every platform, unlike the distributions of the standard library.
+class RandomNumbers {
+ public:
+  explicit RandomNumbers(std::uint64_t seed) : engine_(seed) {}
+
+  /// Uniform in 0 ... n - 1. @pre n > 0
+  [[nodiscard]] int below(int n) { return int((engine_() >> 32U) * std::uint64_t(n) >> 32U); }
+  template <class T>
+  void shuffle(std::vector<T>& values) {
+    for (int k = int(values.size()) - 1; k > 0; --k) {
+      std::swap(values[std::size_t(k)], values[std::size_t(below(k + 1))]);
+    }
+  }
+
+ private:
+  std::mt19937_64 engine_;
+};
+
+/// What the search by large neighbourhoods does; the effect of each value was measured on random
+/// instances of all densities.
+struct RepairOptions {
+  double price = 10.0;       ///< of overlapping a robot for one bucket [s]; 5 is clearly worse
+  double weight = 2.0;       ///< of the cost-to-go; 1.5 is slower at density, 3 fails more often
+  int expansions = 300;      ///< of one search; the rarer larger ones get through tight places
+  int larger_every = 8;      ///< every so many neighbourhoods searches may expand ...
+  int larger_factor = 8;     ///< ... so many times more
+  int tail_percent = 90;     ///< so often only what follows shortly before a conflict is planned
+  int tail_buckets = 8;      ///< so many buckets before it at most
+  int max_group = 2;         ///< robots that are planned anew together
+  float weight_step = 0.5F;  ///< a pair that stays in conflict becomes so much heavier
+};
+
+/// Plans robots anew, one or two at a time, until nobody overlaps anybody.
+///
+/// LNS2 (Li et al. 2022) with the weights of guided local search: a neighbourhood is accepted if
+/// the weighted number of pairs in conflict does not rise, and pairs that stay in conflict get
+/// heavier. All budgets are in expansions, so that equal seeds give equal results.
+class Repair {
+ public:
+  /// Called now and then; true ends the work under way.
+  using Interrupt = std::function<bool()>;
+
+  /// @param motion, robots  outlive this object.
+  Repair(JointMotion& motion, const RepairOptions& options, std::uint64_t seed,
+         const Deadline& deadline);
+
+  /// Nobody may arrive later than at this instant.
+  void set_limit(int instant) { limit_ = instant; }
+  [[nodiscard]] std::int64_t expansions() const { return search_.expansions(); }
+  [[nodiscard]] SoftAstar& search() { return search_; }
+
+  /// A way for robot i as if it were alone.
+  [[nodiscard]] std::optional<TimedTrack> plan_alone(int i, double weight, int expansions);
+  /// Plans robot i, absent so far, among the others and places it; or leaves it absent.
+  /// @param old   nullptr, or the motion that is kept until bucket `from`
+  [[nodiscard]] bool plan(int i, int expansions, const TimedTrack* old = nullptr, int from = 0);
+
+  /// Until no pair is in conflict: true; false when interrupted or out of budget.
+  [[nodiscard]] bool run(std::int64_t budget, const Interrupt& interrupt);
+  /// Everyone at the goal by `limit`, starting from a plan that takes longer. If false, robots may
+  /// be absent or in conflict.
+  /// @param expansions   of the search for each robot that would be late
+  /// @param alone        ways of the robots if they were alone: of those that find no other
+  /// @param unreachable  set if a robot has no way in that time at all, as far as searched
+  [[nodiscard]] bool lower(int limit, std::int64_t budget, int expansions,
+                           const std::vector<TimedTrack>& alone, const Interrupt& interrupt,
+                           bool& unreachable);
+  /// Robot i arrives earlier, if it can without any conflict. @pre no conflicts
+  bool shorten(int i, int expansions);
+
+ private:
+  struct Neighbourhood {
+    std::vector<int> group;
+    std::vector<int> from;  ///< the bucket from which each is planned anew
+  };
+
+  [[nodiscard]] SoftProblem problem(int i);
+  [[nodiscard]] Neighbourhood choose();
+  void try_neighbourhood();
+  [[nodiscard]] bool plan_group(const Neighbourhood& chosen, const std::vector<TimedTrack>& old,
+                                double most);
+
+  JointMotion& motion_;
+  RepairOptions options_;
+  const Deadline& deadline_;
+  SoftAstar search_;
+  RandomNumbers random_;
+  int limit_ = std::numeric_limits<int>::max();
+  int tried_ = 0;
+};
+
+}  // namespace mvtp

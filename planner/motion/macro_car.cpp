@@ -1,0 +1,116 @@
+#include "planner/motion/macro_car.hpp"
+
+#include <limits>
+
+namespace mvtp {
+
+Clearance::Clearance(const Map& map, const Obstacles& obstacles)
+    : columns_(0), rows_(0), side_(kSide) {
+  if (obstacles.empty()) return;
+  side_ = std::max(kSide, std::sqrt(map.width * map.height / 4e6));
+  columns_ = int(std::ceil(map.width / side_));
+  rows_ = int(std::ceil(map.height / side_));
+  distance_.assign(std::size_t(columns_ * rows_), float(kFar));
+  const double diagonal = side_ * std::numbers::sqrt2 / 2;
+
+  const auto lower = [&](const Extent& e, auto&& distance) {
+    const auto cell = [&](double v, int n) {
+      return std::clamp(int(std::clamp(v / side_, -1.0, 1e6)), 0, n - 1);
+    };
+    for (int row = cell(e.min_y - kFar, rows_); row <= cell(e.max_y + kFar, rows_); ++row) {
+      for (int col = cell(e.min_x - kFar, columns_); col <= cell(e.max_x + kFar, columns_); ++col) {
+        float& entry = distance_[std::size_t(row * columns_ + col)];
+        const double d = distance(Point{(col + 0.5) * side_, (row + 0.5) * side_}) - diagonal;
+        entry = std::min(entry, float(std::max(d, 0.0)));
+      }
+    }
+  };
+  for (const Circle& c : map.circles) {
+    lower({c.x - c.radius, c.y - c.radius, c.x + c.radius, c.y + c.radius},
+          [&](const Point& p) { return std::hypot(p.x - c.x, p.y - c.y) - c.radius; });
+  }
+  for (const Polygon& polygon : map.polygons) {
+    const auto [left, right] = std::ranges::minmax(polygon, {}, &Point::x);
+    const auto [bottom, top] = std::ranges::minmax(polygon, {}, &Point::y);
+    lower({left.x, bottom.y, right.x, top.y}, [&](const Point& p) {
+      if (contains(polygon, p)) return 0.0;
+      double nearest = std::numeric_limits<double>::infinity();
+      for (std::size_t i = 0; i < polygon.size(); ++i) {
+        const OrientedBox edge = segment(polygon[i], polygon[(i + 1) % polygon.size()]);
+        nearest = std::min(nearest, separation(edge, p));
+      }
+      return nearest;
+    });
+  }
+}
+
+float Clearance::at(double x, double y) const {
+  if (distance_.empty()) return float(kFar);
+  const double column = x / side_;
+  const double row = y / side_;
+  if (!(column >= 0.0 && row >= 0.0 && column < columns_ && row < rows_)) return 0.0F;
+  return distance_[std::size_t(int(row) * columns_ + int(column))];
+}
+
+MacroCar::MacroCar(const Vehicle& vehicle, TimeGrid time, const Map& map,
+                   const Obstacles& obstacles, const Clearance& clearance)
+    : vehicle_(vehicle),
+      time_(time),
+      map_(&map),
+      obstacles_(&obstacles),
+      clearance_(&clearance),
+      shape_(box_shape(vehicle, time.dt)),
+      reach_(shape_.half_diagonal() + shape_.travel * float(time.bucket - time.bucket / 2)),
+      turn_(vehicle.max_speed * time.bucket_duration() * vehicle.max_curvature()) {
+  const double length = vehicle.max_speed * time.bucket_duration();
+  const double k = vehicle.max_curvature();
+  const std::array<Arc, 7> arcs = {Arc{length, 0.0},  Arc{length, k},  Arc{length, -k},
+                                   Arc{-length, 0.0}, Arc{-length, k}, Arc{-length, -k},
+                                   Arc{0.0, 0.0}};
+  constexpr std::array<int, 7> kTurns = {0, 1, -1, 0, -1, 1, 0};
+  for (std::size_t a = 0; a < arcs.size(); ++a) {
+    Action& action = actions_[a];
+    action.arc = arcs[a];
+    action.turn = kTurns[a];
+    const Pose end = drive(Pose{}, arcs[a]);
+    action.dx = end.x;
+    action.dy = end.y;
+    if (arcs[a].length != 0.0) {
+      action.travel = arcs[a].curvature == 0.0 ? float(step_length()) : shape_.travel;
+    }
+    for (int t = 0; t <= time.bucket; ++t) {
+      const Arc part{arcs[a].length * t / time.bucket, arcs[a].curvature};
+      action.boxes.push_back(box_pose(vehicle, drive(Pose{}, part)));
+    }
+    const BoxPose& middle = action.boxes[std::size_t(time.bucket / 2)];
+    for (const BoxPose& box : action.boxes) {
+      action.radius = std::max(action.radius, std::hypot(box.x - middle.x, box.y - middle.y));
+    }
+    action.radius += shape_.half_diagonal();
+    const float way = std::hypot(middle.x - float(ahead()), middle.y);
+    reach_of_all_ = std::max(reach_of_all_, way + action.radius);
+  }
+}
+
+bool MacroCar::in_bounds(const Pose& from, const Arc& arc) const {
+  const Extent e =
+      map_->bounds == Bounds::kAxle ? axle_extent(from, arc) : body_extent(vehicle_, from, arc);
+  constexpr double kRounding = 1e-9;
+  return e.min_x >= -kRounding && e.min_y >= -kRounding && e.max_x <= map_->width + kRounding &&
+         e.max_y <= map_->height + kRounding;
+}
+
+bool MacroCar::is_free(const Pose& from, const Arc& arc) const {
+  return in_bounds(from, arc) && !obstacles_->hit(Sweep(vehicle_, from, arc));
+}
+
+bool MacroCar::is_free(const Pose& from, const Arc& arc, const BoxPose& halfway) const {
+  const double margin = double(reach_) + std::abs(vehicle_.front - vehicle_.rear) / 2;
+  const bool well_inside = halfway.x >= margin && halfway.y >= margin &&
+                           halfway.x <= map_->width - margin && halfway.y <= map_->height - margin;
+  if (!well_inside && !in_bounds(from, arc)) return false;
+  if (clearance_->at(double(halfway.x), double(halfway.y)) >= reach_) return true;
+  return !obstacles_->hit(Sweep(vehicle_, from, arc));
+}
+
+}  // namespace mvtp

@@ -1,0 +1,88 @@
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "planner/motion/obstacles.hpp"
+#include "planner/motion/timed_track.hpp"
+#include "planner/problem/instance.hpp"
+
+namespace mvtp {
+
+/// A lower bound on the distance from any point to the nearest obstacle, from a grid.
+class Clearance {
+ public:
+  Clearance(const Map& map, const Obstacles& obstacles);
+
+  /// [m], no more than kFar; 0 near obstacles and outside the map.
+  [[nodiscard]] float at(double x, double y) const;
+
+  static constexpr double kFar = 8.0;
+
+ private:
+  static constexpr double kSide = 0.5;
+  int columns_;
+  int rows_;
+  double side_;
+  std::vector<float> distance_;  ///< empty without obstacles
+};
+
+/// A car that drives the seven actions of the search, one per bucket of time: straight, left,
+/// right, each forwards and in reverse, at full speed, and waiting.
+///
+/// The obstacles of the map are those of all cars; they and the map outlive this object.
+class MacroCar {
+ public:
+  MacroCar(const Vehicle& vehicle, TimeGrid time, const Map& map, const Obstacles& obstacles,
+           const Clearance& clearance);
+
+  struct Action {
+    Arc arc;
+    int turn = 0;     ///< change of heading in units of turn()
+    double dx = 0.0;  ///< of the rear axle, in the frame it starts from [m]
+    double dy = 0.0;
+    float travel = 0;  ///< of any point of the body, per instant [m]
+    float radius = 0;  ///< of a circle around the body's middle half way that contains all of it
+    std::vector<BoxPose> boxes;  ///< in the frame of the rear axle at the start, bucket + 1
+  };
+  static constexpr int kWait = 6;
+
+  [[nodiscard]] const std::array<Action, 7>& actions() const { return actions_; }
+  /// The change of heading of one turning action [rad].
+  [[nodiscard]] double turn() const { return turn_; }
+  [[nodiscard]] const Vehicle& vehicle() const { return vehicle_; }
+  [[nodiscard]] const BoxShape& shape() const { return shape_; }
+  [[nodiscard]] const TimeGrid& time() const { return time_; }
+  /// The middle of the body, from the rear axle [m].
+  [[nodiscard]] double ahead() const { return (vehicle_.front - vehicle_.rear) / 2; }
+  /// The way driven between two instants at full speed [m].
+  [[nodiscard]] double step_length() const { return vehicle_.max_speed * time_.dt; }
+  /// Radius of a circle around the middle of the body half way through one action that contains
+  /// it all the time [m].
+  [[nodiscard]] float reach() const { return reach_; }
+
+  /// Radius of a circle around the middle of the body at the start of any action that contains it
+  /// until the end [m].
+  [[nodiscard]] float reach_of_all() const { return reach_of_all_; }
+
+  /// May the car drive the arc, as far as the map and its obstacles go?
+  [[nodiscard]] bool is_free(const Pose& from, const Arc& arc) const;
+  /// The same for arcs of at most one action, with the body's middle half way; quicker.
+  [[nodiscard]] bool is_free(const Pose& from, const Arc& arc, const BoxPose& halfway) const;
+
+ private:
+  [[nodiscard]] bool in_bounds(const Pose& from, const Arc& arc) const;
+
+  Vehicle vehicle_;
+  TimeGrid time_;
+  const Map* map_;
+  const Obstacles* obstacles_;
+  const Clearance* clearance_;
+  BoxShape shape_;
+  float reach_;
+  float reach_of_all_ = 0.0F;
+  double turn_;
+  std::array<Action, 7> actions_;
+};
+
+}  // namespace mvtp

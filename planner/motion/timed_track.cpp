@@ -1,0 +1,40 @@
+#include "planner/motion/timed_track.hpp"
+
+#include "planner/motion/heading_frame.hpp"
+
+namespace mvtp {
+namespace {
+
+constexpr int kStride = 16;  ///< every so many instants the exact pose is kept
+
+}  // namespace
+
+TimedTrack::TimedTrack(const Vehicle& vehicle, const Pose& start, std::vector<Arc> steps,
+                       int padding)
+    : start_(start), steps_(std::move(steps)) {
+  while (!steps_.empty() && steps_.back().length == 0.0) steps_.pop_back();
+  boxes_.reserve(steps_.size() + 1 + std::size_t(padding));
+  poses_.reserve(steps_.size() / kStride + 1);
+  const double ahead = (vehicle.front - vehicle.rear) / 2;
+  HeadingFrame frame(start);
+  double theta = start.theta;
+  HeadingFrame step;
+  for (std::size_t t = 0; t <= steps_.size(); ++t) {
+    if (t % kStride == 0) poses_.push_back({frame.x, frame.y, theta});
+    boxes_.push_back(frame.box(ahead));
+    if (t == steps_.size()) break;
+    if (t == 0 || steps_[t] != steps_[t - 1]) step = arc_end(steps_[t]);
+    frame = frame.then(step);
+    theta += steps_[t].length * steps_[t].curvature;
+  }
+  boxes_.resize(boxes_.size() + std::size_t(padding), boxes_.back());
+}
+
+Pose TimedTrack::pose(int t) const {
+  const std::size_t end = std::size_t(std::min(t, arrival()));
+  Pose pose = poses_[end / kStride];
+  for (std::size_t k = end / kStride * kStride; k < end; ++k) pose = drive(pose, steps_[k]);
+  return pose;
+}
+
+}  // namespace mvtp

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <algorithm>
+#include <vector>
+
+#include "planner/motion/arc.hpp"
+#include "planner/motion/moving_box.hpp"
+
+namespace mvtp {
+
+/// How fine time is, and how coarse the search looks at it.
+struct TimeGrid {
+  double dt = 0.1;  ///< between two instants [s]: one step of the plan
+  int bucket = 14;  ///< instants per bucket: one action of the search
+
+  [[nodiscard]] double bucket_duration() const { return dt * bucket; }
+};
+
+/// One robot's motion: one arc per instant from time 0 on, then at rest for ever.
+///
+/// The arcs are exact; the boxes, in single precision, are what collision tests read.
+class TimedTrack {
+ public:
+  TimedTrack() = default;
+  /// @param padding  so many boxes at rest follow the last one: the size of a bucket.
+  TimedTrack(const Vehicle& vehicle, const Pose& start, std::vector<Arc> steps, int padding);
+
+  /// The instant from which on the robot rests.
+  [[nodiscard]] int arrival() const { return int(steps_.size()); }
+  [[nodiscard]] const std::vector<Arc>& steps() const { return steps_; }
+  [[nodiscard]] const Pose& start() const { return start_; }
+  /// The rear axle at instant t >= 0.
+  [[nodiscard]] Pose pose(int t) const;
+
+  /// Boxes from instant t on: `padding` + 1 of them may be read. @pre t >= 0
+  [[nodiscard]] const BoxPose* boxes(int t) const { return boxes_.data() + std::min(t, arrival()); }
+  [[nodiscard]] bool empty() const { return boxes_.empty(); }
+
+ private:
+  Pose start_;
+  std::vector<Arc> steps_;
+  std::vector<Pose> poses_;  ///< at every kStride-th instant
+  std::vector<BoxPose> boxes_;
+};
+
+}  // namespace mvtp

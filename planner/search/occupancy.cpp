@@ -1,0 +1,116 @@
+#include "planner/search/occupancy.hpp"
+
+#include <cmath>
+
+// The scan is compiled for wider vectors too where the compiler can choose between them at run
+// time; every version gives the same result.
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && \
+    !defined(__SANITIZE_ADDRESS__)
+#define MVTP_WIDEST_VECTORS __attribute__((target_clones("avx512f", "avx2", "default")))
+#else
+#define MVTP_WIDEST_VECTORS
+#endif
+
+namespace mvtp {
+namespace {
+
+constexpr float kAway = 1e9F;
+constexpr int kBlock = int(Occupancy::kPadding);
+
+/// Writes the numbers of the circles that overlap the given one to `found`.
+MVTP_WIDEST_VECTORS
+int scan(const float* xs, const float* ys, const float* radii, int count, float x, float y,
+         float radius, int* found) {
+  int n = 0;
+  for (int base = 0; base < count; base += kBlock) {
+    int hit[kBlock];
+    int any = 0;
+    for (int l = 0; l < kBlock; ++l) {
+      const float dx = xs[base + l] - x;
+      const float dy = ys[base + l] - y;
+      const float reach = radii[base + l] + radius;
+      hit[l] = dx * dx + dy * dy < reach * reach ? 1 : 0;
+      any |= hit[l];
+    }
+    if (any == 0) continue;
+    for (int l = 0; l < kBlock; ++l) {
+      if (hit[l] != 0) found[n++] = base + l;
+    }
+  }
+  return n;
+}
+
+struct MotionBounds {
+  float excursion;  ///< of the middle of the body from where it is half way
+  float travel;     ///< of any point of the body between two instants
+};
+
+MotionBounds bounds_of(const BoxPose* boxes, int bucket, float half_diagonal) {
+  const BoxPose& middle = boxes[bucket / 2];
+  float excursion = 0.0F;
+  float travel = 0.0F;
+  for (int t = 0; t <= bucket; ++t) {
+    const float dx = boxes[t].x - middle.x;
+    const float dy = boxes[t].y - middle.y;
+    excursion = std::max(excursion, dx * dx + dy * dy);
+    if (t == bucket) break;
+    const float way = std::hypot(boxes[t + 1].x - boxes[t].x, boxes[t + 1].y - boxes[t].y);
+    const float turn = std::abs(boxes[t].ux * boxes[t + 1].uy - boxes[t].uy * boxes[t + 1].ux);
+    travel = std::max(travel, way + turn * half_diagonal);
+  }
+  // Chords are shorter than arcs, and sines than angles, by less than this.
+  constexpr float kArcs = 1.002F;
+  return {std::sqrt(excursion) * kArcs, travel * kArcs};
+}
+
+}  // namespace
+
+Occupancy::Occupancy(int robots, TimeGrid time)
+    : time_(time), stride_((robots + kBlock - 1) / kBlock * kBlock) {
+  extend(1);
+}
+
+void Occupancy::extend(int rows) {
+  const std::size_t size = std::size_t(rows) * std::size_t(stride_);
+  const std::size_t old = x_.size();
+  for (std::vector<float>* values : {&x_, &y_, &radius_, &travel_}) {
+    values->resize(size, values == &x_ || values == &y_ ? kAway : 0.0F);
+    if (old == 0) continue;
+    for (std::size_t k = old; k < size; ++k) (*values)[k] = (*values)[k - std::size_t(stride_)];
+  }
+  rows_ = rows;
+}
+
+void Occupancy::place(int i, const TimedTrack& track, const BoxShape& shape) {
+  const int moving = (track.arrival() + time_.bucket - 1) / time_.bucket;
+  if (moving >= rows_) extend(moving + 1);
+  const float half = shape.half_diagonal();
+  const int middle = time_.bucket / 2;
+  for (int k = 0; k < rows_; ++k) {
+    const std::size_t here = at(k, i);
+    const BoxPose* boxes = track.boxes(k * time_.bucket);
+    x_[here] = boxes[k < moving ? middle : 0].x;
+    y_[here] = boxes[k < moving ? middle : 0].y;
+    radius_[here] = half;
+    travel_[here] = 0.0F;
+    if (k >= moving) continue;
+    const MotionBounds bounds = bounds_of(boxes, time_.bucket, half);
+    radius_[here] += bounds.excursion;
+    travel_[here] = bounds.travel;
+  }
+}
+
+void Occupancy::remove(int i) {
+  for (int k = 0; k < rows_; ++k) {
+    x_[at(k, i)] = kAway;
+    y_[at(k, i)] = kAway;
+    radius_[at(k, i)] = 0.0F;
+  }
+}
+
+int Occupancy::near(int bucket, float x, float y, float radius, int* found) const {
+  const std::size_t row = at(std::min(bucket, rows_ - 1), 0);
+  return scan(x_.data() + row, y_.data() + row, radius_.data() + row, stride_, x, y, radius, found);
+}
+
+}  // namespace mvtp

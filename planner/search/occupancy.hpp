@@ -1,0 +1,62 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "planner/motion/timed_track.hpp"
+
+namespace mvtp {
+
+/// Where robots are, one circle per robot and bucket of time: the broad phase of collision tests.
+///
+/// A bucket is scanned from end to end, some ten nanoseconds per hundred robots; circles lie in
+/// rows of equal length, those of absent robots far away.
+class Occupancy {
+ public:
+  Occupancy(int robots, TimeGrid time);
+
+  /// near() may write so many entries more than there are robots.
+  static constexpr std::size_t kPadding = 16;
+
+  /// Robot i moves along `track` from now on, in place of what it did before.
+  void place(int i, const TimedTrack& track, const BoxShape& shape);
+  void remove(int i);
+
+  /// The robots whose circles overlap the given one during a bucket, in ascending order; `found`
+  /// has room for all and kPadding more. Later buckets than horizon() are like the last one: all
+  /// robots rest.
+  /// @return how many
+  int near(int bucket, float x, float y, float radius, int* found) const;
+
+  /// Does robot i's circle overlap the given one during a bucket?
+  [[nodiscard]] bool overlaps(int bucket, int i, float x, float y, float radius) const {
+    const std::size_t here = at(std::min(bucket, rows_ - 1), i);
+    const float dx = x_[here] - x;
+    const float dy = y_[here] - y;
+    const float reach = radius_[here] + radius;
+    return dx * dx + dy * dy < reach * reach;
+  }
+  /// No point of robot i moves further between two instants of the bucket [m].
+  [[nodiscard]] float travel(int bucket, int i) const {
+    return travel_[at(std::min(bucket, rows_ - 1), i)];
+  }
+
+  /// The number of buckets after which every robot rests.
+  [[nodiscard]] int horizon() const { return rows_ - 1; }
+
+ private:
+  [[nodiscard]] std::size_t at(int bucket, int i) const {
+    return std::size_t(bucket) * std::size_t(stride_) + std::size_t(i);
+  }
+  void extend(int rows);
+
+  TimeGrid time_;
+  int stride_;
+  int rows_ = 0;
+  std::vector<float> x_;
+  std::vector<float> y_;
+  std::vector<float> radius_;
+  std::vector<float> travel_;
+};
+
+}  // namespace mvtp

@@ -1,0 +1,331 @@
+#include "planner/search/soft_astar.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <numbers>
+
+#include "planner/motion/heading_frame.hpp"
+
+namespace mvtp {
+namespace {
+
+constexpr int kLookAtClock = 256;   ///< expansions between two looks at the clock
+constexpr int kShotEvery = 6;       ///< expansions between two shots far from the goal
+constexpr double kShotRange = 3.0;  ///< within so many turning radii every node shoots
+/// The cost-to-go is no bound: so much of it may be wrong before the deadline cuts [radii].
+constexpr double kSlack = 0.1;
+constexpr double kRounding = 1e-9;  ///< of a step: no step of its own for so little
+
+/// Instants that a path takes.
+int duration(const ReedsSheppPath& arcs, double step) {
+  int instants = 0;
+  for (const Arc& arc : arcs) instants += int(std::ceil(std::abs(arc.length) / step - kRounding));
+  return instants;
+}
+
+/// A box given in the frame of a car, in the world.
+BoxPose moved(const BoxPose& box, double x, double y, double ux, double uy) {
+  return {float(x + ux * double(box.x) - uy * double(box.y)),
+          float(y + uy * double(box.x) + ux * double(box.y)),
+          float(ux) * box.ux - float(uy) * box.uy, float(uy) * box.ux + float(ux) * box.uy};
+}
+
+}  // namespace
+
+std::optional<SoftPath> SoftAstar::search(const SoftProblem& problem, const SoftOptions& options,
+                                          const Deadline& deadline) {
+  problem_ = &problem;
+  options_ = options;
+  prepare();
+  const Pose& start = problem.start;
+  Node root{start.x,
+            start.y,
+            std::cos(start.theta),
+            std::sin(start.theta),
+            0.0F,
+            0.0F,
+            -1,
+            problem.start_bucket,
+            0,
+            -1};
+  root.f = estimate(0.0, root.bucket, to_go(start.x, start.y, start.theta));
+  push(root);
+  for (int n = 0; n < options.max_expansions && !open_.empty(); ++n) {
+    std::pop_heap(open_.begin(), open_.end(), std::greater<>());
+    const auto [f, minus_node] = open_.back();
+    open_.pop_back();
+    if (double(f) >= best_.cost) break;
+    const int node = -minus_node;
+    const Node& top = nodes_[std::size_t(node)];
+    const Pose at = pose(top);
+    if (cell_of(at.x, at.y, at.theta, top.bucket).f < top.f) continue;
+    ++expansions_;
+    if (shoots(n, top)) try_shot(node);
+    if (n % kLookAtClock == kLookAtClock - 1 && deadline.expired()) break;
+    expand(node);
+  }
+  if (best_.node < 0) return std::nullopt;
+  return path();
+}
+
+bool SoftAstar::shoots(int expansion, const Node& node) const {
+  const Vehicle& vehicle = problem_->car->vehicle();
+  const double h = to_go(node.x, node.y, heading(node.turns));
+  const bool close = h * vehicle.max_speed < kShotRange * vehicle.min_turning_radius;
+  if (!close && expansion % kShotEvery != 0) return false;
+  return double(node.price) + node.bucket * bucket_duration_ + h < best_.cost;
+}
+
+void SoftAstar::prepare() {
+  const MacroCar& car = *problem_->car;
+  bucket_duration_ = car.time().bucket_duration();
+  turn_ = car.turn();
+  nodes_.clear();
+  open_.clear();
+  best_ = Shot{};
+  // Room for all nodes that the expansions can make, half empty.
+  const std::size_t room =
+      std::bit_ceil(std::size_t(std::min(options_.max_expansions, 1 << 20)) * 10 + 64);
+  if (cells_.size() < room) {
+    cells_.assign(room, {0, 0.0F, 0});
+    stamp_ = 0;
+  }
+  cell_mask_ = room - 1;  // small searches stay in the cache
+  ++stamp_;
+  boxes_.resize(std::size_t(car.time().bucket) + 1);
+  price_of_resting();
+}
+
+void SoftAstar::price_of_resting() {
+  const MacroCar& car = *problem_->car;
+  const BoxPose goal = box_pose(car.vehicle(), problem_->cost_to_go->goal());
+  boxes_.assign(boxes_.size(), goal);
+  const int horizon = problem_->others.occupancy->horizon();
+  rest_price_.assign(std::size_t(horizon) + 2, 0.0F);
+  rest_cost_.assign(std::size_t(horizon) + 2, 0.0F);
+  for (int k = horizon; k >= 0; --k) {
+    rest_price_[std::size_t(k)] = rest_price_[std::size_t(k) + 1] +
+                                  price(k, boxes_.data(), 0.0F, car.shape().half_diagonal());
+  }
+  rest_cost_.back() = float((horizon + 1) * bucket_duration_);
+  for (int k = horizon; k >= 0; --k) {
+    const float now = float(k * bucket_duration_) + rest_price_[std::size_t(k)];
+    rest_cost_[std::size_t(k)] = std::min(now, rest_cost_[std::size_t(k) + 1]);
+  }
+}
+
+float SoftAstar::price(int bucket, const BoxPose* boxes, float travel, float radius) {
+  const BoxPose& middle = boxes[problem_->car->time().bucket / 2];
+  look_around(bucket, middle.x, middle.y, radius);
+  return price_of_nearby(bucket, boxes, travel);
+}
+
+void SoftAstar::look_around(int bucket, float x, float y, float radius) {
+  nearby_ = problem_->others.occupancy->near(bucket, x, y, radius, found_.data());
+}
+
+bool SoftAstar::anyone_nearby(int bucket, float x, float y, float radius) {
+  const Occupancy& occupancy = *problem_->others.occupancy;
+  nearby_ = 0;
+  for (int k = 0; k < around_; ++k) {
+    const int j = around_list_[std::size_t(k)];
+    if (occupancy.overlaps(bucket, j, x, y, radius)) found_[std::size_t(nearby_++)] = j;
+  }
+  return nearby_ > 0;
+}
+
+float SoftAstar::price_of_nearby(int bucket, const BoxPose* boxes, float travel) {
+  const OtherRobots& others = problem_->others;
+  const int instants = problem_->car->time().bucket;
+  BoxShape own = problem_->car->shape();
+  own.travel = travel;
+  const int t = bucket * instants;
+  float sum = 0.0F;
+  for (int k = 0; k < nearby_; ++k) {
+    const std::size_t j = std::size_t(found_[std::size_t(k)]);
+    BoxShape other = others.shapes[j];
+    other.travel = others.occupancy->travel(bucket, int(j));
+    if (meet(boxes, own, others.tracks[j].boxes(t), other, instants)) sum += others.prices[j];
+  }
+  return sum;
+}
+
+double SoftAstar::to_go(double x, double y, double theta) const {
+  return (*problem_->cost_to_go)({x, y, theta}) / problem_->car->vehicle().max_speed;
+}
+
+float SoftAstar::estimate(double price, int bucket, double to_go) const {
+  const double arrival = bucket * bucket_duration_ + to_go;
+  const std::size_t k = std::min(std::size_t(arrival / bucket_duration_), rest_cost_.size() - 1);
+  return float(price + std::max(arrival, double(rest_cost_[k])) + (options_.weight - 1.0) * to_go);
+}
+
+SoftAstar::Cell& SoftAstar::cell_of(double x, double y, double theta, int bucket) {
+  const double turns = theta / (2.0 * std::numbers::pi);
+  const auto heading =
+      std::uint64_t((turns - std::floor(turns)) * (2.0 * std::numbers::pi / options_.cell_heading));
+  const auto column = std::uint64_t(std::int64_t(std::floor(x / options_.cell)) + (1 << 18));
+  const auto row = std::uint64_t(std::int64_t(std::floor(y / options_.cell)) + (1 << 18));
+  const std::uint64_t key = ((column << 20U | row) << 8U | heading) << 16U |
+                            (std::uint64_t(bucket / options_.cell_buckets) & 0xffffU);
+  std::size_t i = std::size_t(key * 0x9e3779b97f4a7c15U >> 24U) & cell_mask_;
+  while (cells_[i].stamp == stamp_ && cells_[i].key != key) i = (i + 1) & cell_mask_;
+  if (cells_[i].stamp != stamp_) {
+    cells_[i] = {key, std::numeric_limits<float>::infinity(), stamp_};
+  }
+  return cells_[i];
+}
+
+void SoftAstar::push(const Node& node) {
+  nodes_.push_back(node);
+  open_.emplace_back(node.f, -int(nodes_.size() - 1));
+  std::push_heap(open_.begin(), open_.end(), std::greater<>());
+}
+
+void SoftAstar::expand(int node) {
+  // Everyone whom any of the actions might touch, once for all of them.
+  const MacroCar& car = *problem_->car;
+  const Node& from = nodes_[std::size_t(node)];
+  const double ahead = car.ahead();
+  around_ = problem_->others.occupancy->near(from.bucket, float(from.x + ahead * from.ux),
+                                             float(from.y + ahead * from.uy), car.reach_of_all(),
+                                             around_list_.data());
+  for (int a = 0; a < int(problem_->car->actions().size()); ++a) try_action(node, a);
+}
+
+void SoftAstar::try_action(int parent, int a) {
+  const MacroCar& car = *problem_->car;
+  const MacroCar::Action& action = car.actions()[std::size_t(a)];
+  const Node from = nodes_[std::size_t(parent)];
+  Node child = from;
+  child.parent = parent;
+  child.action = std::int8_t(a);
+  child.bucket = from.bucket + 1;
+  child.turns = from.turns + action.turn;
+  child.x += from.ux * action.dx - from.uy * action.dy;
+  child.y += from.uy * action.dx + from.ux * action.dy;
+  const double theta = heading(child.turns);
+  const double h = to_go(child.x, child.y, theta);
+  const double slack = kSlack * car.vehicle().min_turning_radius / car.vehicle().max_speed;
+  if (child.bucket * bucket_duration_ + h - slack > problem_->deadline * car.time().dt) return;
+  child.f = estimate(double(from.price), child.bucket, h);
+  if (double(child.f) >= best_.cost) return;
+  Cell& cell = cell_of(child.x, child.y, theta, child.bucket);
+  if (cell.f <= child.f) return;
+
+  const std::size_t middle = std::size_t(car.time().bucket / 2);
+  const BoxPose halfway = moved(action.boxes[middle], from.x, from.y, from.ux, from.uy);
+  if (a != MacroCar::kWait && !car.is_free(pose(from), action.arc, halfway)) return;
+  if (anyone_nearby(from.bucket, halfway.x, halfway.y, action.radius)) {
+    for (std::size_t t = 0; t < boxes_.size(); ++t) {
+      boxes_[t] = moved(action.boxes[t], from.x, from.y, from.ux, from.uy);
+    }
+    const float more = price_of_nearby(from.bucket, boxes_.data(), action.travel);
+    child.price += more;
+    child.f += more;
+  }
+  if (cell.f <= child.f || double(child.f) >= best_.cost) return;
+  cell.f = child.f;
+  if (action.turn != 0) {
+    const double c = std::cos(action.turn * turn_);
+    const double s = std::sin(action.turn * turn_);
+    child.ux = from.ux * c - from.uy * s;
+    child.uy = from.uy * c + from.ux * s;
+  }
+  push(child);
+}
+
+void SoftAstar::try_shot(int node) {
+  const MacroCar& car = *problem_->car;
+  const Node& from = nodes_[std::size_t(node)];
+  const Pose start = pose(from);
+  const Pose& goal = problem_->cost_to_go->goal();
+  const ReedsSheppPath arcs = reeds_shepp_path(start, goal, car.vehicle().min_turning_radius);
+  const int instants = car.time().bucket;
+  const int arrival = from.bucket * instants + duration(arcs, car.step_length());
+  if (arrival > problem_->deadline) return;
+  const std::size_t rest =
+      std::min(std::size_t((arrival + instants - 1) / instants), rest_price_.size() - 1);
+  const double cost = double(from.price) + arrival * car.time().dt + double(rest_price_[rest]);
+  if (cost >= best_.cost) return;
+  const double price = follow(start, from.bucket, arcs, best_.cost - cost);
+  if (cost + price >= best_.cost) return;
+  best_.node = node;
+  best_.arcs = arcs;
+  best_.cost = cost + price;
+  best_.price = double(from.price) + double(rest_price_[rest]) + price;
+}
+
+/// The price of the arcs from the beginning of a bucket on, infinite if they are not free; stops
+/// once it is `most`.
+double SoftAstar::follow(const Pose& start, int bucket, const ReedsSheppPath& arcs, double most) {
+  const MacroCar& car = *problem_->car;
+  const int instants = car.time().bucket;
+  const double step = car.step_length();
+  const double ahead = car.ahead();
+  double sum = 0.0;
+  int filled = 0;  // boxes of this bucket, the one at its beginning left out
+  Pose pose = start;
+  HeadingFrame frame(start);
+  boxes_[0] = frame.box(ahead);
+  const auto close_bucket = [&] {
+    for (std::size_t t = std::size_t(filled) + 1; t < boxes_.size(); ++t) {
+      boxes_[t] = boxes_[std::size_t(filled)];
+    }
+    sum += double(price(bucket, boxes_.data(), car.shape().travel, car.reach()));
+    boxes_[0] = boxes_[std::size_t(filled)];
+    filled = 0;
+    ++bucket;
+    return sum < most;
+  };
+  for (const Arc& arc : arcs) {
+    const double sign = arc.length < 0.0 ? -1.0 : 1.0;
+    const HeadingFrame full = arc_end({sign * step, arc.curvature});
+    double left = std::abs(arc.length);
+    for (int n = 0; left > kRounding * step; ++n, left -= step) {
+      if (n % instants == 0) {  // pieces of at most one action are tried against the obstacles
+        const Arc piece{sign * std::min(left, instants * step), arc.curvature};
+        const HeadingFrame middle = frame.then(arc_end({piece.length / 2, piece.curvature}));
+        if (!car.is_free(pose, piece, middle.box(ahead))) {
+          return std::numeric_limits<double>::infinity();
+        }
+        pose = drive(pose, piece);
+      }
+      frame = frame.then(left >= step ? full : arc_end({sign * left, arc.curvature}));
+      boxes_[std::size_t(++filled)] = frame.box(ahead);
+      if (filled == instants && !close_bucket()) return sum;
+    }
+  }
+  if (filled > 0) close_bucket();
+  return sum;
+}
+
+SoftPath SoftAstar::path() const {
+  const MacroCar& car = *problem_->car;
+  const int instants = car.time().bucket;
+  std::vector<int> actions;
+  for (int n = best_.node; nodes_[std::size_t(n)].parent >= 0; n = nodes_[std::size_t(n)].parent) {
+    actions.push_back(nodes_[std::size_t(n)].action);
+  }
+  SoftPath path;
+  path.cost = best_.cost;
+  path.price = best_.price;
+  path.steps.reserve(actions.size() * std::size_t(instants) +
+                     std::size_t(duration(best_.arcs, car.step_length())));
+  for (auto a = actions.rbegin(); a != actions.rend(); ++a) {
+    const Arc& arc = car.actions()[std::size_t(*a)].arc;
+    path.steps.insert(path.steps.end(), std::size_t(instants),
+                      Arc{arc.length / instants, arc.curvature});
+  }
+  const double step = car.step_length();
+  for (const Arc& arc : best_.arcs) {
+    const double sign = arc.length < 0.0 ? -1.0 : 1.0;
+    for (double left = std::abs(arc.length); left > kRounding * step; left -= step) {
+      path.steps.push_back({sign * std::min(left, step), arc.curvature});
+    }
+  }
+  return path;
+}
+
+}  // namespace mvtp

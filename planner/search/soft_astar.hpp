@@ -1,0 +1,137 @@
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "planner/motion/cost_to_go.hpp"
+#include "planner/motion/macro_car.hpp"
+#include "planner/motion/reeds_shepp.hpp"
+#include "planner/problem/deadline.hpp"
+#include "planner/search/occupancy.hpp"
+
+namespace mvtp {
+
+/// The other robots, as one robot's search sees them. All spans are indexed by robot.
+struct OtherRobots {
+  const Occupancy* occupancy = nullptr;  ///< without the robot that is searched for
+  std::span<const TimedTrack> tracks;
+  std::span<const BoxShape> shapes;
+  std::span<const float> prices;  ///< of overlapping robot j for one bucket of time [s]
+};
+
+/// One robot's way from a pose at a time to its goal.
+struct SoftProblem {
+  const MacroCar* car = nullptr;
+  const CostToGo* cost_to_go = nullptr;  ///< names the goal
+  OtherRobots others;
+  Pose start;
+  int start_bucket = 0;
+  int deadline = std::numeric_limits<int>::max();  ///< arrival, in instants
+};
+
+struct SoftOptions {
+  double weight = 1.5;         ///< of the cost-to-go, >= 1
+  int max_expansions = 1000;   ///< > 0
+  double cell = 1.5;           ///< side of a cell in which one node is kept [m]
+  double cell_heading = 0.35;  ///< [rad]
+  int cell_buckets = 2;        ///< buckets of time that share a cell
+};
+
+struct SoftPath {
+  std::vector<Arc> steps;  ///< one per instant from the start of start_bucket on
+  double cost = 0.0;       ///< arrival and prices of all overlaps [s]
+  double price = 0.0;      ///< prices alone: 0 if nobody is overlapped
+};
+
+/// Weighted hybrid A* in (x, y, theta, t) that may drive through other robots at a price.
+///
+/// Actions last one bucket of time; Reeds-Shepp shots lead to the goal exactly, one arc per
+/// instant. Resting on the goal costs the price of whoever passes later, and the cost-to-go knows
+/// when the goal gets free. Map, obstacles and the deadline are hard. The best way found so far is
+/// returned when the expansions run out,
+/// or the time.
+/// Source of the soft collisions: LNS2, Li et al. 2022. One object per thread: it keeps its memory.
+class SoftAstar {
+ public:
+  explicit SoftAstar(int robots)
+      : found_(std::size_t(robots) + Occupancy::kPadding),
+        around_list_(std::size_t(robots) + Occupancy::kPadding) {}
+
+  [[nodiscard]] std::optional<SoftPath> search(const SoftProblem& problem,
+                                               const SoftOptions& options,
+                                               const Deadline& deadline);
+
+  /// Expansions of all searches so far.
+  [[nodiscard]] std::int64_t expansions() const { return expansions_; }
+
+ private:
+  struct Node {
+    double x;
+    double y;
+    double ux;
+    double uy;
+    float price;
+    float f;
+    int parent;
+    int bucket;
+    int turns;
+    std::int8_t action;
+  };
+  struct Cell {
+    std::uint64_t key;
+    float f;
+    unsigned stamp;
+  };
+  struct Shot {
+    int node = -1;
+    ReedsSheppPath arcs;
+    double cost = std::numeric_limits<double>::infinity();
+    double price = 0.0;
+  };
+
+  void prepare();
+  void price_of_resting();
+  [[nodiscard]] float price(int bucket, const BoxPose* boxes, float travel, float radius);
+  void look_around(int bucket, float x, float y, float radius);
+  [[nodiscard]] bool anyone_nearby(int bucket, float x, float y, float radius);
+  [[nodiscard]] float price_of_nearby(int bucket, const BoxPose* boxes, float travel);
+  [[nodiscard]] double heading(int turns) const { return problem_->start.theta + turns * turn_; }
+  [[nodiscard]] Pose pose(const Node& node) const { return {node.x, node.y, heading(node.turns)}; }
+  [[nodiscard]] double to_go(double x, double y, double theta) const;
+  [[nodiscard]] float estimate(double price, int bucket, double to_go) const;
+  [[nodiscard]] Cell& cell_of(double x, double y, double theta, int bucket);
+  [[nodiscard]] bool shoots(int expansion, const Node& node) const;
+  void expand(int node);
+  void try_action(int node, int a);
+  void try_shot(int node);
+  [[nodiscard]] double follow(const Pose& start, int bucket, const ReedsSheppPath& arcs,
+                              double most);
+  void push(const Node& node);
+  [[nodiscard]] SoftPath path() const;
+
+  std::vector<int> found_;        ///< the first nearby_ are those near the motion in question
+  std::vector<int> around_list_;  ///< the first around_ are those near the node in question
+  int nearby_ = 0;
+  int around_ = 0;
+  std::vector<Node> nodes_;
+  std::vector<std::pair<float, int>> open_;
+  std::vector<Cell> cells_;  ///< by open addressing; valid are those with the search's stamp
+  std::size_t cell_mask_ = 0;
+  unsigned stamp_ = 0;
+  std::vector<float> rest_price_;  ///< of resting on the goal from bucket k on
+  std::vector<float> rest_cost_;   ///< least arrival time plus rest price from bucket k on
+  std::vector<BoxPose> boxes_;
+  Shot best_;
+  std::int64_t expansions_ = 0;
+
+  // Of the search under way.
+  const SoftProblem* problem_ = nullptr;
+  SoftOptions options_;
+  double bucket_duration_ = 0.0;
+  double turn_ = 0.0;
+};
+
+}  // namespace mvtp

@@ -1,0 +1,152 @@
+#include "planner/search/soft_astar.hpp"
+
+#include <gtest/gtest.h>
+
+#include "planner/motion/reeds_shepp.hpp"
+#include "tests/planner/scenes.hpp"
+
+namespace mvtp {
+namespace {
+
+const Vehicle kCar{.front = 2.0, .rear = 1.0, .min_turning_radius = 3.0};
+constexpr TimeGrid kTime{0.1059, 14};
+
+/// One robot that is searched for, and one other.
+struct Scene {
+  explicit Scene(Map where, const Pose& goal)
+      : map(std::move(where)),
+        obstacles(map, 4.0),
+        clearance(map, obstacles),
+        car(kCar, kTime, map, obstacles, clearance),
+        cost_to_go(goal, 3.0, ReedsSheppTable::shared(), std::make_shared<ObstacleGrid>(map, 0.8)) {
+  }
+
+  /// The other robot drives along the steps.
+  void place_other(const Pose& start, const std::vector<Arc>& steps) {
+    tracks[1] = TimedTrack(kCar, start, steps, kTime.bucket);
+    occupancy.place(1, tracks[1], car.shape());
+  }
+
+  [[nodiscard]] SoftProblem problem(const Pose& start) const {
+    SoftProblem result;
+    result.car = &car;
+    result.cost_to_go = &cost_to_go;
+    result.others = {&occupancy, tracks, shapes, prices};
+    result.start = start;
+    return result;
+  }
+
+  [[nodiscard]] TimedTrack track(const Pose& start, const SoftPath& path) const {
+    return {kCar, start, path.steps, kTime.bucket};
+  }
+
+  Map map;
+  Obstacles obstacles;
+  Clearance clearance;
+  MacroCar car;
+  CostToGo cost_to_go;
+  Occupancy occupancy{2, kTime};
+  std::vector<TimedTrack> tracks{2};
+  std::vector<BoxShape> shapes{box_shape(kCar, kTime.dt), box_shape(kCar, kTime.dt)};
+  std::vector<float> prices{10.0F, 10.0F};
+};
+
+std::optional<SoftPath> search(const SoftProblem& problem, const SoftOptions& options = {}) {
+  return SoftAstar(2).search(problem, options, Deadline::never());
+}
+
+TEST(SoftAstar, DrivesTheShortestCurveIfAlone) {
+  const Pose start{10, 10, 0.3};
+  const Pose goal{30, 25, 2.0};
+  const Scene scene(empty_map(50), goal);
+  const std::optional<SoftPath> path = search(scene.problem(start));
+  ASSERT_TRUE(path);
+  const double length = reeds_shepp_length(start, goal, 3.0);
+  EXPECT_GE(int(path->steps.size()) * kTime.dt, length);
+  EXPECT_LE(int(path->steps.size()) * kTime.dt, length + 5 * kTime.dt);
+  EXPECT_LT(distance(drive(start, path->steps), goal), 1e-8);
+  EXPECT_EQ(path->price, 0.0);
+}
+
+//   Head on in the open: both the price and the referee-like check say that nobody is touched.
+TEST(SoftAstar, GivesWayToTheOther) {
+  const Pose start{10, 25, 0};
+  Scene scene(empty_map(50), {40, 25, 0});
+  scene.place_other({40, 25, 3.14159265358979}, std::vector<Arc>(284, Arc{0.1059, 0.0}));
+  const std::optional<SoftPath> path = search(scene.problem(start));
+  ASSERT_TRUE(path);
+  EXPECT_EQ(path->price, 0.0);
+  const TimedTrack track = scene.track(start, *path);
+  for (int t = 0; t < 400; t += kTime.bucket) {
+    EXPECT_FALSE(meet(track.boxes(t), scene.shapes[0], scene.tracks[1].boxes(t), scene.shapes[1],
+                      kTime.bucket));
+  }
+}
+
+//   In a corridor there is no way past: the price is paid, and more of it the dearer the other is.
+TEST(SoftAstar, DrivesThroughTheOtherWhereItMust) {
+  Map corridor{.width = 50, .height = 3.0};
+  corridor.bounds = Bounds::kAxle;
+  corridor.polygons = {{{-9, -3}, {59, -3}, {59, 0}, {-9, 0}},
+                       {{-9, 3}, {59, 3}, {59, 6}, {-9, 6}}};
+  const Pose start{5, 1.5, 0};
+  Scene scene(corridor, {45, 1.5, 0});
+  scene.place_other({25, 1.5, 0}, {});
+  const std::optional<SoftPath> path = search(scene.problem(start));
+  ASSERT_TRUE(path);
+  EXPECT_GE(path->price, 10.0);
+  EXPECT_NEAR(path->cost, path->price + double(path->steps.size()) * kTime.dt, 1e-6);
+}
+
+//   The other drives over the goal later on: whoever rests there before pays.
+TEST(SoftAstar, ArrivesAfterTheLastOneHasPassed) {
+  Scene scene(empty_map(50), {25, 25, 0});
+  std::vector<Arc> steps(100);  // waits
+  steps.insert(steps.end(), 300, Arc{0.1059, 0.0});
+  scene.place_other({25, 10, 1.5707963267949}, steps);
+  const std::optional<SoftPath> path = search(scene.problem({15, 25, 0}), {.max_expansions = 5000});
+  ASSERT_TRUE(path);
+  EXPECT_EQ(path->price, 0.0);
+  EXPECT_GT(path->steps.size(), 100U + 150U);
+}
+
+TEST(SoftAstar, KeepsTheDeadline) {
+  const Pose start{10, 10, 0.3};
+  const Scene scene(empty_map(50), {30, 25, 2.0});
+  SoftProblem problem = scene.problem(start);
+  const int shortest = int(search(problem)->steps.size());
+  problem.deadline = shortest;
+  EXPECT_TRUE(search(problem));
+  problem.deadline = int(reeds_shepp_length(start, {30, 25, 2.0}, 3.0) / kTime.dt) - 1;
+  EXPECT_FALSE(search(problem));
+}
+
+TEST(SoftAstar, StaysClearOfObstaclesAndInsideTheMap) {
+  Map map = empty_map(40);
+  for (int k = 0; k < 12; ++k) map.circles.push_back({20.0 + (k % 3), 4.0 + 2.5 * k, 0.8});
+  const Pose start{8, 20, 0};
+  const Scene scene(map, {32, 20, 0});
+  const std::optional<SoftPath> path = search(scene.problem(start), {.max_expansions = 20000});
+  ASSERT_TRUE(path);
+  Pose pose = start;
+  for (const Arc& step : path->steps) {
+    EXPECT_TRUE(scene.car.is_free(pose, step));
+    pose = drive(pose, step);
+  }
+}
+
+//   A tail: planned from a bucket on, arcs are counted from there.
+TEST(SoftAstar, PlansFromALaterBucketOn) {
+  const Pose start{10, 10, 0};
+  Scene scene(empty_map(50), {40, 10, 0});
+  scene.place_other({25, 10, 1.5707963267949}, std::vector<Arc>(140, Arc{0.1059, 0.0}));
+  SoftProblem problem = scene.problem(start);
+  problem.start_bucket = 10;  // the other has left by then
+  const std::optional<SoftPath> path = search(problem);
+  ASSERT_TRUE(path);
+  EXPECT_EQ(path->price, 0.0);
+  EXPECT_NEAR(path->cost, (140.0 + double(path->steps.size())) * kTime.dt, 1e-6);
+}
+
+}  // namespace
+}  // namespace mvtp
