@@ -108,6 +108,7 @@ class History {
 }  // namespace
 
 StepPlan solve_escot(const Fleet& fleet, const EscotOptions& options, const Deadline& deadline) {
+  if (fleet.size() == 0) return {Status::kSolved, {}};
   SteppedWorld world(fleet, options.world, deadline);
   std::mt19937_64 rng(options.seed);
   History history(fleet);  // line 1

@@ -3,6 +3,11 @@
 #include <algorithm>
 
 namespace mvtp {
+namespace {
+
+constexpr int kFinerLevels = 3;  ///< of the search for a way alone
+
+}  // namespace
 
 Repair::Repair(JointMotion& motion, const RepairOptions& options, std::uint64_t seed,
                const Deadline& deadline)
@@ -30,10 +35,11 @@ std::optional<TimedTrack> Repair::plan_alone(int i, double weight, int expansion
   options.weight = weight;
   options.max_expansions = expansions;
   std::optional<SoftPath> path = search_.search(alone, options, deadline_);
-  if (!path) {
-    options.cell /= 3;
-    options.cell_heading /= 2;
-    options.max_expansions *= 20;
+  // Tight places are found with smaller cells.
+  for (int level = 0; level < kFinerLevels && !path && !deadline_.expired(); ++level) {
+    options.cell /= 2;
+    options.cell_heading /= 1.5;
+    options.max_expansions *= 8;
     path = search_.search(alone, options, deadline_);
   }
   if (!path) return std::nullopt;
