@@ -29,7 +29,7 @@ class StarOnACircle : public testing::TestWithParam<int> {};
 
 TEST_P(StarOnACircle, IsNearlyAtTheBound) {
   const Instance instance = circle(GetParam());
-  const Plan plan = star(instance, {}, 1.0);
+  const Plan plan = star(instance, {.gap = 0.2});
   expect_valid(instance, plan);
   EXPECT_LE(plan.statistics.makespan, 1.2 * plan.statistics.lower_bound);
   EXPECT_LE(*plan.statistics.first_solution, plan.statistics.runtime);
