@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "planner/algorithms/pbcr.hpp"
-#include "planner/motion/heading_frame.hpp"
+#include "planner/motion/frame.hpp"
 
 namespace mvtp {
 namespace {
@@ -220,12 +220,12 @@ class StepperWorld {
   [[nodiscard]] std::optional<Motion> take(int i, const State& s, int a) const {
     const MacroCar& car = *robots_[std::size_t(i)].car;
     const MacroCar::Action& action = car.actions()[std::size_t(a)];
-    const HeadingFrame frame(s.pose);
+    const Frame frame(s.pose);
     Motion motion;
     motion.action = a;
     for (const BoxPose& box : action.boxes) {
-      motion.boxes.push_back(
-          frame.then({double(box.x), double(box.y), double(box.ux), double(box.uy)}).box(0.0));
+      motion.boxes.push_back(box_pose(
+          frame.then({double(box.x), double(box.y), double(box.ux), double(box.uy)}), 0.0));
     }
     motion.middle = motion.boxes[std::size_t(bucket() / 2)];
     if (!car.is_free(s.pose, action.arc, motion.middle)) return std::nullopt;

@@ -181,9 +181,7 @@ void Searcher::find_first_plan() {
     begin_by_steps();
   }
   if (deadline_.expired()) return;
-  for (int i = 0; i < motion_.size(); ++i) {
-    if (motion_.present(i)) motion_.remove(i);
-  }
+  motion_.clear();
   place_one_by_one();
   const auto endless = std::numeric_limits<std::int64_t>::max() / 2;
   if (repair_.run(endless, [this] { return interrupted(); })) keep();

@@ -58,10 +58,14 @@ TimedTrack JointMotion::remove(int i) {
   return std::move(tracks_[std::size_t(i)]);
 }
 
-void JointMotion::place_all(const std::vector<TimedTrack>& tracks) {
+void JointMotion::clear() {
   for (int i = 0; i < size(); ++i) {
     if (present(i)) remove(i);
   }
+}
+
+void JointMotion::place_all(const std::vector<TimedTrack>& tracks) {
+  clear();
   for (int i = 0; i < size(); ++i) place(i, tracks[std::size_t(i)]);
 }
 

@@ -40,6 +40,8 @@ class JointMotion {
   /// Takes robot i and its conflicts away. @return its track
   TimedTrack remove(int i);
   [[nodiscard]] const std::vector<TimedTrack>& tracks() const { return tracks_; }
+  /// Everyone is absent again.
+  void clear();
   /// Everyone moves along the given tracks, one per robot.
   void place_all(const std::vector<TimedTrack>& tracks);
 

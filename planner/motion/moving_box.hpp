@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "planner/motion/frame.hpp"
 #include "planner/problem/pose.hpp"
 #include "planner/problem/vehicle.hpp"
 
@@ -30,11 +31,14 @@ struct BoxShape {
 /// The body of `vehicle`; instants are `dt` [s] apart.
 [[nodiscard]] BoxShape box_shape(const Vehicle& vehicle, double dt);
 
+/// The body whose rear axle is at `frame` and whose middle is `ahead` [m] of it.
+[[nodiscard]] inline BoxPose box_pose(const Frame& frame, double ahead) {
+  return {float(frame.x + ahead * frame.ux), float(frame.y + ahead * frame.uy), float(frame.ux),
+          float(frame.uy)};
+}
+
 [[nodiscard]] inline BoxPose box_pose(const Vehicle& vehicle, const Pose& pose) {
-  const double ahead = (vehicle.front - vehicle.rear) / 2;
-  const double c = std::cos(pose.theta);
-  const double s = std::sin(pose.theta);
-  return {float(pose.x + ahead * c), float(pose.y + ahead * s), float(c), float(s)};
+  return box_pose(Frame(pose), (vehicle.front - vehicle.rear) / 2);
 }
 
 /// The widest gap between two bodies along the directions of their sides [m]: negative if and only

@@ -1,8 +1,7 @@
 #pragma once
 
-#include <cmath>
-
 #include "planner/motion/arc.hpp"
+#include "planner/motion/frame.hpp"
 #include "planner/motion/oriented_box.hpp"
 
 namespace mvtp {
@@ -10,23 +9,6 @@ namespace mvtp {
 /// Footprints may overlap by this much before the planner calls it a collision [m]: half of the
 /// referee's tolerance, so that robots which touch from the start can be planned for.
 inline constexpr double kTouch = 0.0005;
-
-/// A pose with the unit vector of its heading at hand.
-struct Frame {
-  double x = 0.0;
-  double y = 0.0;
-  double ux = 1.0;
-  double uy = 0.0;
-
-  Frame() = default;
-  explicit Frame(const Pose& pose)
-      : x(pose.x), y(pose.y), ux(std::cos(pose.theta)), uy(std::sin(pose.theta)) {}
-
-  /// The point (ahead, left) of this frame in the world.
-  [[nodiscard]] Point world(double ahead, double left) const {
-    return {x + ux * ahead - uy * left, y + uy * ahead + ux * left};
-  }
-};
 
 /// The footprint of a car during one arc, driven evenly while s runs from 0 to 1.
 ///

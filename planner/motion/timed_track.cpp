@@ -1,6 +1,6 @@
 #include "planner/motion/timed_track.hpp"
 
-#include "planner/motion/heading_frame.hpp"
+#include "planner/motion/frame.hpp"
 
 namespace mvtp {
 namespace {
@@ -16,12 +16,12 @@ TimedTrack::TimedTrack(const Vehicle& vehicle, const Pose& start, std::vector<Ar
   boxes_.reserve(steps_.size() + 1 + std::size_t(padding));
   poses_.reserve(steps_.size() / kStride + 1);
   const double ahead = (vehicle.front - vehicle.rear) / 2;
-  HeadingFrame frame(start);
+  Frame frame(start);
   double theta = start.theta;
-  HeadingFrame step;
+  Frame step;
   for (std::size_t t = 0; t <= steps_.size(); ++t) {
     if (t % kStride == 0) poses_.push_back({frame.x, frame.y, theta});
-    boxes_.push_back(frame.box(ahead));
+    boxes_.push_back(box_pose(frame, ahead));
     if (t == steps_.size()) break;
     if (t == 0 || steps_[t] != steps_[t - 1]) step = arc_end(steps_[t]);
     frame = frame.then(step);

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "planner/motion/heading_frame.hpp"
+#include "planner/motion/frame.hpp"
 
 namespace mvtp {
 namespace {
@@ -117,12 +117,8 @@ void SoftAstar::price_of_resting() {
 
 float SoftAstar::price(int bucket, const BoxPose* boxes, float travel, float radius) {
   const BoxPose& middle = boxes[problem_->car->time().bucket / 2];
-  look_around(bucket, middle.x, middle.y, radius);
+  nearby_ = problem_->others.occupancy->near(bucket, middle.x, middle.y, radius, found_.data());
   return price_of_nearby(bucket, boxes, travel);
-}
-
-void SoftAstar::look_around(int bucket, float x, float y, float radius) {
-  nearby_ = problem_->others.occupancy->near(bucket, x, y, radius, found_.data());
 }
 
 bool SoftAstar::anyone_nearby(int bucket, float x, float y, float radius) {
@@ -267,8 +263,8 @@ double SoftAstar::follow(const Pose& start, int bucket, const ReedsSheppPath& ar
   double sum = 0.0;
   int filled = 0;  // boxes of this bucket, the one at its beginning left out
   Pose pose = start;
-  HeadingFrame frame(start);
-  boxes_[0] = frame.box(ahead);
+  Frame frame(start);
+  boxes_[0] = box_pose(frame, ahead);
   const auto close_bucket = [&] {
     for (std::size_t t = std::size_t(filled) + 1; t < boxes_.size(); ++t) {
       boxes_[t] = boxes_[std::size_t(filled)];
@@ -281,19 +277,19 @@ double SoftAstar::follow(const Pose& start, int bucket, const ReedsSheppPath& ar
   };
   for (const Arc& arc : arcs) {
     const double sign = arc.length < 0.0 ? -1.0 : 1.0;
-    const HeadingFrame full = arc_end({sign * step, arc.curvature});
+    const Frame full = arc_end({sign * step, arc.curvature});
     double left = std::abs(arc.length);
     for (int n = 0; left > kRounding * step; ++n, left -= step) {
       if (n % instants == 0) {  // pieces of at most one action are tried against the obstacles
         const Arc piece{sign * std::min(left, instants * step), arc.curvature};
-        const HeadingFrame middle = frame.then(arc_end({piece.length / 2, piece.curvature}));
-        if (!car.is_free(pose, piece, middle.box(ahead))) {
+        const Frame middle = frame.then(arc_end({piece.length / 2, piece.curvature}));
+        if (!car.is_free(pose, piece, box_pose(middle, ahead))) {
           return std::numeric_limits<double>::infinity();
         }
         pose = drive(pose, piece);
       }
       frame = frame.then(left >= step ? full : arc_end({sign * left, arc.curvature}));
-      boxes_[std::size_t(++filled)] = frame.box(ahead);
+      boxes_[std::size_t(++filled)] = box_pose(frame, ahead);
       if (filled == instants && !close_bucket()) return sum;
     }
   }

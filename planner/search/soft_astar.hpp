@@ -95,7 +95,6 @@ class SoftAstar {
   void prepare();
   void price_of_resting();
   [[nodiscard]] float price(int bucket, const BoxPose* boxes, float travel, float radius);
-  void look_around(int bucket, float x, float y, float radius);
   [[nodiscard]] bool anyone_nearby(int bucket, float x, float y, float radius);
   [[nodiscard]] float price_of_nearby(int bucket, const BoxPose* boxes, float travel);
   [[nodiscard]] double heading(int turns) const { return problem_->start.theta + turns * turn_; }

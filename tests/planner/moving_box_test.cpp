@@ -4,7 +4,7 @@
 
 #include <random>
 
-#include "planner/motion/heading_frame.hpp"
+#include "planner/motion/frame.hpp"
 #include "planner/motion/oriented_box.hpp"
 #include "planner/motion/timed_track.hpp"
 
@@ -119,10 +119,10 @@ TEST(TimedTrack, KnowsItsPosesAndRestsAtTheEnd) {
   }
 }
 
-TEST(HeadingFrame, MovesAsPosesDo) {
+TEST(Frame, MovesAsPosesDo) {
   const Pose from{1.0, 2.0, 0.7};
   const Arc arc{-1.4, 0.33};
-  const HeadingFrame end = HeadingFrame(from).then(arc_end(arc));
+  const Frame end = Frame(from).then(arc_end(arc));
   const Pose expected = drive(from, arc);
   EXPECT_NEAR(end.x, expected.x, 1e-12);
   EXPECT_NEAR(end.y, expected.y, 1e-12);
