@@ -30,6 +30,23 @@ struct VehicleState {
   double lane_position = 0.0; ///< of the front bumper from the start of the lane [m]
 };
 
+/// The next stop of a vehicle in a parking area.
+struct ParkingStop {
+  std::string area;       ///< id
+  double duration = 0.0;  ///< [s] that it stays, from its arrival in a slot on; and
+  double until = -1.0;    ///< [s] simulated time before which it does not leave; < 0: none
+  bool parked = false;    ///< it stands there now
+};
+
+/// A person on foot.
+struct Pedestrian {
+  std::string id;
+  Point position;       ///< of the middle of the body
+  double theta = 0.0;   ///< where it walks [rad]
+  double speed = 0.0;   ///< [m/s]
+  double radius = 0.3;  ///< of the body [m]
+};
+
 /// The traffic that a coordinator drives: SUMO in production, a fake in tests.
 ///
 /// Time advances in steps. A vehicle is driven by the traffic's own car following until taken over;
@@ -63,6 +80,15 @@ class Traffic {
   virtual void hold(const std::string& id, bool stop) = 0;
   /// Lowers the limit of a lane for every driver [m/s].
   virtual void limit_speed(const std::string& lane, double speed) = 0;
+
+  /// The next stop of the vehicle in a parking area, if it has one.
+  [[nodiscard]] virtual std::optional<ParkingStop> parking_stop(const std::string& /*id*/) const {
+    return std::nullopt;
+  }
+  /// Takes that stop off the vehicle's plans; if it is parked, it may be taken over from now on.
+  virtual void drop_parking_stop(const std::string& /*id*/) {}
+  /// Everyone on foot after the last step, ordered by id.
+  [[nodiscard]] virtual std::span<const Pedestrian> pedestrians() const { return {}; }
 
   virtual void step() = 0;
 
