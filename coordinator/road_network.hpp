@@ -17,8 +17,9 @@ struct Lane {
   double length = 0.0;         ///< [m]; may differ from the length of the centre line
   double width = 3.2;          ///< [m]
   bool internal = false;
-  bool drivable = true;        ///< open to passenger traffic
-  std::vector<Point> shape;    ///< centre line [m]
+  bool drivable = true;      ///< open to passenger traffic
+  bool footpath = false;     ///< open to people on foot only
+  std::vector<Point> shape;  ///< centre line [m]
 };
 
 /// One way across a junction: from a normal lane over its internal lanes to the next normal lane.
@@ -30,9 +31,9 @@ struct Connection {
 
 struct Junction {
   std::string id;
-  std::string type;              ///< "priority", "traffic_light", "dead_end", ...
+  std::string type;  ///< "priority", "traffic_light", "dead_end", ...
   Point position;
-  Polygon shape;                 ///< not closed
+  Polygon shape;  ///< not closed
   std::vector<std::string> incoming_lanes;
   std::vector<Connection> connections;
   /// Do two of its connections cross or merge (come from different lanes and share ground)?

@@ -93,6 +93,8 @@ class NetworkReader {
               .width = file_.positive(element, "width", 3.2),
               .internal = internal,
               .drivable = open_to_passengers(element),
+              .footpath =
+                  split(attribute(element, "allow"), " ") == std::vector<std::string>{"pedestrian"},
               .shape = file_.points(element, "shape")};
     if (lane.shape.size() < 2) file_.fail(element, "lane \"" + lane.id + "\" has no shape");
     if (lane.index != static_cast<int>(lanes_of_edge_[edge].size())) {

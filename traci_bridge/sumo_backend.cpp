@@ -3,9 +3,11 @@
 #include "traci_bridge/sumo_backend.hpp"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <exception>
 #include <map>
+#include <optional>
 #include <set>
 #include <span>
 #include <stdexcept>
@@ -36,9 +38,12 @@ constexpr int kObey = 0;
 /// A vehicle that was just handed back first finds its place in its lane [s]; SUMO changes lanes at
 /// once, 3 m aside, where its sublane model is off.
 constexpr double kNoLaneChange = 1.0;
-constexpr double kHoldGap = 1.0;    // from a held vehicle's front to the end of its lane [m]
-constexpr double kForever = 1.0e6;  // [s]
-constexpr int kStoppedBit = 1;      // of getStopState()
+constexpr double kHoldGap = 1.0;     // from a held vehicle's front to the end of its lane [m]
+constexpr double kForever = 1.0e6;   // [s]
+constexpr int kStoppedBit = 1;       // of getStopState()
+constexpr int kParkedBits = 129;     // of getStopState(): stopped, in a parking area
+constexpr int kParkingAreaBit = 64;  // of TraCINextStopData::stopFlags
+const char* const kTurningRadius = "turning-radius";  // our parameter of a vType [m]
 
 #ifdef LIBTRACI
 class Connection {
@@ -109,6 +114,10 @@ class Backend final : public SumoTraffic {
       type.body.max_speed = api::VehicleType::getMaxSpeed(id);
       type.body.max_accel = api::VehicleType::getAccel(id);
       type.body.max_decel = api::VehicleType::getDecel(id);
+      if (const std::string radius = api::VehicleType::getParameter(id, kTurningRadius);
+          !radius.empty()) {
+        type.body.min_turning_radius = turning_radius(id, radius);
+      }
       return type;
     });
   }
@@ -117,6 +126,7 @@ class Backend final : public SumoTraffic {
   double step_length() const override { return step_length_; }
   bool running() const override { return running_; }
   std::span<const VehicleState> vehicles() const override { return vehicles_; }
+  std::span<const Pedestrian> pedestrians() const override { return pedestrians_; }
   const std::vector<std::string>& departed() const override { return departed_; }
   const std::vector<std::string>& arrived() const override { return arrived_; }
   int collisions() const override { return collisions_; }
@@ -194,9 +204,39 @@ class Backend final : public SumoTraffic {
     limited.speed_limit = speed;
   }
 
+  std::optional<ParkingStop> parking_stop(const std::string& id) const override {
+    if (leaving_.contains(id)) return std::nullopt;
+    return ask([&]() -> std::optional<ParkingStop> {
+      const std::optional<NextStop> next = next_parking_stop(id);
+      if (!next) return std::nullopt;
+      ParkingStop stop{.area = next->data.stoppingPlaceID,
+                       .duration = std::max(next->data.duration, 0.0),
+                       .until = next->data.until < 0.0 ? -1.0 : next->data.until,
+                       .parked = is_parked(id)};
+      // SUMO counts it down, from the step after the one in which the stop was reached.
+      if (stop.parked) {
+        stop.duration = next->data.duration + time_ - step_length_ - next->data.arrival;
+      }
+      return stop;
+    });
+  }
+
+  void drop_parking_stop(const std::string& id) override {
+    ask([&] {
+      const std::optional<NextStop> stop = next_parking_stop(id);
+      if (!stop) return;
+      if (is_parked(id)) {
+        leaving_.insert(id);
+      } else {
+        api::Vehicle::replaceStop(id, stop->index, "");
+      }
+    });
+  }
+
   void step() override {
     ask([&] {
       resume_lane_changes();
+      leave_parking_areas();
       for (const auto& [id, vehicle] : controlled_) {
         const SumoPosition& p = vehicle.position;
         api::Vehicle::moveToXY(id, "", -1, p.x_m, p.y_m, p.angle_deg, kKeepRoute, kAnyDistance);
@@ -234,6 +274,11 @@ class Backend final : public SumoTraffic {
   struct Resumption {
     double time = 0.0;
     int mode = 0;
+  };
+
+  struct NextStop {
+    int index = 0;  ///< among the next stops
+    libsumo::TraCINextStopData data;
   };
 
   struct Stop {
@@ -281,9 +326,66 @@ class Backend final : public SumoTraffic {
     }
     std::vector<std::string> ids = api::Vehicle::getIDList();
     std::ranges::sort(ids);
+    std::erase_if(ids, [&](const std::string& id) { return is_about_to_be_parked(id); });
     vehicles_.resize(ids.size());
     for (std::size_t i = 0; i < ids.size(); ++i) observe(std::move(ids[i]), vehicles_[i]);
+    observe_pedestrians();
     collisions_ = count_collisions();
+  }
+
+  /// Does it depart in a parking area? SUMO puts such a vehicle on the lane beside it for one step.
+  [[nodiscard]] bool is_about_to_be_parked(const std::string& id) const {
+    if (!std::ranges::binary_search(departed_, id)) return false;
+    const std::optional<NextStop> stop = next_parking_stop(id);
+    return stop && stop->index == 0 && stop->data.lane == api::Vehicle::getLaneID(id) &&
+           stop->data.endPos == api::Vehicle::getLanePosition(id) && !is_parked(id);
+  }
+
+  static std::optional<NextStop> next_parking_stop(const std::string& id) {
+    const auto stops = api::Vehicle::getStops(id, 0);
+    for (std::size_t i = 0; i < stops.size(); ++i) {
+      if ((stops[i].stopFlags & kParkingAreaBit) != 0) return NextStop{int(i), stops[i]};
+    }
+    return std::nullopt;
+  }
+
+  static bool is_parked(const std::string& id) {
+    return (api::Vehicle::getStopState(id) & kParkedBits) == kParkedBits;
+  }
+
+  /// A vehicle that leaves has no place until SUMO, or moveToXY in the same step, gives it one.
+  void leave_parking_areas() {
+    for (const std::string& id : leaving_) api::Vehicle::resume(id);
+    leaving_.clear();
+  }
+
+  void observe_pedestrians() {
+    std::vector<std::string> ids = api::Person::getIDList();
+    std::ranges::sort(ids);
+    pedestrians_.clear();
+    for (const std::string& id : ids) {
+      if (!api::Person::getVehicle(id).empty()) continue;  // rides
+      const libsumo::TraCIPosition p = api::Person::getPosition(id);
+      const double length = api::Person::getLength(id);
+      // As of vehicles, SUMO's position is the middle of the front.
+      const Pose middle = from_sumo({p.x, p.y, api::Person::getAngle(id)}, length / 2);
+      pedestrians_.push_back({.id = id,
+                              .position = {middle.x, middle.y},
+                              .theta = middle.theta,
+                              .speed = api::Person::getSpeed(id),
+                              .radius = std::hypot(length, api::Person::getWidth(id)) / 2});
+    }
+  }
+
+  static double turning_radius(const std::string& type, const std::string& text) {
+    double radius = 0.0;
+    const char* const end = text.data() + text.size();
+    const auto [rest, error] = std::from_chars(text.data(), end, radius);
+    if (error != std::errc() || rest != end || !std::isfinite(radius) || radius <= 0.0) {
+      throw std::runtime_error("vType \"" + type + "\": the param " + kTurningRadius + " is \"" +
+                               text + "\", not a number of metres above 0");
+    }
+    return radius;
   }
 
   void observe(std::string id, VehicleState& state) {
@@ -374,6 +476,7 @@ class Backend final : public SumoTraffic {
   double step_length_ = 0.0;
   bool running_ = false;
   std::vector<VehicleState> vehicles_;
+  std::vector<Pedestrian> pedestrians_;
   std::vector<std::string> departed_;
   std::vector<std::string> arrived_;
   int collisions_ = 0;
@@ -381,6 +484,7 @@ class Backend final : public SumoTraffic {
   std::map<std::string, Characteristics> characteristics_;
   std::map<std::string, Controlled> controlled_;
   std::map<std::string, Stop> held_;
+  std::set<std::string> leaving_;  ///< parked, without a stop from the next step on
   std::map<std::string, Resumption> lane_changes_;
 };
 

@@ -95,8 +95,12 @@ std::vector<Point> XmlFile::points(const tinyxml2::XMLElement& element, const ch
   return points;
 }
 
+std::string XmlFile::where(const tinyxml2::XMLElement& element) const {
+  return path_ + ':' + std::to_string(element.GetLineNum());
+}
+
 void XmlFile::fail(const tinyxml2::XMLElement& element, const std::string& problem) const {
-  throw InputError(path_ + ':' + std::to_string(element.GetLineNum()), problem);
+  throw InputError(where(element), problem);
 }
 
 void XmlFile::fail(const tinyxml2::XMLElement& element, const char* attribute,

@@ -35,6 +35,8 @@ class XmlFile {
   [[nodiscard]] std::vector<Point> points(const tinyxml2::XMLElement& element,
                                           const char* name) const;
 
+  /// The file and the element's line.
+  [[nodiscard]] std::string where(const tinyxml2::XMLElement& element) const;
   /// Throws an InputError that names the file and the element's line.
   [[noreturn]] void fail(const tinyxml2::XMLElement& element, const std::string& problem) const;
 

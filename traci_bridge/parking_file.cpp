@@ -1,0 +1,441 @@
+#include "traci_bridge/parking_file.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <optional>
+#include <ranges>
+#include <utility>
+
+#include "planner/motion/obstacles.hpp"
+#include "planner/motion/oriented_box.hpp"
+#include "planner/problem/input_error.hpp"
+#include "traci_bridge/xml.hpp"
+
+namespace mvtp {
+namespace {
+
+using Element = tinyxml2::XMLElement;
+
+constexpr double kTolerance = 0.05;      // of what touches, or is straight [m]
+constexpr double kSmallestLength = 2.0;  // of a slot [m]
+constexpr double kSmallestWidth = 1.0;   // of a slot [m]
+constexpr double kAisle = 1.0;           // so deep is the ground at the open side of a slot [m]
+constexpr double kShortestPiece = 1.0;   // of a lane on the ground [m]
+constexpr double kFarthest = 1e7;        // coordinate [m]
+constexpr std::size_t kMostPoints = 1000;
+
+/// A polygon as drawn, with the line it stands in.
+struct Drawn {
+  std::string id;
+  Polygon shape;
+  std::string where;
+};
+
+struct Area {
+  std::vector<ParkingSlot> slots;
+  std::vector<std::string> where;  ///< of each slot
+  std::string place;
+};
+
+std::size_t next(const Polygon& polygon, std::size_t i) { return (i + 1) % polygon.size(); }
+
+OrientedBox edge(const Polygon& polygon, std::size_t i) {
+  return segment(polygon[i], polygon[next(polygon, i)]);
+}
+
+OrientedBox point(const Point& p) { return {p.x, p.y, 1.0, 0.0, 0.0, 0.0}; }
+
+/// The gap between a shape and the outline of a polygon [m], <= 0 where they meet.
+double gap(const OrientedBox& box, const Polygon& polygon) {
+  double least = kFarthest;
+  for (std::size_t i = 0; i < polygon.size(); ++i) {
+    least = std::min(least, separation(box, edge(polygon, i)));
+  }
+  return least;
+}
+
+bool strictly_inside(const Polygon& polygon, const Point& p) {
+  return contains(polygon, p) && gap(point(p), polygon) > kTolerance;
+}
+
+/// Do two polygons share more than borders?
+bool overlap(const Polygon& a, const Polygon& b) {
+  const auto enters = [](const Polygon& one, const Polygon& other) {
+    for (std::size_t i = 0; i < one.size(); ++i) {
+      const OrientedBox side = edge(one, i);
+      if (strictly_inside(other, one[i]) || strictly_inside(other, {side.x, side.y})) return true;
+      if (gap(side, other) < -kTolerance) return true;
+    }
+    return false;
+  };
+  return enters(a, b) || enters(b, a);
+}
+
+/// The slot's rectangle, smaller by the tolerance on every side.
+OrientedBox inner_box(const ParkingSlot& slot) {
+  return {slot.middle.x,
+          slot.middle.y,
+          std::cos(slot.middle.theta),
+          std::sin(slot.middle.theta),
+          slot.length / 2 - kTolerance,
+          slot.width / 2 - kTolerance};
+}
+
+/// Does the polygon share ground with the box?
+bool covers(const Polygon& polygon, const OrientedBox& box) {
+  return contains(polygon, {box.x, box.y}) || gap(box, polygon) < 0.0;
+}
+
+bool inside(const OrientedBox& box, const Polygon& polygon) {
+  return contains(polygon, {box.x, box.y}) && gap(box, polygon) >= 0.0;
+}
+
+/// Where a polygon is not simple: the first two sides that meet, or fold back on each other.
+std::optional<std::pair<std::size_t, std::size_t>> self_contact(const Polygon& polygon) {
+  constexpr double kTouch = 1e-6;
+  const std::size_t n = polygon.size();
+  for (std::size_t i = 0; i < n; ++i) {
+    for (std::size_t j = i + 1; j < n; ++j) {
+      double apart = 0.0;
+      if (j == next(polygon, i)) {
+        apart = std::max(separation(point(polygon[next(polygon, j)]), edge(polygon, i)),
+                         separation(point(polygon[i]), edge(polygon, j)));
+      } else if (i == next(polygon, j)) {
+        apart = std::max(separation(point(polygon[next(polygon, i)]), edge(polygon, j)),
+                         separation(point(polygon[j]), edge(polygon, i)));
+      } else {
+        apart = separation(edge(polygon, i), edge(polygon, j));
+      }
+      if (apart <= kTouch) return std::pair(i, j);
+    }
+  }
+  return std::nullopt;
+}
+
+double distance(const Point& a, const Point& b) { return std::hypot(b.x - a.x, b.y - a.y); }
+
+double length_of(const std::vector<Point>& line) {
+  double length = 0.0;
+  for (std::size_t i = 1; i < line.size(); ++i) length += distance(line[i - 1], line[i]);
+  return length;
+}
+
+constexpr double kOnItsWay = 1e-6;  // of a segment, until it has left a border that it begins on
+
+/// How far along the segment from `a` to `b`, in (0, 1], it first meets the outline; none: never.
+std::optional<double> first_crossing(const Point& a, const Point& b, const Polygon& polygon) {
+  std::optional<double> first;
+  for (std::size_t i = 0; i < polygon.size(); ++i) {
+    const Point& p = polygon[i];
+    const Point& q = polygon[next(polygon, i)];
+    const double across = (b.x - a.x) * (q.y - p.y) - (b.y - a.y) * (q.x - p.x);
+    if (across == 0.0) continue;  // parallel
+    const double along = ((p.x - a.x) * (q.y - p.y) - (p.y - a.y) * (q.x - p.x)) / across;
+    const double on_side = ((p.x - a.x) * (b.y - a.y) - (p.y - a.y) * (b.x - a.x)) / across;
+    const bool meets = along > kOnItsWay && along <= 1.0 && on_side >= 0.0 && on_side <= 1.0;
+    if (meets && (!first || along < *first)) first = along;
+  }
+  return first;
+}
+
+/// A line from a point on the ground as far as it stays there.
+struct Piece {
+  std::vector<Point> line;
+  bool leaves = false;  ///< the ground before its end
+};
+
+Piece piece_on_ground(const std::vector<Point>& line, const Polygon& ground) {
+  Piece piece{.line = {line.front()}};
+  for (std::size_t i = 1; i < line.size(); ++i) {
+    const Point& a = line[i - 1];
+    const Point& b = line[i];
+    const Point ahead{a.x + (b.x - a.x) * kOnItsWay, a.y + (b.y - a.y) * kOnItsWay};
+    const std::optional<double> crossing =
+        contains(ground, ahead) ? first_crossing(a, b, ground) : std::optional(0.0);
+    const double share = crossing.value_or(1.0);
+    piece.line.push_back({a.x + share * (b.x - a.x), a.y + share * (b.y - a.y)});
+    piece.leaves = crossing.has_value() && (i + 1 < line.size() || share < 1.0);
+    if (crossing) break;
+  }
+  return piece;
+}
+
+/// The farthest that a line is from the straight line between its ends [m].
+double bend(const std::vector<Point>& line) {
+  const OrientedBox chord = segment(line.front(), line.back());
+  double farthest = 0.0;
+  for (const Point& p : line) {
+    const double aside = (p.y - chord.y) * chord.ux - (p.x - chord.x) * chord.uy;
+    farthest = std::max(farthest, std::abs(aside));
+  }
+  return farthest;
+}
+
+class ParkingReader {
+ public:
+  explicit ParkingReader(const RoadNetwork& network) : network_(network) {}
+
+  void read(const std::string& path) {
+    const XmlFile file(path, "an additional file of SUMO");
+    for (const Element* poly : children(file.root(), "poly")) read_polygon(file, *poly);
+    for (const Element* area : children(file.root(), "parkingArea")) read_area(file, *area);
+  }
+
+  std::vector<ParkingLot> lots() {
+    std::vector<ParkingLot> lots;
+    for (const Drawn& ground : std::views::values(grounds_)) lots.push_back(lot_on(ground));
+    for (std::size_t i = 0; i < lots.size(); ++i) {
+      for (std::size_t j = 0; j < i; ++j) {
+        if (!share_ground(lots[j], lots[i])) continue;
+        throw InputError(grounds_.at(lots[i].id).where,
+                         fmt::format("the ground of lot \"{}\" overlaps that of lot \"{}\"; move "
+                                     "one of them",
+                                     lots[i].id, lots[j].id));
+      }
+    }
+    return lots;
+  }
+
+ private:
+  void read_polygon(const XmlFile& file, const Element& element) {
+    const std::string type = attribute(element, "type");
+    if (!type.starts_with("parking.")) return;
+    const bool is_ground = type == "parking.ground";
+    if (!is_ground && type != "parking.obstacle") {
+      file.fail(element, fmt::format("<poly> type: \"{}\" is unknown; choose parking.ground or "
+                                     "parking.obstacle",
+                                     type));
+    }
+    Drawn drawn{.id = file.text(element, "id"), .shape = {}, .where = file.where(element)};
+    drawn.shape = outline(file, element, drawn.id);
+    if (!is_ground) {
+      obstacles_.push_back(std::move(drawn));
+    } else if (const std::string id = drawn.id; !grounds_.emplace(id, std::move(drawn)).second) {
+      file.fail(element, fmt::format("the ground of lot \"{}\" is defined twice; delete one", id));
+    }
+  }
+
+  /// A simple polygon without its closing point and repeated points.
+  static Polygon outline(const XmlFile& file, const Element& element, const std::string& id) {
+    const auto fail = [&](const std::string& problem) {
+      file.fail(element, fmt::format("polygon \"{}\" {}", id, problem));
+    };
+    const std::string geo = attribute(element, "geo");
+    if (geo == "1" || geo == "true") {
+      fail("is given as longitudes and latitudes; save it in metres, without geo=\"1\"");
+    }
+    Polygon polygon = file.points(element, "shape");
+    const auto repeated = std::ranges::unique(polygon);
+    polygon.erase(repeated.begin(), repeated.end());
+    if (polygon.size() > 1 && polygon.front() == polygon.back()) polygon.pop_back();
+    if (polygon.size() < 3) fail(fmt::format("has {} points; draw at least 3", polygon.size()));
+    if (polygon.size() > kMostPoints) {
+      fail(fmt::format("has {} points; draw at most {}", polygon.size(), kMostPoints));
+    }
+    for (const Point& p : polygon) {
+      if (std::max(std::abs(p.x), std::abs(p.y)) > kFarthest) {
+        fail(fmt::format("reaches to ({}, {}) m; draw it on the network", p.x, p.y));
+      }
+    }
+    if (const auto contact = self_contact(polygon)) {
+      fail(fmt::format("touches or crosses itself: sides {} and {}; draw a simple outline",
+                       contact->first + 1, contact->second + 1));
+    }
+    return polygon;
+  }
+
+  void read_area(const XmlFile& file, const Element& element) {
+    const std::string id = file.text(element, "id");
+    Area area{.slots = {}, .where = {}, .place = file.where(element)};
+    for (const Element* space : children(element, "space")) {
+      area.slots.push_back(read_space(file, element, *space));
+      area.slots.back().id = std::to_string(area.slots.size());
+      area.where.push_back(file.where(*space));
+    }
+    if (!areas_.emplace(id, std::move(area)).second) {
+      file.fail(element, fmt::format("the parkingArea \"{}\" is defined twice; delete one", id));
+    }
+  }
+
+  static ParkingSlot read_space(const XmlFile& file, const Element& area, const Element& space) {
+    const auto of = [&](const char* name) -> const Element& {  // what a space lacks its area says
+      return space.Attribute(name) == nullptr && area.Attribute(name) != nullptr ? area : space;
+    };
+    ParkingSlot slot{.id = {},
+                     .middle = {},
+                     .length = file.positive(of("length"), "length"),
+                     .width = file.positive(of("width"), "width")};
+    const double angle = file.number(of("angle"), "angle", 0.0);
+    const double theta = (std::fmod(angle, 360.0) - 90.0) * std::numbers::pi / 180.0;
+    const Pose front{file.number(space, "x"), file.number(space, "y"), wrap_to_pi(theta)};
+    const double largest =
+        std::max({slot.length, slot.width, std::abs(front.x), std::abs(front.y)});
+    if (largest > kFarthest) {
+      file.fail(space, fmt::format("a length of {} m; draw the space on the network", largest));
+    }
+    slot.middle = compose(front, {-slot.length / 2, 0.0, 0.0});
+    return slot;
+  }
+
+  ParkingLot lot_on(const Drawn& ground) const {
+    const auto area = areas_.find(ground.id);
+    if (area == areas_.end()) {
+      throw InputError(ground.where,
+                       fmt::format("lot \"{0}\" has no slots; add <parkingArea id=\"{0}\"> with "
+                                   "its <space>s to the additional files",
+                                   ground.id));
+    }
+    if (area->second.slots.empty()) {
+      throw InputError(area->second.place,
+                       fmt::format("lot \"{}\" has no slots; add a <space> for each", ground.id));
+    }
+    ParkingLot lot;
+    lot.id = ground.id;
+    lot.ground = ground.shape;
+    for (const Drawn& obstacle : obstacles_) {
+      if (overlap(obstacle.shape, ground.shape)) lot.obstacles.push_back(obstacle.shape);
+    }
+    lot.slots = area->second.slots;
+    for (std::size_t i = 0; i < lot.slots.size(); ++i) check(lot, i, area->second.where[i]);
+    for (std::size_t i = 0; i < lot.slots.size(); ++i) turn_inwards(lot, i, area->second.where[i]);
+    add_lanes(lot, ground.where);
+    return lot;
+  }
+
+  static void check(const ParkingLot& lot, std::size_t i, const std::string& where) {
+    const ParkingSlot& slot = lot.slots[i];
+    const auto fail = [&](const std::string& problem) {
+      throw InputError(where, fmt::format("slot {} of lot \"{}\" {}", slot.id, lot.id, problem));
+    };
+    if (slot.length < kSmallestLength || slot.width < kSmallestWidth) {
+      fail(fmt::format("is {:g} x {:g} m, smaller than any car; give at least {:g} x {:g} m",
+                       slot.length, slot.width, kSmallestLength, kSmallestWidth));
+    }
+    const OrientedBox box = inner_box(slot);
+    if (!inside(box, lot.ground)) {
+      fail(
+          fmt::format("around ({:.2f}, {:.2f}) m is not all on the ground; move it, or draw a "
+                      "larger ground",
+                      slot.middle.x, slot.middle.y));
+    }
+    for (const Polygon& obstacle : lot.obstacles) {
+      if (covers(obstacle, box)) fail("lies on an obstacle; move one of them");
+    }
+    for (std::size_t j = 0; j < i; ++j) {
+      if (separation(box, inner_box(lot.slots[j])) >= 0.0) continue;
+      fail(fmt::format("overlaps slot {}; move one of them", lot.slots[j].id));
+    }
+  }
+
+  /// Turns the slot so that it points away from its open side.
+  static void turn_inwards(ParkingLot& lot, std::size_t i, const std::string& where) {
+    ParkingSlot& slot = lot.slots[i];
+    if (is_open(lot, slot, -1.0)) return;
+    if (!is_open(lot, slot, +1.0)) {
+      throw InputError(where, fmt::format("slot {} of lot \"{}\" is closed at both short sides; "
+                                          "leave ground free at one of them",
+                                          slot.id, lot.id));
+    }
+    slot.middle.theta = wrap_to_pi(slot.middle.theta + std::numbers::pi);
+  }
+
+  /// Is there free ground behind (side -1) or ahead (+1) of the slot?
+  static bool is_open(const ParkingLot& lot, const ParkingSlot& slot, double side) {
+    ParkingSlot beyond = slot;
+    beyond.middle = compose(slot.middle, {side * (slot.length + kAisle) / 2, 0.0, 0.0});
+    beyond.length = kAisle;
+    const OrientedBox box = inner_box(beyond);
+    return inside(box, lot.ground) &&
+           std::ranges::none_of(lot.obstacles,
+                                [&](const Polygon& obstacle) { return covers(obstacle, box); }) &&
+           std::ranges::none_of(lot.slots, [&](const ParkingSlot& other) {
+             return separation(box, inner_box(other)) < 0.0;
+           });
+  }
+
+  void add_lanes(ParkingLot& lot, const std::string& where) const {
+    for (const Lane& lane : std::views::values(network_.lanes)) {
+      if (lane.footpath && touches(lane.shape, lot.ground)) {
+        lot.footpaths.push_back({lane.shape, lane.width});
+      }
+      if (lane.internal || !lane.drivable) continue;
+      const std::vector<Point> backwards(lane.shape.rbegin(), lane.shape.rend());
+      if (const auto entry = straight_piece(lane, backwards, lot, where)) {
+        const auto& [end, begin] = *entry;
+        lot.entries.push_back(lot_lane(lane, begin, end));
+        lot.entries.back().offset = lane.length - lot.entries.back().length * stretch(lane);
+      }
+      if (const auto exit = straight_piece(lane, lane.shape, lot, where)) {
+        lot.exits.push_back(lot_lane(lane, exit->first, exit->second));
+      }
+    }
+    for (const auto& [lanes, what] : {std::pair{&lot.entries, "ends"}, {&lot.exits, "begins"}}) {
+      if (!lanes->empty()) continue;
+      throw InputError(where, fmt::format("no lane {} on the ground of lot \"{}\"; draw the ground "
+                                          "over the last metres of a lane that leads there",
+                                          what, lot.id));
+    }
+  }
+
+  static bool touches(const std::vector<Point>& line, const Polygon& ground) {
+    for (std::size_t i = 1; i < line.size(); ++i) {
+      if (gap(segment(line[i - 1], line[i]), ground) < 0.0) return true;
+    }
+    return contains(ground, line.front());
+  }
+
+  /// Metres of the lane per metre of its centre line: SUMO lets them differ.
+  static double stretch(const Lane& lane) { return lane.length / length_of(lane.shape); }
+
+  static LotLane lot_lane(const Lane& lane, const Point& begin, const Point& end) {
+    return {.lane = lane.id,
+            .begin = {begin.x, begin.y, std::atan2(end.y - begin.y, end.x - begin.x)},
+            .length = distance(begin, end),
+            .offset = 0.0};
+  }
+
+  /// The ends of the piece on the ground of a lane whose `line` begins there, or none.
+  static std::optional<std::pair<Point, Point>> straight_piece(const Lane& lane,
+                                                               const std::vector<Point>& line,
+                                                               const ParkingLot& lot,
+                                                               const std::string& where) {
+    const Piece piece = piece_on_ground(line, lot.ground);
+    // A lane that never leaves the ground is one of SUMO's aisles: vehicles need none.
+    if (!piece.leaves || length_of(piece.line) < kShortestPiece) return std::nullopt;
+    if (const double aside = bend(piece.line); aside > kTolerance) {
+      throw InputError(where, fmt::format("lane \"{}\" is not straight on the ground of lot "
+                                          "\"{}\": it bends by {:.2f} m; straighten it, or end "
+                                          "the ground before the bend",
+                                          lane.id, lot.id, aside));
+    }
+    return std::pair(piece.line.front(), piece.line.back());
+  }
+
+  static bool share_ground(const ParkingLot& a, const ParkingLot& b) {
+    const auto has_slot_on = [](const ParkingLot& one, const ParkingLot& other) {
+      const Pose& slot = one.slots.front().middle;
+      return contains(other.ground, {slot.x, slot.y});
+    };
+    return overlap(a.ground, b.ground) || has_slot_on(a, b) || has_slot_on(b, a);
+  }
+
+  const RoadNetwork& network_;
+  std::map<std::string, Drawn> grounds_;
+  std::map<std::string, Area> areas_;
+  std::vector<Drawn> obstacles_;
+};
+
+}  // namespace
+
+std::vector<ParkingLot> read_parking_lots(const std::vector<std::string>& additional_files,
+                                          const RoadNetwork& network) {
+  ParkingReader reader(network);
+  for (const std::string& path : additional_files) reader.read(path);
+  return reader.lots();
+}
+
+}  // namespace mvtp
