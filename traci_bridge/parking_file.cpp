@@ -62,13 +62,20 @@ bool strictly_inside(const Polygon& polygon, const Point& p) {
   return contains(polygon, p) && gap(point(p), polygon) > kTolerance;
 }
 
+/// A point inside the polygon, close to the middle of a side.
+Point beside(const Polygon& polygon, std::size_t i) {
+  const OrientedBox side = edge(polygon, i);
+  const Point left{side.x - 2 * kTolerance * side.uy, side.y + 2 * kTolerance * side.ux};
+  const Point right{side.x + 2 * kTolerance * side.uy, side.y - 2 * kTolerance * side.ux};
+  return contains(polygon, left) ? left : right;
+}
+
 /// Do two polygons share more than borders?
 bool overlap(const Polygon& a, const Polygon& b) {
   const auto enters = [](const Polygon& one, const Polygon& other) {
     for (std::size_t i = 0; i < one.size(); ++i) {
-      const OrientedBox side = edge(one, i);
-      if (strictly_inside(other, one[i]) || strictly_inside(other, {side.x, side.y})) return true;
-      if (gap(side, other) < -kTolerance) return true;
+      if (strictly_inside(other, one[i]) || strictly_inside(other, beside(one, i))) return true;
+      if (gap(edge(one, i), other) < -kTolerance) return true;
     }
     return false;
   };
@@ -102,10 +109,10 @@ std::optional<std::pair<std::size_t, std::size_t>> self_contact(const Polygon& p
     for (std::size_t j = i + 1; j < n; ++j) {
       double apart = 0.0;
       if (j == next(polygon, i)) {
-        apart = std::max(separation(point(polygon[next(polygon, j)]), edge(polygon, i)),
+        apart = std::min(separation(point(polygon[next(polygon, j)]), edge(polygon, i)),
                          separation(point(polygon[i]), edge(polygon, j)));
       } else if (i == next(polygon, j)) {
-        apart = std::max(separation(point(polygon[next(polygon, i)]), edge(polygon, j)),
+        apart = std::min(separation(point(polygon[next(polygon, i)]), edge(polygon, j)),
                          separation(point(polygon[j]), edge(polygon, i)));
       } else {
         apart = separation(edge(polygon, i), edge(polygon, j));
@@ -185,18 +192,10 @@ class ParkingReader {
     for (const Element* area : children(file.root(), "parkingArea")) read_area(file, *area);
   }
 
-  std::vector<ParkingLot> lots() {
+  std::vector<ParkingLot> lots() const {
+    check_apart();
     std::vector<ParkingLot> lots;
     for (const Drawn& ground : std::views::values(grounds_)) lots.push_back(lot_on(ground));
-    for (std::size_t i = 0; i < lots.size(); ++i) {
-      for (std::size_t j = 0; j < i; ++j) {
-        if (!share_ground(lots[j], lots[i])) continue;
-        throw InputError(grounds_.at(lots[i].id).where,
-                         fmt::format("the ground of lot \"{}\" overlaps that of lot \"{}\"; move "
-                                     "one of them",
-                                     lots[i].id, lots[j].id));
-      }
-    }
     return lots;
   }
 
@@ -279,6 +278,18 @@ class ParkingReader {
     }
     slot.middle = compose(front, {-slot.length / 2, 0.0, 0.0});
     return slot;
+  }
+
+  void check_apart() const {
+    for (auto lot = grounds_.begin(); lot != grounds_.end(); ++lot) {
+      for (auto other = grounds_.begin(); other != lot; ++other) {
+        if (!overlap(lot->second.shape, other->second.shape)) continue;
+        throw InputError(lot->second.where,
+                         fmt::format("the ground of lot \"{}\" overlaps that of lot \"{}\"; move "
+                                     "one of them",
+                                     lot->first, other->first));
+      }
+    }
   }
 
   ParkingLot lot_on(const Drawn& ground) const {
@@ -373,12 +384,15 @@ class ParkingReader {
         lot.exits.push_back(lot_lane(lane, exit->first, exit->second));
       }
     }
-    for (const auto& [lanes, what] : {std::pair{&lot.entries, "ends"}, {&lot.exits, "begins"}}) {
-      if (!lanes->empty()) continue;
+    const auto require = [&](const std::vector<LotLane>& lanes, const char* what,
+                             const char* remedy) {
+      if (!lanes.empty()) return;
       throw InputError(where, fmt::format("no lane {} on the ground of lot \"{}\"; draw the ground "
-                                          "over the last metres of a lane that leads there",
-                                          what, lot.id));
-    }
+                                          "over the {}",
+                                          what, lot.id, remedy));
+    };
+    require(lot.entries, "ends", "last metres of a lane that leads there");
+    require(lot.exits, "begins", "first metres of a lane that leads away");
   }
 
   static bool touches(const std::vector<Point>& line, const Polygon& ground) {
@@ -413,14 +427,6 @@ class ParkingReader {
                                           lane.id, lot.id, aside));
     }
     return std::pair(piece.line.front(), piece.line.back());
-  }
-
-  static bool share_ground(const ParkingLot& a, const ParkingLot& b) {
-    const auto has_slot_on = [](const ParkingLot& one, const ParkingLot& other) {
-      const Pose& slot = one.slots.front().middle;
-      return contains(other.ground, {slot.x, slot.y});
-    };
-    return overlap(a.ground, b.ground) || has_slot_on(a, b) || has_slot_on(b, a);
   }
 
   const RoadNetwork& network_;

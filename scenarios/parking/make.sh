@@ -15,7 +15,7 @@ set -euo pipefail
 cd "$(dirname "$0")"
 
 network() {
-  netconvert --node-files "$1.nod.xml" --edge-files "$1.edg.xml" --connection-files gate.con.xml \
+  netconvert --node-files "$1.nod.xml" --edge-files "$1.edg.xml" --connection-files "$1.con.xml" \
     --no-turnarounds --offset.disable-normalization --output-file "$1.net.xml"
 }
 
@@ -72,8 +72,9 @@ parking_area() {
   echo '    </parkingArea>'
 }
 
+# polygon ID TYPE COLOUR LAYER SHAPE
 polygon() {
-  echo "    <poly id=\"$1\" type=\"$2\" color=\"$3\" fill=\"1\" layer=\"-1\" shape=\"$4\"/>"
+  echo "    <poly id=\"$1\" type=\"$2\" color=\"$3\" fill=\"1\" layer=\"$4\" shape=\"$5\"/>"
 }
 
 additional() {
@@ -85,18 +86,18 @@ additional() {
 
 perpendicular_lot() {
   # Entry and exit have arms of their own, as wide as one car needs.
-  polygon lot parking.ground 200,200,200 \
+  polygon lot parking.ground 200,200,200 -2 \
     "-28,1.25 0,1.25 0,0 51,0 51,40 0,40 0,38.75 -28,38.75 -28,34.75 0,34.75 0,5.25 -28,5.25"
   local name x0 x1
   while read -r name x0 x1; do
-    polygon "island-$name-south" parking.obstacle 90,140,90 "$x0,6 $x1,6 $x1,6.4 $x0,6.4"
-    polygon "island-$name-north" parking.obstacle 90,140,90 "$x0,33.6 $x1,33.6 $x1,34 $x0,34"
+    polygon "island-$name-south" parking.obstacle 90,140,90 -1 "$x0,6 $x1,6 $x1,6.4 $x0,6.4"
+    polygon "island-$name-north" parking.obstacle 90,140,90 -1 "$x0,33.6 $x1,33.6 $x1,34 $x0,34"
   done <<< $'west 13 21\neast 29.4 37.4'
   perpendicular_slots | spaces | parking_area
 }
 
 angled_lot() {
-  polygon lot parking.ground 200,200,200 \
+  polygon lot parking.ground 200,200,200 -2 \
     "-28,-2 -5,-2 -2,-8.6 40,-8.6 47,-2 70,-2 70,2 47,2 40,8.6 -2,8.6 -5,2 -28,2"
   angled_slots | spaces | parking_area
 }

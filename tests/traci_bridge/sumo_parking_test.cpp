@@ -4,7 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <numbers>
 #include <string>
+#include <vector>
 
 #include "tests/traci_bridge/fixtures.hpp"
 #include "traci_bridge/configuration.hpp"
@@ -152,7 +155,7 @@ TEST_P(SumoParkingTest, AnArrivingCarIsDrivenIntoASlotAndOut) {
 }
 
 TEST_P(SumoParkingTest, AParkedCarIsTakenOverAndLeaves) {
-  const auto traffic = open(parked("a", 50) + parked("b", 50) + parked("c", 1000));
+  const auto traffic = open(parked("a", 50) + parked("b", 50) + parked("c", 150));
   stand(*traffic, 20.0);
   const Pose pose = find(*traffic, "b")->pose;
   EXPECT_NEAR(traffic->parking_stop("b")->duration, 50.0, 1e-6);
@@ -170,6 +173,102 @@ TEST_P(SumoParkingTest, AParkedCarIsTakenOverAndLeaves) {
   const std::vector<Trip> trips = read_trips(options_.tripinfo_output);
   ASSERT_EQ(trips.size(), 3U);
   for (const Trip& trip : trips) EXPECT_TRUE(trip.arrival);
+}
+
+/// Puts every car that comes into a slot of its own, in one jump, and later at the exit.
+class Valet {
+ public:
+  Valet(Traffic& traffic, const ParkingLot& lot) : traffic_(traffic), slots_(lot.slots) {}
+
+  void step() {
+    for (const VehicleState& state : traffic_.vehicles()) {
+      const auto stop = traffic_.parking_stop(state.id);
+      if (!stop) continue;
+      const bool comes = state.lane == "entry_0" && state.lane_position > 175.0;
+      if (comes) park(state.id, stop->duration);
+      if (stop->parked && !seen_parked_.contains(state.id)) {
+        seen_parked_[state.id] = traffic_.time() + stop->duration - 1.0;
+      }
+      if (stop->parked && traffic_.time() >= seen_parked_.at(state.id)) park(state.id, 1.0);
+    }
+    for (auto& [id, leaves] : leaves_at_) {
+      if (leaves > traffic_.time() || !driving_out_.empty()) continue;
+      driving_out_ = id;
+      out_ = 0.0;
+    }
+    if (!driving_out_.empty()) drive_out();
+    traffic_.step();
+  }
+
+  int served = 0;
+
+ private:
+  void park(const std::string& id, double stays) {
+    const Pose pose =
+        traffic_.parking_stop(id)->parked
+            ? find(traffic_, id)->pose
+            : compose(slots_[std::size_t(served) % slots_.size()].middle, {-1.3, 0, 0});
+    traffic_.drop_parking_stop(id);
+    traffic_.take_over(id);
+    traffic_.place(id, pose, 0.0);
+    leaves_at_[id] = traffic_.time() + stays;
+    ++served;
+  }
+
+  void drive_out() {
+    out_ += 4.0 * kStep;
+    traffic_.place(driving_out_, {-out_, 36.75, std::numbers::pi}, 4.0);
+    if (out_ < 25.0) return;
+    traffic_.hand_back(driving_out_);
+    leaves_at_.erase(driving_out_);
+    driving_out_.clear();
+  }
+
+  Traffic& traffic_;
+  std::vector<ParkingSlot> slots_;
+  std::map<std::string, double> seen_parked_;
+  std::map<std::string, double> leaves_at_;
+  std::string driving_out_;
+  double out_ = 0.0;
+};
+
+class ManyCarsTest : public SumoParkingTest {};
+
+// Nobody gets lost on the way between SUMO's lanes, parking area and open ground.
+TEST_P(ManyCarsTest, EverybodyOfManyArrives) {
+  std::string cars;
+  for (int i = 0; i < 24; ++i) cars += parked("p" + std::to_string(i), 10.0 * (i + 1));
+  for (int i = 0; i < 30; ++i) cars += arriving("a" + std::to_string(i), 6.0 * i, 40.0 + i);
+  const auto traffic = open(cars);
+  Valet valet(*traffic, lot());
+  while (traffic->running() && traffic->time() < 900.0) valet.step();
+
+  EXPECT_FALSE(traffic->running());
+  EXPECT_EQ(valet.served, 54);
+  traffic->close();
+  const std::vector<Trip> trips = read_trips(options_.tripinfo_output);
+  EXPECT_EQ(trips.size(), 54U);
+  for (const Trip& trip : trips) {
+    EXPECT_TRUE(trip.arrival) << trip.id;
+    EXPECT_EQ(trip.arrival_lane, "exit_0") << trip.id;
+    EXPECT_EQ(trip.vaporized, "") << trip.id;
+  }
+}
+
+TEST_P(SumoParkingTest, TheTurningCircleIsThatOfTheSizeUnlessGiven) {
+  const auto traffic = open(
+      R"(<vType id="van" length="5.9" width="2"/>
+         <vType id="taxi" length="4.6" width="1.8"><param key="turning-radius" value="3.75"/></vType>
+         <vType id="odd" length="4.6" width="1.8"><param key="turning-radius" value="small"/></vType>
+         <vType id="none" length="4.6" width="1.8"><param key="turning-radius" value="0"/></vType>)");
+  EXPECT_NEAR(traffic->type("van").body.min_turning_radius, 5.06, 0.01);
+  EXPECT_DOUBLE_EQ(traffic->type("taxi").body.min_turning_radius, 3.75);
+  EXPECT_DOUBLE_EQ(traffic->type("taxi").body.wheelbase, 0.6 * 4.6);
+  EXPECT_THAT(
+      message_of([&] { return traffic->type("odd"); }),
+      testing::HasSubstr("vType \"odd\": the param turning-radius is \"small\", not a number "
+                         "of metres above 0"));
+  EXPECT_THAT(message_of([&] { return traffic->type("none"); }), testing::HasSubstr("\"0\", not"));
 }
 
 TEST_P(SumoParkingTest, PeopleOnTheFootpathAreSeen) {
@@ -192,6 +291,7 @@ TEST_P(SumoParkingTest, PeopleOnTheFootpathAreSeen) {
   EXPECT_TRUE(traffic->pedestrians().empty());
 }
 
+INSTANTIATE_TEST_SUITE_P(Inside, ManyCarsTest, testing::Values(false));
 INSTANTIATE_TEST_SUITE_P(Sumo, SumoParkingTest, testing::Values(false, true),
                          [](const auto& run) { return run.param ? "Separate" : "Inside"; });
 
