@@ -157,7 +157,8 @@ TEST_F(ToioFitProgram, FitSaysWhetherAndHow) {
   const Outcome a3 = run("toio fit plan.yaml -i " + instance + " --mat simple");
   EXPECT_EQ(a3.exit_code, 0) << a3.err;
   EXPECT_THAT(a3.out, MatchesRegex("fits simple: 2[0-9].* mm per metre of the plan .*\n"
-                                   "speed-up 2.*: 50 mm/s .at least .*., tail first.*\n"));
+                                   "4 cubes, tail first.* at 50 mm/s .at least .*\n"
+                                   "bodies pass .* mm apart at least; .*\n"));
   EXPECT_EQ(run("toio fit plan.yaml -i " + instance + " --mat collection-ring").exit_code, 0);
 }
 

@@ -1,0 +1,18 @@
+#pragma once
+
+#include "tools/program.hpp"
+
+namespace mvtp {
+
+/// A sub-command of `mvtp toio` and what it does.
+struct ToioCommand {
+  const CLI::App* app;
+  Action action;
+};
+
+[[nodiscard]] ToioCommand declare_toio_fit(CLI::App& toio);
+[[nodiscard]] ToioCommand declare_toio_export(CLI::App& toio);
+[[nodiscard]] ToioCommand declare_toio_check(CLI::App& toio);
+[[nodiscard]] ToioCommand declare_toio_emulate(CLI::App& toio);
+
+}  // namespace mvtp
