@@ -1,0 +1,160 @@
+#include <fmt/format.h>
+
+#include <cmath>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "planner/problem/input_error.hpp"
+#include "planner/problem/text_file.hpp"
+#include "tools/option_types.hpp"
+#include "tools/toio/check.hpp"
+#include "tools/toio/commands.hpp"
+#include "tools/toio/emulate.hpp"
+
+namespace mvtp {
+namespace {
+
+struct EmulateCommand {
+  std::string run;
+  EmulateOptions options;
+  std::string stall = "0";
+  double delay_ms = 130.0;
+  double loss_percent = 0.0;
+  int runs = 1;
+  bool no_gating = false;
+  std::string report;
+};
+
+double mm(double metres) { return metres * 1000.0; }
+
+/// "2:1-5": twice a minute, for 1 to 5 s; "2:3": for 3 s; "0": never.
+void read_stall(const std::string& text, EmulateOptions& options) {
+  const auto number = [&](const std::string& word) {
+    if (!number_between(0, 1000)(word).empty()) {
+      throw InputError("--stall",
+                       fmt::format("is \"{}\"; give RATE:SECONDS or RATE:FROM-TO, stalls "
+                                   "of each cube per minute and how long, e.g. 2:1-5",
+                                   text));
+    }
+    return std::stod(word);
+  };
+  const std::size_t colon = text.find(':');
+  options.stalls_per_minute = number(text.substr(0, colon));
+  if (colon == std::string::npos) return;
+  const std::string seconds = text.substr(colon + 1);
+  const std::size_t dash = seconds.find('-');
+  options.shortest_stall = number(seconds.substr(0, dash));
+  options.longest_stall =
+      dash == std::string::npos ? options.shortest_stall : number(seconds.substr(dash + 1));
+  if (options.longest_stall < options.shortest_stall) number("");
+}
+
+nlohmann::ordered_json json_of(const ToioRun& run, const EmulateReport& report) {
+  nlohmann::ordered_json robots = nlohmann::ordered_json::array();
+  for (std::size_t i = 0; i < report.robots.size(); ++i) {
+    const RobotOutcome& robot = report.robots[i];
+    nlohmann::ordered_json track = nlohmann::ordered_json::array();
+    for (const Pose& pose : report.tracks[i]) {
+      track.push_back({std::round(pose.x * 1e5) / 1e2, std::round(pose.y * 1e5) / 1e2,
+                       std::round(pose.theta * 1e4) / 1e4});
+    }
+    robots.push_back({{"id", run.robots[i].id},
+                      {"arrived", robot.arrived},
+                      {"arrival_s", robot.arrival},
+                      {"waited_s", robot.waited},
+                      {"held_s", robot.held},
+                      {"lateral_mm", mm(robot.most_lateral)},
+                      {"along_mm", mm(robot.most_along)},
+                      {"track_mm", track}});
+  }
+  return {{"finished", report.finished},
+          {"duration_s", report.duration},
+          {"clearance_least_mm", std::isfinite(report.least_clearance)
+                                     ? nlohmann::ordered_json(mm(report.least_clearance))
+                                     : nlohmann::ordered_json()},
+          {"touching", report.touching},
+          {"stalls", report.stalls},
+          {"robots", robots}};
+}
+
+void print_report(std::uint64_t seed, const EmulateReport& report) {
+  fmt::print(
+      "seed {}: {} in {:.1f} s, {} stalls, bodies {:.1f} mm apart at least, waited {:.1f} s, "
+      "beside {:.1f} mm, along {:.1f} mm{}\n",
+      seed, report.finished ? "finished" : "NOT FINISHED", report.duration, report.stalls,
+      std::isfinite(report.least_clearance) ? mm(report.least_clearance) : 0.0, report.waited(),
+      mm(report.most_lateral()), mm(report.most_along()),
+      report.touching.empty() ? "" : "; TOUCHING: " + report.touching.front());
+}
+
+int emulate_run(EmulateCommand command) {
+  read_stall(command.stall, command.options);
+  command.options.delay = command.options.player.lag = command.delay_ms / 1000.0;
+  command.options.loss = command.loss_percent / 100.0;
+  command.options.player.gating = !command.no_gating;
+  if (!command.report.empty()) check_writable(command.report);
+  const ToioRun run = read_run(command.run);
+  require_mode(run, command.options.player.mode, command.run);
+  const std::vector<std::string> problems = find_problems(run);
+  if (!problems.empty()) {
+    throw InputError(command.run, problems.front() + "; see mvtp toio check");
+  }
+
+  int good = 0;
+  nlohmann::ordered_json reports = nlohmann::ordered_json::array();
+  for (int n = 0; n < command.runs; ++n) {
+    const EmulateReport report = emulate(run, command.options);
+    good += report.finished && report.touching.empty() ? 1 : 0;
+    print_report(command.options.seed, report);
+    if (!command.report.empty()) reports.push_back(json_of(run, report));
+    ++command.options.seed;
+  }
+  if (command.runs > 1) fmt::print("{} of {} runs finished untouched\n", good, command.runs);
+  if (!command.report.empty()) write_text_file(command.report, reports.dump(1) + "\n");
+  return good == command.runs ? kDone : kNotAchieved;
+}
+
+}  // namespace
+
+ToioCommand declare_toio_emulate(CLI::App& toio) {
+  CLI::App* app = toio.add_subcommand("emulate", "Drive a run on cubes emulated in the process");
+  const auto command = std::make_shared<EmulateCommand>();
+  app->footer("Exit code: 0 all arrived and none touched, 1 otherwise, 2 bad input.");
+  app->add_option("RUN", command->run, "Run file of mvtp toio export")
+      ->required()
+      ->type_name("FILE")
+      ->group("Input");
+  app->add_option("--delay", command->delay_ms,
+                  "From a command to the report of what it did, +-30 % [ms] [130]")
+      ->check(number_between(0, 1000))
+      ->type_name("MS")
+      ->group("World");
+  app->add_option("--stall", command->stall,
+                  "Blocked wheels: per cube and minute, and how long, e.g. 2:1-5 [none]")
+      ->type_name("RATE:SECONDS")
+      ->group("World");
+  app->add_option("--loss", command->loss_percent, "Of commands and reports [%] [0]")
+      ->check(number_between(0, 90))
+      ->type_name("PERCENT")
+      ->group("World");
+  app->add_option("--seed", command->options.seed, "Of the world's chances [0]")
+      ->type_name("N")
+      ->group("World");
+  app->add_option("--runs", command->runs, "Runs with seeds from --seed on [1]")
+      ->check(whole_number_between(1, 1'000'000))
+      ->type_name("N")
+      ->group("World");
+  add_choice<DriveMode>(*app, "--mode", command->options.player.mode,
+                        {{"track", DriveMode::kTrack}, {"target", DriveMode::kTarget}},
+                        "Wheel speeds, or targets one by one [track]")
+      ->group("Player");
+  app->add_flag("--no-gating", command->no_gating,
+                "Drive by the clock alone: shows what the release graph is for")
+      ->group("Player");
+  app->add_option("--report", command->report, "Figures and true tracks to write (JSON) [none]")
+      ->type_name("FILE")
+      ->group("Output");
+  return {app, [command] { return emulate_run(*command); }};
+}
+
+}  // namespace mvtp
