@@ -1,9 +1,12 @@
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <numeric>
+#include <set>
 
 #include "planner/algorithms/solvable_alone.hpp"
 #include "planner/problem/check_instance.hpp"
@@ -11,8 +14,12 @@
 #include "planner/problem/instance_file.hpp"
 #include "planner/problem/referee_geometry.hpp"
 #include "tests/tools/program_fixture.hpp"
+#include "tools/generate/open_lot.hpp"
+#include "tools/generate/parking_instance.hpp"
 #include "tools/generate/random_instance.hpp"
 #include "tools/generate/suite.hpp"
+#include "traci_bridge/network.hpp"
+#include "traci_bridge/parking_file.hpp"
 
 namespace mvtp {
 namespace {
@@ -188,6 +195,95 @@ TEST(GeneratedInstance, SaysWhenSoManyDoNotFit) {
   }
 }
 
+// ---- cars that come and go
+
+std::string place(const ParkingSlot& slot) {
+  return fmt::format("{:.3f} {:.3f} {:.3f} {:.2f} {:.2f}", slot.middle.x, slot.middle.y,
+                     std::cos(slot.middle.theta), slot.length, slot.width);
+}
+
+TEST(OpenLot, IsThatOfTheScenario) {
+  const std::string folder = std::string(MVTP_SOURCE_DIR) + "/scenarios/parking/";
+  const std::vector<ParkingLot> lots =
+      read_parking_lots({folder + "parking.add.xml"}, read_network(folder + "parking.net.xml"));
+  ASSERT_EQ(lots.size(), 1U);
+  std::vector<std::string> drawn;
+  for (const ParkingSlot& slot : lots.front().slots) drawn.push_back(place(slot));
+  std::vector<std::string> made;
+  const ParkingLot lot = open_lot();
+  for (const ParkingSlot& slot : lot.slots) made.push_back(place(slot));
+  EXPECT_THAT(made, testing::UnorderedElementsAreArray(drawn));
+  EXPECT_THAT(lot.obstacles, testing::UnorderedElementsAreArray(lots.front().obstacles));
+}
+
+/// How far the body is out of the slot that it is nearest to, turned either way [m].
+double out_of_slot(const Agent& agent, const Pose& pose, double west) {
+  const Pose body = compose(pose, {(agent.vehicle.front - agent.vehicle.rear) / 2, 0.0, 0.0});
+  double least = 1e9;
+  for (const ParkingSlot& slot : open_lot().slots) {
+    const Pose seen = relative(slot.middle, {body.x - west, body.y, body.theta});
+    if (std::abs(std::sin(seen.theta)) > 1e-3) continue;
+    least =
+        std::min(least, std::max(std::abs(seen.x) + agent.vehicle.length() / 2 - slot.length / 2,
+                                 std::abs(seen.y) + agent.vehicle.width / 2 - slot.width / 2));
+  }
+  return least;
+}
+
+TEST(GeneratedParking, CarsComeFromTheRoadAndLeaveForIt) {
+  for (const ParkingCell& cell : {ParkingCell{24, 24, 1}, ParkingCell{0, 7, 1},
+                                  ParkingCell{9, 0, 1}, ParkingCell{29, 29, 1}}) {
+    const Instance instance = generate_parking(cell, 5, 0).instance;
+    EXPECT_THAT(check_instance(instance, "it"), IsEmpty());
+    EXPECT_EQ(instance.map.bounds, Bounds::kFootprint);
+    const double west = instance.map.width - 51.0;
+    ASSERT_EQ(int(instance.agents.size()), cell.in + cell.out);
+    for (const Agent& agent : instance.agents) {
+      const bool comes = agent.name.starts_with("in");
+      const Pose& in_slot = comes ? agent.goal : agent.start;
+      const Pose& on_road = comes ? agent.start : agent.goal;
+      EXPECT_LE(out_of_slot(agent, in_slot, west), -0.0) << agent.name;
+      EXPECT_LT(on_road.x, west);
+      EXPECT_EQ(std::abs(on_road.y - 20.0) > 13.5, true);
+      EXPECT_EQ(on_road.theta, comes ? 0.0 : 3.1416);
+      EXPECT_EQ(agent.vehicle.max_speed, 2.78);
+    }
+    // 58 slots, four islands, and the ground between the roads.
+    EXPECT_EQ(int(instance.map.polygons.size()), 58 - cell.in - cell.out + 5);
+    EXPECT_GE(least_distances(instance).second, 0.3);
+  }
+}
+
+TEST(GeneratedParking, HasAllSizesAndBothWaysRound) {
+  std::set<double> lengths;
+  int forward = 0;
+  int all = 0;
+  for (int index = 0; index < 4; ++index) {
+    for (const Agent& agent : generate_parking({}, 0, index).instance.agents) {
+      lengths.insert(std::round(10 * agent.vehicle.length()) / 10);
+      const Pose& in_slot = agent.name.starts_with("in") ? agent.goal : agent.start;
+      forward += std::abs(in_slot.theta) < 1.0 ? 1 : 0;
+      ++all;
+    }
+  }
+  EXPECT_THAT(lengths, ElementsAre(4.3, 4.5, 4.8, 5.2, 5.9));
+  EXPECT_GT(forward, all / 3);
+  EXPECT_LT(forward, 2 * all / 3);
+}
+
+TEST(GeneratedParking, EachFindsItsWayAlone) {
+  const Instance instance = generate_parking({6, 6, 1}, 1, 0).instance;
+  const Fleet fleet(instance, CollisionRule::kContinuous);
+  for (int i = 0; i < fleet.size(); ++i) EXPECT_TRUE(solvable_alone(fleet, i)) << i;
+}
+
+TEST(GeneratedParking, IsTheSameOnEveryMachine) {
+  const Instance instance = generate_parking({}, 0, 0).instance;
+  EXPECT_EQ(instance.agents[1].goal, (Pose{129.06, 29.75, 0.0}));
+  EXPECT_NE(generate_parking({}, 1, 0).instance.agents[1].goal, instance.agents[1].goal);
+  EXPECT_NE(generate_parking({}, 0, 1).instance.agents[1].goal, instance.agents[1].goal);
+}
+
 // ---- the command
 
 TEST_F(Program, GenerateWritesTheSameBytesForTheSameSeed) {
@@ -202,6 +298,18 @@ TEST_F(Program, GenerateWritesTheSameBytesForTheSameSeed) {
       0);
   ASSERT_EQ(run("generate sparse --count 2 -o c -q --seed 1").exit_code, 0);
   EXPECT_EQ(shell("for f in $(ls a); do cmp -s a/$f c/$f && exit 1; done; true").exit_code, 0);
+}
+
+TEST_F(Program, GenerateParkingWritesTheSameBytesForTheSameSeed) {
+  ASSERT_EQ(run("generate parking --count 2 --in 3 --out 2 -o a -q").exit_code, 0);
+  ASSERT_EQ(run("generate parking --count 3 --in 3 --out 2 -o b -q").exit_code, 0);
+  EXPECT_EQ(shell("ls b").out,
+            "parking_in03_out02_ex00.yaml\nparking_in03_out02_ex01.yaml\n"
+            "parking_in03_out02_ex02.yaml\n");
+  EXPECT_EQ(shell("for f in $(ls a); do cmp a/$f b/$f || exit 1; done").exit_code, 0);
+  const Instance instance = read_instance(directory_.path("a/parking_in03_out02_ex01.yaml"));
+  EXPECT_EQ(instance.dt, 0.8);
+  EXPECT_EQ(instance.map.bounds, Bounds::kFootprint);
 }
 
 TEST_F(Program, GeneratedFilesNameTheVehicle) {
@@ -233,6 +341,14 @@ TEST_F(Program, GenerateRefusesWhatItCannotDo) {
   expect_refused("generate dense -o a --seed nan", "generate: --seed: is \"nan\"; give a whole .*");
   expect_refused("generate dense -o a --vehicle tank",
                  "generate: --vehicle: is \"tank\"; choose escot or cl-cbs; .*");
+  expect_refused("generate parking -o a --robots 5",
+                 "--robots: is not for parking; give --in and --out");
+  expect_refused("generate dense -o a --in 5", "--in: is for parking only; leave it out");
+  expect_refused("generate parking -o a --in 30 --out 29",
+                 "--in 30 and --out 29: the lot has 58 slots; give at most 58 together");
+  expect_refused("generate parking -o a --in 0 --out 0",
+                 "--in 0 and --out 0: nobody comes or goes; give at least one");
+  expect_refused("generate parking -o a --in -1", "generate: --in: is \"-1\"; give a whole .*");
   expect_refused("generate crowd -o b --size 20 --robots 500 -q", "500 robots .* larger map");
   EXPECT_FALSE(std::filesystem::exists(directory_.path("a")));
 }

@@ -5,11 +5,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdlib>
-#include <limits>
 #include <numbers>
 #include <optional>
-#include <random>
 #include <span>
 #include <utility>
 #include <vector>
@@ -17,6 +14,7 @@
 #include "planner/algorithms/solvable_alone.hpp"
 #include "planner/motion/oriented_box.hpp"
 #include "planner/problem/input_error.hpp"
+#include "tools/generate/dice.hpp"
 
 namespace mvtp {
 namespace {
@@ -30,39 +28,14 @@ constexpr int kRounds = 100;             // of new poses for robots that find no
 /// How far apart reference points have to be [m], the stricter rule first.
 const std::array<double, 2> kApart = {std::sqrt(20.0), 0.0};
 
-/// Whole numbers by chance, the same on every machine: std::seed_seq and std::mt19937_64 are
-/// specified to the bit, the standard's distributions are not.
-class Dice {
- public:
-  Dice(const Cell& cell, std::uint64_t seed, int index) {
-    const auto low = [](auto value) { return std::uint32_t(value & 0xffffffffU); };
-    std::seed_seq words{low(seed),      low(seed >> 32U),    low(int(cell.suite)),
-                        low(cell.side), low(cell.obstacles), low(cell.robots),
-                        low(index)};
-    engine_.seed(words);
-  }
+/// A coordinate of a point of the map, in whole millimetres.
+double along(Dice& dice, int side) { return dice.between(0, 1000 * side) / 1000.0; }
 
-  /// From `low` to `high`, both included.
-  [[nodiscard]] int between(int low, int high) {
-    const auto count = std::uint64_t(std::int64_t(high) - low + 1);
-    const std::uint64_t limit = std::numeric_limits<std::uint64_t>::max() / count * count;
-    std::uint64_t drawn = engine_();
-    while (drawn >= limit) drawn = engine_();
-    return int(low + std::int64_t(drawn % count));
-  }
-
-  /// A point of the map, in whole millimetres.
-  [[nodiscard]] double along(int side) { return between(0, 1000 * side) / 1000.0; }
-
-  [[nodiscard]] Pose pose(int side) {
-    const double x = along(side);
-    const double y = along(side);
-    return {x, y, between(-31415, 31415) / 1e4};
-  }
-
- private:
-  std::mt19937_64 engine_;
-};
+Pose any_pose(Dice& dice, int side) {
+  const double x = along(dice, side);
+  const double y = along(dice, side);
+  return {x, y, dice.between(-31415, 31415) / 1e4};
+}
 
 /// The poses of one kind, starts or goals, that keep their distance from each other.
 class Places {
@@ -154,8 +127,8 @@ class Scene {
   bool place_all(double apart) {
     map_.circles.clear();
     for (int i = 0; i < cell_.obstacles; ++i) {
-      const double x = dice_.along(cell_.side);
-      map_.circles.push_back({x, dice_.along(cell_.side), kObstacleRadius});
+      const double x = along(dice_, cell_.side);
+      map_.circles.push_back({x, along(dice_, cell_.side), kObstacleRadius});
     }
     starts_.emplace(preset_.vehicle, map_, apart);
     goals_.emplace(preset_.vehicle, map_, apart);
@@ -171,7 +144,7 @@ class Scene {
 
   [[nodiscard]] std::optional<Pose> free_pose(const Places& places) {
     for (int draw = 0; draw < kDraws; ++draw) {
-      const Pose pose = dice_.pose(cell_.side);
+      const Pose pose = any_pose(dice_, cell_.side);
       if (places.has_room_for(pose)) return pose;
     }
     return std::nullopt;
@@ -254,7 +227,9 @@ GeneratedInstance generate_instance(const Cell& cell, const GenerateOptions& opt
         "--vehicle",
         fmt::format("is the unknown preset \"{}\"; choose escot or cl-cbs", options.vehicle));
   }
-  Dice dice(cell, options.seed, index);
+  Dice dice{low_word(options.seed), high_word(options.seed),  low_word(int(cell.suite)),
+            low_word(cell.side),    low_word(cell.obstacles), low_word(cell.robots),
+            low_word(index)};
   const std::string origin = fmt::format("{}, seed {}, instance {} of its cell",
                                          to_string(cell.suite), options.seed, index);
   if (cell.layout == Layout::kCircle) {
