@@ -22,7 +22,14 @@ constexpr double kSoloWeight = 1.1;  ///< the longest of them is looked for agai
 constexpr int kSoloExpansions = 20'000;
 constexpr int kFirstExpansions = 500;
 constexpr int kStepsFrom = 150;  ///< so many robots, and one conflict for each, are begun with PBCR
-constexpr std::int64_t kLowerBudget = 200'000;  ///< expansions of the first attempts to lower
+/// The first plan is looked for within so much of the longest way alone; a deadline does not make
+/// it harder to find, but much better. It is put off by kRelax whenever the repair comes to a halt.
+constexpr double kFirstLimit = 1.2;
+constexpr double kRelax = 1.25;
+constexpr double kNoLimit = 1e9;  ///< [instants]
+constexpr std::int64_t kPatience =
+    50'000;  ///< expansions without progress of attempts to lower ...
+constexpr std::int64_t kPatiencePerRobot = 1'500;  ///< ... and so many more for each robot
 constexpr int kLateExpansions = 5000;  ///< of one search for a robot that is to arrive earlier
 constexpr std::int64_t kExchangeEvery = 20'000;  ///< expansions between two meetings
 constexpr int kMaxDoublings = 6;  ///< of the efforts, before nothing more is expected
@@ -115,7 +122,8 @@ class Searcher {
  private:
   void find_first_plan();
   void begin_by_steps();
-  void place_one_by_one();
+  [[nodiscard]] bool place_one_by_one();
+  [[nodiscard]] int longest_way_alone() const;
   void improve();
   void straighten_longest_ways();
   void keep();
@@ -159,14 +167,17 @@ void Searcher::keep() {
   if (plan.better_than(best_)) best_ = std::move(plan);
 }
 
-void Searcher::place_one_by_one() {
+/// False if the time ran out before everyone was placed.
+bool Searcher::place_one_by_one() {
   std::vector<int> order(scene_.robots.size());
   std::iota(order.begin(), order.end(), 0);
   std::ranges::stable_sort(order, std::greater<>(),
                            [&](int i) { return alone_[std::size_t(i)].arrival(); });
   for (const int i : order) {
+    if (deadline_.expired()) return false;
     if (!repair_.plan(i, kFirstExpansions)) motion_.place(i, alone_[std::size_t(i)]);
   }
+  return true;
 }
 
 /// Conflicts that all robots would have on their ways alone.
@@ -180,11 +191,26 @@ void Searcher::find_first_plan() {
   if (motion_.size() >= kStepsFrom && conflicts_alone(scene_) > scene_.robots.size()) {
     begin_by_steps();
   }
-  if (deadline_.expired()) return;
+  double limit = kFirstLimit * longest_way_alone();
+  if (deadline_.expired() || best_.makespan <= limit) return;
+  repair_.set_limit(int(limit));
   motion_.clear();
-  place_one_by_one();
-  const auto endless = std::numeric_limits<std::int64_t>::max() / 2;
-  if (repair_.run(endless, [this] { return interrupted(); })) keep();
+  if (!place_one_by_one()) return;
+  const std::int64_t patience = kPatiencePerRobot * motion_.size();
+  while (!repair_.run(patience, [this] { return interrupted(); })) {
+    if (deadline_.expired() || ended_ || adopted_) return;
+    limit = std::min(kRelax * limit, kNoLimit);
+    if (limit >= best_.makespan) return;
+    repair_.set_limit(int(limit));
+  }
+  keep();
+}
+
+/// The arrival of the last robot if each were alone [instants].
+int Searcher::longest_way_alone() const {
+  int longest = scene_.lower_bound;
+  for (const TimedTrack& track : alone_) longest = std::max(longest, track.arrival());
+  return longest;
 }
 
 /// A first plan by PBCR; the few robots that it does not bring home are planned afterwards.
@@ -205,7 +231,7 @@ void Searcher::begin_by_steps() {
     const TimedTrack old = motion_.remove(i);
     if (!repair_.plan(i, 20 * kFirstExpansions, &old, end)) return;
   }
-  if (repair_.run(kLowerBudget, [this] { return interrupted(); })) keep();
+  if (repair_.run(kPatiencePerRobot * motion_.size(), [this] { return interrupted(); })) keep();
 }
 
 /// Looks for better ways alone for the robots that would be too late even so.
@@ -224,6 +250,7 @@ void Searcher::improve() {
   straighten_longest_ways();
   int floor = scene_.lower_bound;
   double part = 0.0;  // of the way from the floor to the best makespan that is not dared
+  const std::int64_t patience = kPatience + kPatiencePerRobot * motion_.size();
   int doublings = 0;
   while (best_.makespan > scene_.goal && !ended_ && !deadline_.expired()) {
     adopted_ = false;
@@ -233,7 +260,7 @@ void Searcher::improve() {
     bool unreachable = false;
     motion_.place_all(best_.tracks);
     if (repair_.lower(
-            limit, kLowerBudget << doublings, kLateExpansions << doublings, alone_,
+            limit, patience << doublings, kLateExpansions << doublings, alone_,
             [this] { return interrupted(); }, unreachable)) {
       keep();
       part /= 2;
@@ -279,6 +306,7 @@ bool find_ways_alone(Scene& scene, const Deadline& deadline) {
   JointMotion motion(scene.robots, scene.time);
   Repair repair(motion, {}, 0, deadline);
   for (int i = 0; i < motion.size(); ++i) {
+    if (deadline.expired()) return false;
     std::optional<TimedTrack> track = repair.plan_alone(i, kAloneWeight, kAloneExpansions);
     if (!track) return false;
     scene.alone.push_back(*std::move(track));

@@ -69,11 +69,16 @@ bool Repair::plan(int i, int expansions, const TimedTrack* old, int from) {
   return true;
 }
 
-bool Repair::run(std::int64_t budget, const Interrupt& interrupt) {
-  const std::int64_t end = expansions() + budget;
+bool Repair::run(std::int64_t patience, const Interrupt& interrupt) {
+  std::int64_t end = expansions() + patience;
+  std::size_t fewest = motion_.conflicts().size();
   while (!motion_.conflicts().empty()) {
     if (expansions() > end || deadline_.expired() || interrupt()) return false;
     try_neighbourhood();
+    if (motion_.conflicts().size() < fewest) {
+      fewest = motion_.conflicts().size();
+      end = expansions() + patience;
+    }
   }
   return true;
 }
@@ -84,7 +89,8 @@ Repair::Neighbourhood Repair::choose() {
   const std::vector<JointMotion::Pair>& conflicts = motion_.conflicts();
   const JointMotion::Pair pair = conflicts[std::size_t(random_.below(int(conflicts.size())))];
   group.push_back(random_.below(2) == 0 ? pair.first : pair.second);
-  const int size = 1 + random_.below(options_.max_group);
+  const bool singly = double(conflicts.size()) > options_.singly_above * motion_.size();
+  const int size = singly ? 1 : 1 + random_.below(options_.max_group);
   while (int(group.size()) < size) {
     std::vector<int> neighbours;
     for (const int i : group) {
@@ -143,7 +149,7 @@ void Repair::try_neighbourhood() {
   }
 }
 
-bool Repair::lower(int limit, std::int64_t budget, int expansions,
+bool Repair::lower(int limit, std::int64_t patience, int expansions,
                    const std::vector<TimedTrack>& alone, const Interrupt& interrupt,
                    bool& unreachable) {
   limit_ = limit;
@@ -157,13 +163,11 @@ bool Repair::lower(int limit, std::int64_t budget, int expansions,
   for (const int i : late) {
     if (plan(i, expansions)) continue;
     const TimedTrack& track = alone[std::size_t(i)];
-    if (track.arrival() > limit || deadline_.expired()) {
-      unreachable = !deadline_.expired();
-      return false;
-    }
+    unreachable = track.arrival() > limit && !deadline_.expired();
+    if (unreachable || deadline_.expired()) return false;
     motion_.place(i, track);
   }
-  return run(budget, interrupt);
+  return run(patience, interrupt);
 }
 
 bool Repair::shorten(int i, int expansions) {

@@ -33,15 +33,16 @@ class RandomNumbers {
 /// What the search by large neighbourhoods does; the effect of each value was measured on random
 /// instances of all densities.
 struct RepairOptions {
-  double price = 10.0;       ///< of overlapping a robot for one bucket [s]; 5 is clearly worse
-  double weight = 2.0;       ///< of the cost-to-go; 1.5 is slower at density, 3 fails more often
-  int expansions = 300;      ///< of one search; the rarer larger ones get through tight places
-  int larger_every = 8;      ///< every so many neighbourhoods searches may expand ...
-  int larger_factor = 8;     ///< ... so many times more
-  int tail_percent = 90;     ///< so often only what follows shortly before a conflict is planned
-  int tail_buckets = 8;      ///< so many buckets before it at most
-  int max_group = 2;         ///< robots that are planned anew together
-  float weight_step = 0.5F;  ///< a pair that stays in conflict becomes so much heavier
+  double price = 10.0;        ///< of overlapping a robot for one bucket [s]; 5 is clearly worse
+  double weight = 2.0;        ///< of the cost-to-go; 1.5 is slower at density, 3 fails more often
+  int expansions = 300;       ///< of one search; the rarer larger ones get through tight places
+  int larger_every = 8;       ///< every so many neighbourhoods searches may expand ...
+  int larger_factor = 8;      ///< ... so many times more
+  int tail_percent = 90;      ///< so often only what follows shortly before a conflict is planned
+  int tail_buckets = 8;       ///< so many buckets before it at most
+  int max_group = 2;          ///< robots that are planned anew together ...
+  double singly_above = 0.3;  ///< ... unless there are more conflicts than so many per robot
+  float weight_step = 0.5F;   ///< a pair that stays in conflict becomes so much heavier
 };
 
 /// Plans robots anew, one or two at a time, until nobody overlaps anybody.
@@ -69,14 +70,15 @@ class Repair {
   /// @param old   nullptr, or the motion that is kept until bucket `from`
   [[nodiscard]] bool plan(int i, int expansions, const TimedTrack* old = nullptr, int from = 0);
 
-  /// Until no pair is in conflict: true; false when interrupted or out of budget.
-  [[nodiscard]] bool run(std::int64_t budget, const Interrupt& interrupt);
+  /// Until no pair is in conflict: true; false when interrupted, out of time, or when so many
+  /// expansions have not brought the number of conflicts to a new minimum.
+  [[nodiscard]] bool run(std::int64_t patience, const Interrupt& interrupt);
   /// Everyone at the goal by `limit`, starting from a plan that takes longer. If false, robots may
   /// be absent or in conflict.
   /// @param expansions   of the search for each robot that would be late
   /// @param alone        ways of the robots if they were alone: of those that find no other
   /// @param unreachable  set if a robot has no way in that time at all, as far as searched
-  [[nodiscard]] bool lower(int limit, std::int64_t budget, int expansions,
+  [[nodiscard]] bool lower(int limit, std::int64_t patience, int expansions,
                            const std::vector<TimedTrack>& alone, const Interrupt& interrupt,
                            bool& unreachable);
   /// Robot i arrives earlier, if it can without any conflict. @pre no conflicts

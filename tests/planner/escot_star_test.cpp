@@ -182,6 +182,50 @@ TEST_F(StarParts, RepairEndsWithoutConflictsOrSaysSo) {
   EXPECT_TRUE(find_violations(instance, plan_of(motion), CollisionRule::kContinuous).empty());
 }
 
+TEST_F(StarParts, LoweringKeepsToTheLimit) {
+  JointMotion motion(robots, time);
+  Repair repair(motion, {}, 1, never);
+  std::vector<TimedTrack> alone;
+  for (int i = 0; i < motion.size(); ++i) alone.push_back(*repair.plan_alone(i, 1.5, 5000));
+  motion.place_all(alone);
+  ASSERT_TRUE(repair.run(200'000, [] { return false; }));
+  const int limit = (motion.makespan() + int(fleet.lower_bound() / time.dt)) / 2;
+  ASSERT_LT(limit, motion.makespan());
+  bool unreachable = false;
+  ASSERT_TRUE(repair.lower(
+      limit, 200'000, 5000, alone, [] { return false; }, unreachable));
+  EXPECT_LE(motion.makespan(), limit);
+  EXPECT_FALSE(unreachable);
+  EXPECT_TRUE(find_violations(instance, plan_of(motion), CollisionRule::kContinuous).empty());
+}
+
+//   Two cars nose to nose in a lane that is no wider than one: the repair comes to a halt.
+TEST(Repair, GivesUpWithoutProgress) {
+  Map lane{.width = 40, .height = 3.0};
+  lane.bounds = Bounds::kAxle;
+  lane.polygons = {{{-9, -3}, {49, -3}, {49, 0}, {-9, 0}}, {{-9, 3}, {49, 3}, {49, 6}, {-9, 6}}};
+  const Instance swap{
+      .agents = {agent({5, 1.5, 0}, {30, 1.5, 0}), agent({35, 1.5, 0}, {10, 1.5, 0})}, .map = lane};
+  const Fleet fleet(swap, CollisionRule::kContinuous);
+  const Obstacles obstacles(swap.map, 6.0);
+  const Clearance clearance(swap.map, obstacles);
+  const TimeGrid time{0.1, 12};
+  std::vector<MacroCar> cars;
+  std::vector<MacroRobot> robots;
+  cars.reserve(2);
+  for (int i = 0; i < 2; ++i) {
+    cars.emplace_back(fleet.car(i).vehicle(), time, swap.map, obstacles, clearance);
+    robots.push_back({&cars.back(), &fleet.cost_to_go(i), swap.agents[std::size_t(i)].start});
+  }
+  const Deadline never = Deadline::never();
+  JointMotion motion(robots, time);
+  Repair repair(motion, {}, 1, never);
+  for (int i = 0; i < 2; ++i) motion.place(i, *repair.plan_alone(i, 1.5, 500));
+  EXPECT_FALSE(repair.run(20'000, [] { return false; }));
+  EXPECT_EQ(motion.conflicts().size(), 1U);
+  EXPECT_GE(repair.expansions(), 20'000);
+}
+
 TEST_F(StarParts, ShorteningKeepsThePlanValidAndNeverDelays) {
   JointMotion motion(robots, time);
   Repair repair(motion, {}, 1, never);
