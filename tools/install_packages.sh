@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Installs what the project needs from Debian's or Ubuntu's packages; does nothing if all is there.
+# Installs what the project needs from Debian's or Ubuntu's packages, and the packages named as
+# arguments; does nothing if all is there.
 set -euo pipefail
 
 packages=(
@@ -9,7 +10,9 @@ packages=(
   libcli11-dev libfmt-dev zlib1g-dev
   libgtest-dev libgmock-dev libbenchmark-dev
   python3-matplotlib
+  libsystemd-dev dbus-daemon
   sumo sumo-tools
+  "$@"
 )
 
 missing=()

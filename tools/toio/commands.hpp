@@ -14,5 +14,8 @@ struct ToioCommand {
 [[nodiscard]] ToioCommand declare_toio_export(CLI::App& toio);
 [[nodiscard]] ToioCommand declare_toio_check(CLI::App& toio);
 [[nodiscard]] ToioCommand declare_toio_emulate(CLI::App& toio);
+[[nodiscard]] ToioCommand declare_toio_run(CLI::App& toio);
+[[nodiscard]] ToioCommand declare_toio_scan(CLI::App& toio);
+[[nodiscard]] ToioCommand declare_toio_calibrate(CLI::App& toio);
 
 }  // namespace mvtp

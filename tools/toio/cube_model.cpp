@@ -78,7 +78,7 @@ void CubeModel::run(const NotifyIdMissed& c) {
 
 void CubeModel::run(const NotifyWheelSpeeds&) { notify(SettingDone{0x9c, 0}); }
 void CubeModel::run(const AskInterval&) { notify(SettingDone{0xb0, 0}); }
-void CubeModel::run(const AskVersion&) { notify(Version{"2.4.0"}); }
+void CubeModel::run(const AskVersion&) { notify(Version{flaws_.version}); }
 
 void CubeModel::interrupt() {
   if (appended_) {
@@ -245,7 +245,7 @@ std::vector<Notification> CubeModel::take_notifications() {
 void CubeModel::disconnect() {
   targets_.reset();
   appended_.reset();
-  units_ = {};
+  if (units_until_ == kNever) units_ = {};  // what has an end goes on until then
   id_setting_ = {};
   missed_after_ = 0.07;
   notifications_.clear();
@@ -260,7 +260,7 @@ Bytes CubeModel::value(Characteristic from) const {
     case Characteristic::kButton:
       return encode(Button{false}).bytes;
     case Characteristic::kBattery:
-      return encode(Battery{90}).bytes;
+      return encode(Battery{flaws_.battery}).bytes;
     case Characteristic::kSensor:
       return encode(Motion{}).bytes;
     default:

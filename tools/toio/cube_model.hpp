@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <deque>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "tools/toio/mat_frame.hpp"
@@ -14,6 +15,8 @@ namespace mvtp {
 struct CubeFlaws {
   double left_gain = 1.0;  ///< of the wheels' speeds
   double right_gain = 1.0;
+  std::uint8_t battery = 90;  ///< [%]
+  std::string version = "2.4.0";
 };
 
 /// A toio Core Cube that exists only here: takes writes, moves, notifies.
@@ -32,7 +35,8 @@ class CubeModel {
   /// What it has notified since the last call, in order.
   [[nodiscard]] std::vector<Notification> take_notifications();
 
-  /// As a cube forgets its settings and stops when its link ends.
+  /// The link ends: settings are forgotten. Wheels go on until the time of their command is up,
+  /// which is no better than what a real cube can be expected to do.
   void disconnect();
   /// Holds the wheels fast for a time, whatever the motors do.
   void block(double seconds) { blocked_until_ = time_ + seconds; }

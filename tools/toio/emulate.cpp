@@ -4,10 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <deque>
-#include <random>
 
 #include "planner/problem/referee_geometry.hpp"
+#include "tools/toio/air.hpp"
 #include "tools/toio/cube_model.hpp"
 
 namespace mvtp {
@@ -17,51 +16,16 @@ constexpr double kStep = 0.005;       // of the physics [s]
 constexpr double kEnough = 10.0;      // times the schedule, and
 constexpr double kEnoughMore = 60.0;  // so many seconds: no run takes longer [s]
 
-/// Numbers by chance, the same on every machine.
-class Dice {
- public:
-  explicit Dice(std::uint64_t seed) : engine_(seed) {}
-  /// In [0, 1).
-  double share() { return double(engine_() >> 11U) * 0x1p-53; }
-  double between(double low, double high) { return low + (high - low) * share(); }
-  bool happens(double probability) { return share() < probability; }
-
- private:
-  std::mt19937_64 engine_;
-};
-
-/// One direction of a link: what is under way arrives in order, late by chance, or not at all.
-template <class Message>
-class Air {
- public:
-  void send(Message message, double now, const EmulateOptions& options, Dice& dice) {
-    const double mean = options.delay / 2.0;
-    const double delay = mean * dice.between(1.0 - options.jitter, 1.0 + options.jitter);
-    last_ = std::max(last_, now + delay);
-    if (!dice.happens(options.loss)) under_way_.push_back({last_, std::move(message)});
-  }
-
-  template <class Take>
-  void deliver(double now, const Take& take) {
-    for (; !under_way_.empty() && under_way_.front().time <= now; under_way_.pop_front()) {
-      take(under_way_.front().message);
-    }
-  }
-
- private:
-  struct Item {
-    double time;
-    Message message;
-  };
-  std::deque<Item> under_way_;
-  double last_ = 0.0;
-};
-
 struct Station {
   CubeModel cube;
   Air<Write> to_cube;
   Air<Notification> from_cube;
 };
+
+/// Half of the delay is on the way to the cube, half on the way back.
+AirQuality air_of(const EmulateOptions& options) {
+  return {options.delay / 2.0, options.jitter, options.loss};
+}
 
 /// A pose of the planned car as one of a cube with its own nose, and back.
 Pose own_heading(Facing facing, const Pose& pose) {
@@ -69,7 +33,8 @@ Pose own_heading(Facing facing, const Pose& pose) {
   return {pose.x, pose.y, wrap_to_pi(pose.theta + std::acos(-1.0))};
 }
 
-std::vector<Station> place_cubes(const ToioRun& run, const EmulateOptions& options, Dice& dice) {
+std::vector<Station> place_cubes(const ToioRun& run, const EmulateOptions& options,
+                                 WorldDice& dice) {
   std::vector<Station> stations;
   for (const RunRobot& robot : run.robots) {
     const auto error = [&](double most) { return dice.between(-most, most); };
@@ -109,8 +74,8 @@ double schedule_of(const ToioRun& run) {
 }
 
 /// One step of the world: what has arrived is taken, wheels turn, reports are sent.
-void step(Station& station, std::size_t i, double now, const EmulateOptions& options, Dice& dice,
-          Player& player, EmulateReport& report) {
+void step(Station& station, std::size_t i, double now, const EmulateOptions& options,
+          WorldDice& dice, Player& player, EmulateReport& report) {
   station.to_cube.deliver(now,
                           [&](const Write& write) { station.cube.write(write.to, write.bytes); });
   if (dice.happens(options.stalls_per_minute / 60.0 * kStep)) {
@@ -119,7 +84,7 @@ void step(Station& station, std::size_t i, double now, const EmulateOptions& opt
   }
   station.cube.step(kStep);
   for (Notification& notification : station.cube.take_notifications()) {
-    station.from_cube.send(std::move(notification), now, options, dice);
+    station.from_cube.send(std::move(notification), now, air_of(options), dice);
   }
   station.from_cube.deliver(now, [&](const Notification& notification) {
     const auto event = decode_event(notification.from, notification.bytes);
@@ -148,7 +113,7 @@ double EmulateReport::most_along() const {
 }
 
 EmulateReport emulate(const ToioRun& run, const EmulateOptions& options) {
-  Dice dice(options.seed);
+  WorldDice dice(options.seed);
   Player player(run, options.player);
   std::vector<Station> stations = place_cubes(run, options, dice);
   EmulateReport report;
@@ -168,7 +133,7 @@ EmulateReport emulate(const ToioRun& run, const EmulateOptions& options) {
     const std::vector<std::optional<Write>> writes = player.tick(now);
     for (std::size_t i = 0; i < stations.size(); ++i) {
       report.tracks[i].push_back(own_heading(run.desk.facing, stations[i].cube.pose()));
-      if (writes[i]) stations[i].to_cube.send(*writes[i], now, options, dice);
+      if (writes[i]) stations[i].to_cube.send(*writes[i], now, air_of(options), dice);
     }
   }
   report.finished = player.finished();

@@ -10,6 +10,7 @@
 #include "tools/toio/check.hpp"
 #include "tools/toio/commands.hpp"
 #include "tools/toio/emulate.hpp"
+#include "tools/toio/stalls.hpp"
 
 namespace mvtp {
 namespace {
@@ -26,28 +27,6 @@ struct EmulateCommand {
 };
 
 double mm(double metres) { return metres * 1000.0; }
-
-/// "2:1-5": twice a minute, for 1 to 5 s; "2:3": for 3 s; "0": never.
-void read_stall(const std::string& text, EmulateOptions& options) {
-  const auto number = [&](const std::string& word) {
-    if (!number_between(0, 1000)(word).empty()) {
-      throw InputError("--stall",
-                       fmt::format("is \"{}\"; give RATE:SECONDS or RATE:FROM-TO, stalls "
-                                   "of each cube per minute and how long, e.g. 2:1-5",
-                                   text));
-    }
-    return std::stod(word);
-  };
-  const std::size_t colon = text.find(':');
-  options.stalls_per_minute = number(text.substr(0, colon));
-  if (colon == std::string::npos) return;
-  const std::string seconds = text.substr(colon + 1);
-  const std::size_t dash = seconds.find('-');
-  options.shortest_stall = number(seconds.substr(0, dash));
-  options.longest_stall =
-      dash == std::string::npos ? options.shortest_stall : number(seconds.substr(dash + 1));
-  if (options.longest_stall < options.shortest_stall) number("");
-}
 
 nlohmann::ordered_json json_of(const ToioRun& run, const EmulateReport& report) {
   nlohmann::ordered_json robots = nlohmann::ordered_json::array();
@@ -88,7 +67,10 @@ void print_report(std::uint64_t seed, const EmulateReport& report) {
 }
 
 int emulate_run(EmulateCommand command) {
-  read_stall(command.stall, command.options);
+  const Stalls stalls = parse_stalls(command.stall);
+  command.options.stalls_per_minute = stalls.per_minute;
+  command.options.shortest_stall = stalls.shortest;
+  command.options.longest_stall = stalls.longest;
   command.options.delay = command.options.player.lag = command.delay_ms / 1000.0;
   command.options.loss = command.loss_percent / 100.0;
   command.options.player.gating = !command.no_gating;

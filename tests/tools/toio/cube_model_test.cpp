@@ -143,6 +143,12 @@ TEST(ToioCubeModel, ACubeWithoutLinkStops) {
   cube.disconnect();
   live(cube, 0.4);
   EXPECT_LT(cube.wheel_speed_now(), 0.001);
+  write(cube, DriveFor{{50, 50}, 25});
+  cube.disconnect();
+  live(cube, 0.2);
+  EXPECT_GT(cube.wheel_speed_now(), 0.1);
+  live(cube, 0.4);
+  EXPECT_LT(cube.wheel_speed_now(), 0.001);
 }
 
 TEST(ToioCubeModel, SettingsAreAnswered) {
