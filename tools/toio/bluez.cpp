@@ -75,19 +75,26 @@ void read_flag(sd_bus_message* m, bool& target) {
   if (const auto flag = variant<int>(m, "b")) target = *flag != 0;
 }
 
-std::vector<std::string> read_texts(sd_bus_message* m) {
+/// Reads "as".
+std::vector<std::string> read_list(sd_bus_message* m) {
   std::vector<std::string> texts;
   char** list = nullptr;
-  if (sd_bus_message_enter_container(m, 'v', "as") <= 0) {
-    (void)sd_bus_message_skip(m, "v");
-    return texts;
-  }
   (void)sd_bus_message_read_strv(m, &list);
   for (char** text = list; text != nullptr && *text != nullptr; ++text) {
     texts.emplace_back(*text);
     std::free(*text);
   }
   std::free(static_cast<void*>(list));
+  return texts;
+}
+
+/// Reads a variant of "as".
+std::vector<std::string> read_texts(sd_bus_message* m) {
+  if (sd_bus_message_enter_container(m, 'v', "as") <= 0) {
+    (void)sd_bus_message_skip(m, "v");
+    return {};
+  }
+  std::vector<std::string> texts = read_list(m);
   (void)sd_bus_message_exit_container(m);
   return texts;
 }
@@ -318,7 +325,12 @@ class Bluetooth::Bus {
     } else if (member == "InterfacesAdded" && sd_bus_message_read(m, "o", &path) >= 0) {
       read_interfaces(m, objects_[path]);
     } else if (member == "InterfacesRemoved" && sd_bus_message_read(m, "o", &path) >= 0) {
-      objects_.erase(path);
+      // Others may come and go, as org.bluez.Battery1 does.
+      for (const std::string& interface : read_list(m)) {
+        if (interface == kAdapter || interface == kDevice || interface == kGatt) {
+          objects_.erase(path);
+        }
+      }
     }
   }
 

@@ -40,7 +40,9 @@ Judged judged(const ToioRun& run, const RunRobot& robot) {
     const double end = k + 1 < starts.size() ? starts[k + 1] : starts[k];
     std::vector<referee::Box> sweep;
     for (const double time : times_of(result.reference, starts[k], end)) {
-      sweep.push_back(referee::footprint(body, result.reference.at(time).pose));
+      const referee::Box box = referee::footprint(body, result.reference.at(time).pose);
+      if (!sweep.empty() && sweep.back().center == box.center) continue;  // it waits
+      sweep.push_back(box);
     }
     result.sweeps.push_back(std::move(sweep));
   }

@@ -34,6 +34,8 @@ constexpr double kLateTime = 0.16;
 constexpr double kReach = 0.0045;
 constexpr double kTargetReach = 0.0205;  // a target command promises 15 dots
 constexpr double kTargetMargin = 0.0204;
+/// And not from so much further beside it [m]: round a tight bend, that would be another place.
+constexpr double kBeside = 0.015;
 
 constexpr double kSilence = 0.3;     // without a report [s]
 constexpr double kStray = 0.03;      // from the path [m]
@@ -117,7 +119,7 @@ void Player::note_progress(std::size_t i, double now) {
     const double next = std::min({reached + kMarch, clocks_[i], cusp});
     const double direction = sign_of(reference.at((reached + next) / 2).twist.v);
     const Pose seen = relative(reference.at(next).pose, *robot.seen);
-    if (direction * seen.x < -reach) break;
+    if (direction * seen.x < -reach || std::abs(seen.y) > kBeside + reach) break;
     reached = next;
     last_progress_ = now;
   }
