@@ -24,7 +24,8 @@ constexpr const char* kGatt = "org.bluez.GattCharacteristic1";
 constexpr double kCallTime = 5.0;      // of calls but Connect [s]
 constexpr double kConnectTime = 20.0;  // [s]
 constexpr double kSlice = 0.01;        // between two looks whether to stop [s]
-constexpr int kTries = 3;
+constexpr int kTries = 3;              // to connect, and
+constexpr double kRetryPause = 0.3;    // between them [s]
 constexpr int kLeastMtu = 23;
 
 struct FreeMessage {
@@ -405,6 +406,7 @@ void Bluetooth::connect(const std::string& path) {
         throw BluetoothError(fmt::format("{} cannot be connected ({}); switch it off and on",
                                          path.substr(path.rfind('/') + 1), error.what()));
       }
+      wait(kRetryPause);
     }
   }
 }

@@ -45,6 +45,7 @@ int with_bluetooth(const std::function<int(Bluetooth&)>& job) {
     fmt::print(stderr, "mvtp: {}\n", error.what());
     return kNotAchieved;
   } catch (const Interrupted&) {
+    fmt::print(stderr, "mvtp: interrupted; the cubes are stopped\n");
     return kInterrupted;
   }
 }

@@ -100,6 +100,9 @@ void Player::receive(std::size_t i, const CubeEvent& event, double now) {
     robot.predictor.measured(pose, now);
   } else if (std::holds_alternative<PositionMissed>(event)) {
     robot.off_mat = true;
+  } else if (const auto* done = std::get_if<TargetDone>(&event)) {
+    const bool last = reached_[i] >= references_[i].end();
+    robot.at_target = last && done->result == TargetResult::kReached;
   }
 }
 
@@ -125,7 +128,9 @@ void Player::note_progress(std::size_t i, double now) {
   }
   const double beside = std::abs(relative(reference.at(reached).pose, *robot.seen).y);
   robot.outcome.most_lateral = std::max(robot.outcome.most_lateral, beside);
-  if (!robot.outcome.arrived && reached >= reference.end()) {
+  // With targets, what is left is up to the cube: the last dots, and the angle.
+  const bool there = options_.mode == DriveMode::kTrack || robot.at_target;
+  if (!robot.outcome.arrived && there && reached >= reference.end()) {
     robot.outcome.arrived = true;
     robot.outcome.arrival = now;
   }

@@ -75,6 +75,7 @@ class Player {
     std::optional<Pose> seen;  ///< as last reported
     double heard_at = 0.0;     ///< when
     bool off_mat = false;
+    bool at_target = false;  ///< the cube says that it came to the last target
     bool lost = false;
     double rate = 0.0;         ///< of the clock, 0 ... 1
     double next_target = 0.0;  ///< when to send the next target [s]

@@ -208,6 +208,15 @@ TEST_F(ToioEmulateProgram, TargetsNeedWiderMargins) {
   (void)directory_.file("wide.json", to_json(result.run));
   const Outcome outcome = run("toio emulate wide.json --mode target --runs 5 --stall 4:1-5");
   EXPECT_EQ(outcome.exit_code, 0) << outcome.out;
+
+  EmulateOptions options;
+  options.player.mode = DriveMode::kTarget;
+  const EmulateReport report = emulate(result.run, options);
+  for (std::size_t i = 0; i < robots.size(); ++i) {
+    const Pose goal = result.run.desk.to_desk(result.run.robots[i].waypoints.back().pose);
+    EXPECT_LT(distance(report.tracks[i].back(), goal), 0.0204);
+    EXPECT_LT(std::abs(wrap_to_pi(report.tracks[i].back().theta - goal.theta)), 0.1);
+  }
 }
 
 TEST_F(ToioEmulateProgram, BadWordsAreRefused) {

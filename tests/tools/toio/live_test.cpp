@@ -106,6 +106,7 @@ TEST_F(ToioLive, CtrlCLeavesEveryCubeStopped) {
   (void)directory_.file("run.json", to_json(exported(crossing()).run));
   const Outcome outcome = live("--run run.json", kInterruptSoon);
   EXPECT_EQ(outcome.exit_code, 130) << outcome.out;
+  EXPECT_THAT(outcome.out, HasSubstr("mvtp: interrupted; the cubes are stopped\n"));
   expect_all_stopped();
   EXPECT_GT(world()["cubes"][1]["writes"], 30);  // it was under way
 }
