@@ -21,7 +21,9 @@ constexpr int kAloneExpansions = 500;
 constexpr double kSoloWeight = 1.1;  ///< the longest of them is looked for again, better
 constexpr int kSoloExpansions = 20'000;
 constexpr int kFirstExpansions = 500;
-constexpr int kStepsFrom = 150;  ///< so many robots, and one conflict for each, are begun with PBCR
+/// So many robots without obstacles, and with one conflict for each, are begun with PBCR; it brings
+/// fewer than nine of ten home elsewhere, or takes longer than the repair.
+constexpr int kStepsFrom = 250;
 /// The first plan is looked for within so much of the longest way alone; a deadline does not make
 /// it harder to find, but much better. It is put off by kRelax whenever the repair comes to a halt.
 constexpr double kFirstLimit = 1.2;
@@ -188,7 +190,8 @@ std::size_t conflicts_alone(const Scene& scene) {
 }
 
 void Searcher::find_first_plan() {
-  if (motion_.size() >= kStepsFrom && conflicts_alone(scene_) > scene_.robots.size()) {
+  if (motion_.size() >= kStepsFrom && scene_.obstacles.empty() &&
+      conflicts_alone(scene_) > scene_.robots.size()) {
     begin_by_steps();
   }
   double limit = kFirstLimit * longest_way_alone();
