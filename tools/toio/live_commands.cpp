@@ -148,6 +148,7 @@ ToioCommand declare_toio_run(CLI::App& toio) {
                   "one nearest to the start]")
       ->type_name("NAME")
       ->delimiter(',')
+      ->allow_extra_args(false)
       ->group("Cubes");
   app->add_option("--scan-time", command->options.scan_time, "To find the cubes [s] [10]")
       ->check(number_between(0.1, 600))

@@ -162,6 +162,7 @@ ToioCommand declare_toio_export(CLI::App& toio) {
                   "Name or address of the cube of each robot, in order [found at the start]")
       ->type_name("NAME")
       ->delimiter(',')
+      ->allow_extra_args(false)
       ->group("Frames");
   return {app, [command] { return export_plan(*command); }};
 }

@@ -55,8 +55,10 @@ class ToioLive : public Program {
     return json::parse(content_of(directory_.path("world.json")));
   }
 
+  [[nodiscard]] json cubes() const { return world()["cubes"]; }
+
   void expect_all_stopped() const {
-    for (const json& cube : world()["cubes"]) {
+    for (const json& cube : cubes()) {
       EXPECT_EQ(cube["last_motor"], kStop) << cube;
       EXPECT_LT(cube["wheels_mm_s"], 25.0) << cube;  // on its way to 0
     }
@@ -75,8 +77,8 @@ TEST_F(ToioLive, FourCubesCompleteTheScenario) {
                                        std::to_string(4 - i)));  // they stand in reverse order
   }
   EXPECT_EQ(world()["touched"], false);
-  EXPECT_EQ(world()["cubes"].size(), 4u);
-  for (const json& cube : world()["cubes"]) EXPECT_EQ(cube["dropped"], 0);
+  EXPECT_EQ(cubes().size(), 4u);
+  for (const json& cube : cubes()) EXPECT_EQ(cube["dropped"], 0);
   expect_all_stopped();
   EXPECT_THAT(content_of(directory_.path("log.jsonl")),
               HasSubstr("\"to\": \"motor\", \"hex\": \"02"));
@@ -92,8 +94,8 @@ TEST_F(ToioLive, ALostLinkStopsWhoNeedsThePlace) {
               HasSubstr("mvtp: stopped: a (toio-E2a) lost its link; b (toio-E1a) could "
                         "not go on\n"));
   EXPECT_EQ(world()["touched"], false);
-  EXPECT_EQ(world()["cubes"][0]["last_motor"], kStop);
-  for (const json& cube : world()["cubes"]) EXPECT_EQ(cube["wheels_mm_s"], 0.0);
+  EXPECT_EQ(cubes()[0]["last_motor"], kStop);
+  for (const json& cube : cubes()) EXPECT_EQ(cube["wheels_mm_s"], 0.0);
 }
 
 const char* const kInterruptSoon =
@@ -108,7 +110,7 @@ TEST_F(ToioLive, CtrlCLeavesEveryCubeStopped) {
   EXPECT_EQ(outcome.exit_code, 130) << outcome.out;
   EXPECT_THAT(outcome.out, HasSubstr("mvtp: interrupted; the cubes are stopped\n"));
   expect_all_stopped();
-  EXPECT_GT(world()["cubes"][1]["writes"], 30);  // it was under way
+  EXPECT_GT(cubes()[1]["writes"], 30);  // it was under way
 }
 
 TEST_F(ToioLive, AButtonPausesAll) {
@@ -116,7 +118,7 @@ TEST_F(ToioLive, AButtonPausesAll) {
   const Outcome outcome = live("--run run.json --press 1:0.5", kInterruptSoon);
   EXPECT_EQ(outcome.exit_code, 130) << outcome.out;
   EXPECT_THAT(outcome.out, HasSubstr("toio: paused: press Enter or a cube's button to go on\n"));
-  EXPECT_EQ(world()["cubes"][1]["wheels_mm_s"], 0.0);
+  EXPECT_EQ(cubes()[1]["wheels_mm_s"], 0.0);
 }
 
 TEST_F(ToioLive, CubesThatAreElsewhereAreToldWhereTheyBelong) {
