@@ -121,7 +121,7 @@ void low_level_search(benchmark::State& state) {
     problem.car = &fleet.car(i);
     problem.cost_to_go = &fleet.cost_to_go(i);
     problem.start = instance.agents[std::size_t(i)].start;
-    problem.to_avoid = others;
+    problem.to_avoid = {&others, std::size_t(others == nullptr ? 0 : 1)};
     return planner.search(problem, {}, Deadline::never());
   };
   std::vector<MovingObstacle> others;
