@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <numbers>
 #include <tuple>
 
@@ -87,7 +88,9 @@ class Search {
       if (expansions % kClockEvery == 0 && deadline_.expired()) return std::nullopt;
       const int n = open_.pop();
       if (nodes_[std::size_t(n)].at_goal) return path_to(n);
-      if (!closed_.insert(key(nodes_[std::size_t(n)]))) continue;
+      if (nodes_[std::size_t(n)].f >= clear_goal_ || !closed_.insert(key(nodes_[std::size_t(n)]))) {
+        continue;
+      }
       if (expansions % kShotEvery == 0 || nodes_[std::size_t(n)].h < kShotRange) shoot(n);
       expand(n);
       ++expansions;
@@ -160,10 +163,11 @@ class Search {
     node.pose = step.end_from(from.pose, frame);
     node.t = from.t + 1;
     if (closed_.contains(key(node))) return;
-    const Sweep sweep = step.sweep.moved_to(frame);
-    if (!car_.is_free(from.pose, step.arc, sweep) || forbidden(sweep, from.t)) return;
     node.h = to_go_(node.pose);
     node.f = std::max(from.f, steps_to_arrival(node));  // pathmax
+    if (node.f >= clear_goal_) return;
+    const Sweep sweep = step.sweep.moved_to(frame);
+    if (!car_.is_free(from.pose, step.arc, sweep) || forbidden(sweep, from.t)) return;
     node.reversed = from.reversed + (step.arc.length < 0.0 ? 1 : 0);
     node.conflicts = from.conflicts + conflicts(sweep, from.t);
     node.parent = n;
@@ -175,7 +179,7 @@ class Search {
   void shoot(int n) {
     const Node& from = nodes_[std::size_t(n)];
     const double earliest = from.t + from.h / car_.step_length();
-    if (earliest + kMaxPieces < goal_free_from_) return;
+    if (earliest + kMaxPieces < goal_free_from_ || from.f >= clear_goal_) return;
     Node node;
     node.shot =
         car_.steps(curves_.path(from.pose, to_go_.goal(), car_.vehicle().min_turning_radius));
@@ -202,6 +206,7 @@ class Search {
       const Node& goal = nodes_[std::size_t(k)];
       return std::tuple(goal.f > options_.w * open_.lower_bound(), goal.conflicts, goal.f, k);
     };
+    if (node.conflicts == 0) clear_goal_ = std::min(clear_goal_, node.f);
     add(std::move(node));
     if (best_goal_ < 0 || rank(number) < rank(best_goal_)) best_goal_ = number;
   }
@@ -237,6 +242,8 @@ class Search {
   double headings_;
   std::vector<Node> nodes_;
   int best_goal_ = -1;  ///< within the bound if any is; then the fewest conflicts
+  double clear_goal_ =
+      std::numeric_limits<double>::infinity();  ///< least f of one without conflicts
   FocalQueue<FocalKey> open_;
   CellSet closed_;
 };
