@@ -39,7 +39,7 @@ class ConflictTree {
                const SpacetimeHybridAstar& low_level, const CbsOptions& options,
                const Deadline& deadline)
       : robots_(robots),
-        others_(others),
+        others_(others, options.sight),
         low_level_(low_level),
         options_(options),
         deadline_(deadline),

@@ -5,9 +5,10 @@
 
 namespace mvtp {
 
-Traffic::Traffic(std::span<const MovingObstacle* const> robots)
-    : robots_(robots.begin(), robots.end()) {
+Traffic::Traffic(std::span<const MovingObstacle* const> robots, int until)
+    : robots_(robots.begin(), robots.end()), until_(until) {
   for (const MovingObstacle* robot : robots_) end_ = std::max(end_, robot->makespan());
+  end_ = std::min(end_, until_);
   circles_.reserve(std::size_t(end_ + 1) * robots_.size());
   for (int t = 0; t <= end_; ++t) {
     const auto row = circles_.end() - circles_.begin();
@@ -24,6 +25,7 @@ Traffic::Traffic(std::span<const MovingObstacle* const> robots)
 
 template <class Visit>
 void Traffic::for_each_near(const Sweep& sweep, int t, const Visit& visit) const {
+  if (t >= until_) return;
   const Point centre = sweep.centre();
   const double strip = sweep.radius() + largest_;
   const auto n = std::ptrdiff_t(robots_.size());

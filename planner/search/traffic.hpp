@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -14,12 +15,15 @@ namespace mvtp {
 /// map are looked at.
 class Traffic {
  public:
+  static constexpr int kForEver = std::numeric_limits<int>::max();
+
   Traffic() = default;
   /// @param robots  outlive this object.
-  explicit Traffic(std::span<const MovingObstacle* const> robots);
+  /// @param until   nobody is looked at from this step on.
+  explicit Traffic(std::span<const MovingObstacle* const> robots, int until = kForEver);
 
   [[nodiscard]] bool empty() const { return robots_.empty(); }
-  /// From this step on everybody rests.
+  /// From this step on everybody rests, or is not looked at.
   [[nodiscard]] int end() const { return end_; }
 
   /// Does `sweep`, driven during step t >= 0, collide with anybody?
@@ -41,6 +45,7 @@ class Traffic {
   std::vector<Circle> circles_;  ///< of step t from t * robots_.size() on, ordered by x
   double largest_ = 0.0;         ///< radius [m]
   int end_ = 0;
+  int until_ = kForEver;
 };
 
 }  // namespace mvtp

@@ -187,6 +187,19 @@ TEST(SteppedCar, PrimitivesAreItsStepsFromAnywhere) {
   }
 }
 
+TEST(Traffic, NobodyIsLookedAtFromTheGivenStepOn) {
+  const Instance instance = circle(2);
+  const Fleet fleet(instance, CollisionRule::kContinuous);
+  const MovingObstacle parked(fleet.car(0), {}, std::vector<Arc>(5));
+  const std::vector<const MovingObstacle*> pointers = {&parked};
+  const Traffic traffic(pointers, 3);
+  const Sweep there = fleet.car(1).sweep({}, {});
+  EXPECT_TRUE(traffic.hit(there, 2));
+  EXPECT_FALSE(traffic.hit(there, 3));
+  EXPECT_EQ(traffic.count(there, 7), 0);
+  EXPECT_EQ(traffic.end(), 3);
+}
+
 TEST(Traffic, CountsWhoeverCollidesAtAStep) {
   const Instance instance = random_instance(11, 12, 0, 30);
   const Fleet fleet(instance, CollisionRule::kContinuous);
