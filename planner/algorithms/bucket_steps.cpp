@@ -7,6 +7,7 @@
 
 #include "planner/algorithms/pbcr.hpp"
 #include "planner/motion/frame.hpp"
+#include "planner/search/noise.hpp"
 
 namespace mvtp {
 namespace {
@@ -29,15 +30,6 @@ struct StepMotion {
   float radius = 0.0F;
   StepState end;
 };
-
-/// A number in [0, 1) that depends on all arguments.
-double noise(std::uint64_t seed, std::uint64_t a, std::uint64_t b, std::uint64_t c) {
-  std::uint64_t z =
-      seed ^ (a * 0x9e3779b97f4a7c15U) ^ (b * 0xbf58476d1ce4e5b9U) ^ (c * 0x94d049bb133111ebU);
-  z = (z ^ (z >> 30U)) * 0xbf58476d1ce4e5b9U;
-  z = (z ^ (z >> 27U)) * 0x94d049bb133111ebU;
-  return double((z ^ (z >> 31U)) >> 11U) * 0x1p-53;
-}
 
 class StepperWorld {
  public:
