@@ -8,6 +8,7 @@
 #include <random>
 #include <vector>
 
+#include "planner/algorithms/escot.hpp"
 #include "planner/algorithms/fleet.hpp"
 #include "planner/algorithms/generate_config.hpp"
 #include "planner/algorithms/stepped_world.hpp"
@@ -171,6 +172,20 @@ void one_step(benchmark::State& state, bool grouping) {
   }
 }
 
+/// Until everybody is at its goal, first guide paths included; `step` is the mean time of one.
+void whole_run(benchmark::State& state) {
+  const Instance instance = scene(int(state.range(0)), 0);
+  const Fleet fleet(instance, CollisionRule::kContinuous);
+  double steps = 0.0;
+  for (auto _ : state) {
+    const StepPlan plan = solve_escot(fleet, {}, Deadline::never());
+    if (plan.status != Status::kSolved) state.SkipWithError("not solved");
+    steps += double(plan.trajectories.front().makespan());
+  }
+  using benchmark::Counter;
+  state.counters["step"] = Counter(steps, Counter::kIsRate | Counter::kInvert);
+}
+
 void one_step_of_pbcr(benchmark::State& state) { one_step(state, false); }
 void one_step_of_escot(benchmark::State& state) { one_step(state, true); }
 // Whole runs of 30 steps, as early ones cost more than late ones.
@@ -190,6 +205,16 @@ BENCHMARK(one_step_of_escot)
     ->Arg(400)
     ->Iterations(60)
     ->Unit(benchmark::kMicrosecond);
+
+void whole_run_of_escot(benchmark::State& state) { whole_run(state); }
+BENCHMARK(whole_run_of_escot)
+    ->ArgName("robots")
+    ->Arg(50)
+    ->Arg(100)
+    ->Arg(200)
+    ->Arg(400)
+    ->Iterations(1)
+    ->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace mvtp
