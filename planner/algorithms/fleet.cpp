@@ -55,11 +55,11 @@ Configuration Fleet::starts() const {
   return q;
 }
 
-Pose Fleet::after(int i, const Pose& from, const Arc& arc) const {
-  const Pose end = drive(from, arc);
-  const bool at_goal = distance(end, goal(i)) < kRounding &&
-                       std::abs(wrap_to_pi(end.theta - goal(i).theta)) < kRounding;
-  return at_goal ? goal(i) : end;
+Pose Fleet::at_goal_or(int i, const Pose& pose) const {
+  const bool at_goal = std::abs(pose.x - goal(i).x) < kRounding &&
+                       std::abs(pose.y - goal(i).y) < kRounding &&
+                       std::abs(wrap_to_pi(pose.theta - goal(i).theta)) < kRounding;
+  return at_goal ? goal(i) : pose;
 }
 
 double Fleet::lower_bound() const {

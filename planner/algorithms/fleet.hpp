@@ -35,7 +35,11 @@ class Fleet {
   [[nodiscard]] Configuration starts() const;
 
   /// Where robot i is after a step. An arc that ends within rounding of the goal ends at the goal.
-  [[nodiscard]] Pose after(int i, const Pose& from, const Arc& arc) const;
+  [[nodiscard]] Pose after(int i, const Pose& from, const Arc& arc) const {
+    return at_goal_or(i, drive(from, arc));
+  }
+  /// The goal of robot i if `pose` is it but for rounding, or else `pose`.
+  [[nodiscard]] Pose at_goal_or(int i, const Pose& pose) const;
 
   /// The largest over the robots of Reeds-Shepp length / v_max [s]: no plan is shorter.
   [[nodiscard]] double lower_bound() const;

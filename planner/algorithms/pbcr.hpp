@@ -39,6 +39,20 @@ concept EvasiveWorld = StepWorld<W> &&
   { world.evasions(i, state, i, motion) } -> std::same_as<std::vector<typename W::Motion>>;
 };
 
+/// A world may know which motion comes first in candidates() without looking at the others.
+template <class W>
+concept DecisiveWorld = StepWorld<W> &&
+    requires(const W& world, int i, const typename W::State& state) {
+  { world.first_choice(i, state) } -> std::same_as<std::optional<typename W::Motion>>;
+};
+
+/// A world may know who is too far away to be met.
+template <class W>
+concept LocalWorld = StepWorld<W> && requires(const W& world, int i) {
+  /// The robots that any motion of robot i may conflict with in this step, i among them or not.
+  { world.near(i) } -> std::convertible_to<std::span<const int>>;
+};
+
 struct PbcrOptions {
   /// Candidates that may be withdrawn for one robot of highest priority before everything it pushes
   /// may only brake; bounds the exponential worst case of backtracking. >= 0.
@@ -107,7 +121,7 @@ class Pbcr<World>::Step {
       if (at(decided_, i)) continue;
       withdrawn_ = 0;
       // No decided motion conflicts with the safe stop of an undecided robot, so one is left to i.
-      if (!decide(i, candidates(i)))
+      if (!decide_freely(i))
         throw std::logic_error("Pbcr: the safe stops before the step conflict");
     }
     std::vector<Motion> next;
@@ -122,9 +136,21 @@ class Pbcr<World>::Step {
     return values[std::size_t(i)];
   }
 
+  /// Gives robot i the first of its candidates that can be, and with it every robot in its way one.
+  bool decide_freely(int i) {
+    if constexpr (DecisiveWorld<World>) {
+      if (const auto best = world_.first_choice(i, at(from_, i))) {
+        if (attempt(i, *best)) return true;
+        const std::span<const Motion> all = candidates(i);
+        return decide(i, all.subspan(std::min(all.size(), std::size_t{1})));
+      }
+    }
+    return decide(i, candidates(i));
+  }
+
   /// Gives robot i one of the motions, best first, and with it every robot in its way one; or
   /// changes nothing.
-  bool decide(int i, const std::vector<Motion>& motions) {
+  bool decide(int i, std::span<const Motion> motions) {
     for (const Motion& motion : motions) {  // Algorithm 1, line 13
       if (withdrawn_ > max_withdrawn_) break;
       if (attempt(i, motion)) return true;
@@ -144,9 +170,18 @@ class Pbcr<World>::Step {
     return false;
   }
 
+  /// The robots that i may meet; pushed in this order.
+  std::span<const int> near(int i) const {
+    if constexpr (LocalWorld<World>) {
+      return world_.near(i);
+    } else {
+      return order_;
+    }
+  }
+
   /// Priority inheritance: each undecided robot in the way of i is decided now, at i's priority.
   bool push_out_of_the_way_of(int i) {
-    for (const int j : order_) {
+    for (const int j : near(i)) {
       if (at(decided_, j) || !world_.conflict(i, *at(decided_, i), j, at(stops_, j))) continue;
       if (!decide(j, evasions(j, i))) return false;
     }
@@ -180,7 +215,7 @@ class Pbcr<World>::Step {
   }
 
   bool conflicts_with_decided(int i, const Motion& motion) const {
-    for (int j = 0; j < int(decided_.size()); ++j) {
+    for (const int j : near(i)) {
       if (at(decided_, j) && world_.conflict(i, motion, j, *at(decided_, j))) return true;
     }
     return false;

@@ -20,12 +20,14 @@ namespace {
 StepPlan run_escot(const Fleet& fleet, const SolveOptions& options, const Deadline& deadline) {
   EscotOptions escot;
   escot.seed = options.seed;
+  escot.world.seed = options.seed;
   return solve_escot(fleet, escot, deadline);
 }
 
 StepPlan run_pbcr(const Fleet& fleet, const SolveOptions& options, const Deadline& deadline) {
   EscotOptions escot;
   escot.seed = options.seed;
+  escot.world.seed = options.seed;
   escot.world.grouping = false;
   escot.replan_duplicates = false;
   return solve_escot(fleet, escot, deadline);

@@ -6,6 +6,8 @@
 #include <numeric>
 #include <tuple>
 
+#include "planner/search/noise.hpp"
+
 namespace mvtp {
 namespace {
 
@@ -15,16 +17,20 @@ constexpr double kWeight = 0.3;
 constexpr double kTurnPenalty = 1.5;
 constexpr double kReversePenalty = 2.0;
 constexpr double kSwitchPenalty = 2.0;  // of driving direction
-constexpr double kInTheWay = 6.0;       // of where the pusher goes next
-constexpr double kAside = 0.5;          // per metre that is left to leave the pusher's lane
-/// A robot that was pushed straight back for so many steps is not any longer: nose to nose it would
-/// be driven back until the pusher is at its goal. The pusher has to swerve.
-constexpr int kLongRetreat = 3;
-constexpr int kLookAhead = 4;     // [steps] of the pusher
-constexpr double kForget = 0.99;  // of visits, per further visit
-/// A robot that may have no guide path is not searched for one again for so many steps.
-constexpr int kGuideRetry = 20;
-/// Groups avoid robots that they could meet within so many windows, both driving.
+constexpr double kForget = 0.95;        // of visits, per step
+// Giving way in time: contact nose to nose leaves a car nothing but the way back.
+constexpr double kLookAhead = 6.0;  // [m] of those that have priority
+constexpr double kInTheWay = 0.9;   // [steps] of standing where they go
+constexpr double kAside = 2.0;      // per metre that is left to leave their lane
+constexpr double kUrgency = 0.1;    // more, per step that they have been kept from their guides
+constexpr double kMaxUrgency = 3.0;
+// A robot that is kept from its guide longer and longer tries more and more: noise, in steps.
+constexpr double kNoise = 0.1;  // per step
+constexpr double kMaxNoise = 2.0;
+/// A robot that may have no guide path is not searched for one again for twice so many steps, then
+/// four times so many, ...
+constexpr int kGuideRetry = 10;
+/// Groups avoid robots that they could meet within so many windows, both driving, for that long.
 constexpr double kSight = 2.0;
 /// Chances of a robot that is under way when a configuration repeats.
 constexpr double kRandomAction = 0.3;
@@ -63,6 +69,10 @@ class Groups {
   std::vector<std::size_t> group_of_;
 };
 
+double squared_distance(const Point& a, const Point& b) {
+  return (a.x - b.x) * (a.x - b.x) + (a.y - b.y) * (a.y - b.y);
+}
+
 double uniform(std::mt19937_64& rng) { return double(rng() >> 11U) * 0x1p-53; }
 
 }  // namespace
@@ -73,73 +83,116 @@ SteppedWorld::SteppedWorld(const Fleet& fleet, const SteppedWorldOptions& option
       options_(options),
       deadline_(deadline),
       planner_(fleet.curves()),
-      robots_(std::size_t(fleet.size())) {}
+      robots_(std::size_t(fleet.size())) {
+  options_.eccr.sight = int(kSight * options.window);
+  const Configuration starts = fleet.starts();
+  for (int i = 0; i < fleet.size(); ++i) {
+    robots_[std::size_t(i)].way = fleet.cost_to_go(i)(starts[std::size_t(i)]);
+    primitives_.push_back(fleet.car(i).primitives());
+  }
+}
 
 SteppedWorld::Motion SteppedWorld::motion(int i, const Pose& pose, const Arc& arc) const {
   return {arc, fleet_.after(i, pose, arc), fleet_.car(i).sweep(pose, arc)};
 }
 
+SteppedWorld::Motion SteppedWorld::greedy_motion(int i, const Pose& pose) const {
+  const Robot& robot = robots_[std::size_t(i)];
+  const Arc& arc = robot.guide[robot.next];
+  return {arc, fleet_.after(i, pose, arc), robot.prediction->at(int(robot.next))};
+}
+
+SteppedWorld::Motion SteppedWorld::motion(int i, const Pose& pose, const Frame& frame,
+                                          const Primitive& step) const {
+  const Pose end = is_wait(step.arc) ? pose : fleet_.at_goal_or(i, step.end_from(pose, frame));
+  return {step.arc, end, step.sweep.moved_to(frame)};
+}
+
 std::vector<SteppedWorld::Motion> SteppedWorld::candidates(int i, const Pose& pose) const {
-  return candidates_away_from(i, pose, {});
+  return candidates_beside(i, pose, ways_to_keep_clear(i));
+}
+
+std::optional<SteppedWorld::Motion> SteppedWorld::first_choice(int i, const Pose& pose) const {
+  if (robots_[std::size_t(i)].random_action) return std::nullopt;
+  const std::vector<Way> ways = ways_to_keep_clear(i);
+  if (!guided(i)) {
+    Motion wait = safe_stop(i, pose);
+    const bool may_stay = pose == fleet_.goal(i) && in_the_way(i, wait, false, ways) == 0.0;
+    return may_stay ? std::optional(wait) : std::nullopt;
+  }
+  // No other candidate comes closer to the goal or takes less than a straight step ahead.
+  const Motion greedy = greedy_motion(i, pose);
+  const bool best = penalty(i, greedy.arc) * visits(i, greedy.end) <= fleet_.car(i).step_length() &&
+                    in_the_way(i, greedy, true, ways) == 0.0;
+  return best ? std::optional(greedy) : std::nullopt;
 }
 
 std::vector<SteppedWorld::Motion> SteppedWorld::evasions(int i, const Pose& pose, int pusher,
                                                          const Motion& motion) const {
-  // Where the pusher goes on to: along its guide, if that is what it does now.
+  std::vector<Way> ways = ways_to_keep_clear(i);
+  std::erase_if(ways, [&](const Way& way) { return way.of == pusher; });
+  // The pusher goes on along its guide, if that is what it does now, or else as it does now.
   const Robot& robot = robots_[std::size_t(pusher)];
-  const bool guided = robot.next < robot.guide.size() && motion.arc == robot.guide[robot.next];
-  std::vector<Sweep> ahead;
-  if (guided) {
-    for (int k = 1; k <= kLookAhead; ++k)
-      ahead.push_back(robot.prediction->at(int(robot.next) + k));
+  const bool follows = guided(pusher) && motion.arc == robot.guide[robot.next];
+  std::optional<MovingObstacle> straight_on;
+  if (follows) {
+    ways.push_back(way_along(pusher, motion.end, *robot.prediction, int(robot.next) + 1));
   } else {
-    const SteppedCar& car = fleet_.car(pusher);
-    Pose at = motion.end;
-    for (int k = 0; k < kLookAhead && !is_wait(motion.arc); ++k, at = drive(at, motion.arc)) {
-      ahead.push_back(car.sweep(at, motion.arc));
-    }
+    straight_on.emplace(fleet_.car(pusher), motion.end,
+                        std::vector<Arc>(std::size_t(look_ahead(pusher)), motion.arc));
+    ways.push_back(way_along(pusher, motion.end, *straight_on, 0));
   }
-  return candidates_away_from(i, pose, {&ahead, pusher, motion.end});
+  return candidates_beside(i, pose, ways);
 }
 
-double SteppedWorld::still_to_clear(int i, const Pose& pose, int pusher,
-                                    const Pose& pushed_by) const {
+std::vector<SteppedWorld::Way> SteppedWorld::ways_to_keep_clear(int i) const {
+  const Robot& robot = robots_[std::size_t(i)];
+  std::vector<Way> ways;
+  for (const int j : robot.in_sight) {
+    const Robot& other = robots_[std::size_t(j)];
+    // Those on a joint trajectory are decided before all others.
+    const bool before = other.rank < robot.rank || other.joint >= 0;
+    if (!before || !guided(j)) continue;
+    ways.push_back(way_along(j, other.expected, *other.prediction, int(other.next) + 1));
+  }
+  return ways;
+}
+
+SteppedWorld::Way SteppedWorld::way_along(int i, const Pose& from, const MovingObstacle& along,
+                                          int next) const {
+  // Half way is within half of it from both ends.
+  const int half = look_ahead(i) / 2;
+  const Sweep& middle = along.at(next + half);
+  const double radius = middle.radius() + fleet_.car(i).step_length() * (half + 1);
+  return {i, from, &along, next, look_ahead(i), middle.centre(), radius};
+}
+
+double SteppedWorld::still_to_clear(int i, const Pose& pose, const Way& way) const {
   const Vehicle& own = fleet_.car(i).vehicle();
-  const Pose seen = relative(pushed_by, pose);
+  const Pose seen = relative(way.from, pose);
   const double radius = own.min_turning_radius;
-  const double clear = (own.width + fleet_.car(pusher).vehicle().width) / 2 + radius;
+  const double clear = (own.width + fleet_.car(way.of).vehicle().width) / 2 + radius;
   return std::max(0.0, clear - std::abs(seen.y) - radius * std::abs(std::sin(seen.theta)));
 }
 
-std::vector<SteppedWorld::Motion> SteppedWorld::candidates_away_from(int i, const Pose& pose,
-                                                                     const Push& push) const {
+std::vector<SteppedWorld::Motion> SteppedWorld::candidates_beside(int i, const Pose& pose,
+                                                                  std::span<const Way> ways) const {
   const SteppedCar& car = fleet_.car(i);
   const Robot& robot = robots_[std::size_t(i)];
+  const Frame frame(pose);
   std::vector<std::pair<double, Motion>> scored;
-  const auto add = [&](const Arc& arc, bool greedy) {
-    const Motion m = motion(i, pose, arc);
-    if (!car.is_free(pose, arc, m.sweep)) return;
-    double value = score(i, m, greedy);
-    if (push.ahead != nullptr) {
-      const Sweep standing = car.sweep(m.end, {});
-      const bool in_the_way = std::ranges::any_of(
-          *push.ahead, [&](const Sweep& sweep) { return collide(standing, sweep); });
-      if (in_the_way && robot.retreat >= kLongRetreat && arc.curvature == 0.0) return;
-      if (in_the_way) {
-        value += kWeight * kInTheWay * car.step_length() +
-                 kAside * still_to_clear(i, m.end, push.by, push.from);
-      }
-    }
-    scored.emplace_back(value, m);
+  const auto add = [&](const Motion& m, bool greedy) {
+    if (!car.is_free(pose, m.arc, m.sweep)) return;
+    scored.emplace_back(score(i, m, greedy) + in_the_way(i, m, greedy, ways), m);
   };
-  const bool guided = robot.next < robot.guide.size();
-  if (guided) add(robot.guide[robot.next], true);
-  for (const Arc& arc : car.arcs()) {
-    if (!guided || arc != robot.guide[robot.next]) add(arc, false);
+  const bool is_guided = guided(i);
+  if (is_guided) add(greedy_motion(i, pose), true);
+  for (const Primitive& step : primitives_[std::size_t(i)]) {
+    if (!is_guided || step.arc != robot.guide[robot.next]) add(motion(i, pose, frame, step), false);
   }
-  add({}, false);
   std::ranges::stable_sort(scored, {}, [](const auto& entry) { return entry.first; });
   std::vector<Motion> result;
+  result.reserve(scored.size() + 1);
   if (robot.random_action) {
     const Motion m = motion(i, pose, *robot.random_action);
     if (car.is_free(pose, m.arc, m.sweep)) result.push_back(m);
@@ -153,21 +206,64 @@ double SteppedWorld::score(int i, const Motion& m, bool greedy) const {
   const double step = fleet_.car(i).step_length();
 
   // The guide knows more than the cost-to-go: nobody gets closer to the goal than along it.
-  double to_go = fleet_.cost_to_go(i)(m.end);
+  double to_go = 0.0;
   const double guide_left = step * double(robot.guide.size() - robot.next);
   if (greedy) {
     to_go = guide_left - step;
-  } else if (guide_left > 0.0) {
-    to_go = std::max(to_go, is_wait(m.arc) ? guide_left : guide_left - step);
+  } else {
+    to_go = fleet_.cost_to_go(i)(m.end);
+    if (guide_left > 0.0) to_go = std::max(to_go, is_wait(m.arc) ? guide_left : guide_left - step);
+    const double spread = step * std::min(kMaxNoise, kNoise * robot.stuck);
+    const auto arc = std::uint64_t(3 * (m.arc.length > 0.0) + 6 * (m.arc.length < 0.0) +
+                                   (m.arc.curvature > 0.0) + 2 * (m.arc.curvature < 0.0));
+    to_go += spread * noise(options_.seed, std::uint64_t(step_), std::uint64_t(i), arc);
   }
 
-  double penalty = step;
-  if (m.arc.curvature != 0.0) penalty *= kTurnPenalty;
-  if (m.arc.length < 0.0) penalty *= kReversePenalty;
-  if (m.arc.length * robot.last.length < 0.0) penalty *= kSwitchPenalty;
-  const auto seen = robot.visits.find(cell(i, m.end));
-  const double visits = seen == robot.visits.end() ? 0.0 : seen->second;
-  return to_go + kWeight * penalty * (1.0 + visits - (greedy ? 1.0 : 0.0));
+  return to_go + kWeight * penalty(i, m.arc) * (1.0 + visits(i, m.end) - (greedy ? 1.0 : 0.0));
+}
+
+double SteppedWorld::penalty(int i, const Arc& arc) const {
+  double penalty = fleet_.car(i).step_length();
+  if (arc.curvature != 0.0) penalty *= kTurnPenalty;
+  if (arc.length < 0.0) penalty *= kReversePenalty;
+  if (arc.length * robots_[std::size_t(i)].last.length < 0.0) penalty *= kSwitchPenalty;
+  return penalty;
+}
+
+int SteppedWorld::look_ahead(int i) const {
+  return int(std::ceil(kLookAhead / fleet_.car(i).step_length() - 1e-9));
+}
+
+double SteppedWorld::in_the_way(int i, const Motion& m, bool greedy,
+                                std::span<const Way> ways) const {
+  if (ways.empty()) return 0.0;
+  const Robot& robot = robots_[std::size_t(i)];
+  const Sweep standing = fleet_.car(i).sweep(m.end, {});
+  const double step = fleet_.car(i).step_length();
+  double worst = 0.0;  // [m]
+  const Way own = greedy ? way_along(i, m.end, *robot.prediction, int(robot.next) + 1)
+                         : Way{.middle = standing.centre(), .radius = standing.radius()};
+  for (const Way& way : ways) {
+    const double reach = own.radius + way.radius;
+    if (squared_distance(own.middle, way.middle) > reach * reach) continue;
+    for (int k = 0; k < way.steps; ++k) {
+      const Sweep& then = greedy ? own.along->at(own.next + k) : standing;
+      if (!collide(then, way.along->at(way.next + k))) continue;
+      const double clear = still_to_clear(i, m.end, way);
+      const double urgent =
+          std::min(kMaxUrgency, 1.0 + kUrgency * robots_[std::size_t(way.of)].stuck);
+      worst = std::max(worst, urgent * (kInTheWay * step + kAside * clear));
+      break;
+    }
+  }
+  return worst;
+}
+
+double SteppedWorld::visits(int i, const Pose& pose) const {
+  const auto& all = robots_[std::size_t(i)].visits;
+  const auto found = all.find(cell(i, pose));
+  if (found == all.end()) return 0.0;
+  return found->second.value * std::pow(kForget, step_ - found->second.step);
 }
 
 std::uint64_t SteppedWorld::cell(int i, const Pose& pose) const {
@@ -192,13 +288,19 @@ std::optional<int> SteppedWorld::predicted_conflict(int i, int j) const {
 std::vector<Group> SteppedWorld::group_robots(const Configuration& q) {
   if (!options_.grouping) return {};
   std::vector<std::tuple<int, int, int>> conflicts;  // steps from now, robots
+  std::vector<int> near;
+  double longest = 0.0;  // [m]
+  double quickest = 0.0;
   for (int i = 0; i < fleet_.size(); ++i) {
-    for (int j = 0; j < i; ++j) {
-      const double reach =
-          options_.window * (fleet_.car(i).step_length() + fleet_.car(j).step_length()) +
-          fleet_.car(i).sweep(q[std::size_t(i)], {}).radius() +
-          fleet_.car(j).sweep(q[std::size_t(j)], {}).radius() + 10.0;
-      if (distance(q[std::size_t(i)], q[std::size_t(j)]) > reach) continue;
+    longest = std::max(longest, reach(i));
+    quickest = std::max(quickest, fleet_.car(i).step_length());
+  }
+  for (int i = 0; i < fleet_.size(); ++i) {
+    const double sight =
+        reach(i) + longest + (options_.window - 1) * (fleet_.car(i).step_length() + quickest);
+    neighbours_.within(sight, q[std::size_t(i)], near);
+    for (const int j : near) {
+      if (j >= i) continue;
       if (const auto k = predicted_conflict(i, j)) conflicts.emplace_back(*k, j, i);
     }
   }
@@ -259,9 +361,7 @@ std::optional<std::vector<SteppedWorld::Motion>> SteppedWorld::get_opt_traj(cons
   for (int i = 0; i < fleet_.size(); ++i) {
     if (std::ranges::binary_search(group, i) || !near(i)) continue;
     const Robot& robot = robots_[std::size_t(i)];
-    others.emplace_back(
-        fleet_.car(i), q[std::size_t(i)],
-        std::vector<Arc>(robot.guide.begin() + std::ptrdiff_t(robot.next), robot.guide.end()));
+    others.push_back(robot.prediction->from(int(robot.next)));
   }
   std::vector<const MovingObstacle*> to_avoid;
   for (const MovingObstacle& other : others) to_avoid.push_back(&other);
@@ -278,17 +378,45 @@ std::optional<std::vector<SteppedWorld::Motion>> SteppedWorld::get_opt_traj(cons
   return first_motions();
 }
 
-std::vector<int> SteppedWorld::order(const Configuration& q) const {
-  std::vector<double> to_go(robots_.size());
-  for (int i = 0; i < fleet_.size(); ++i) {
-    to_go[std::size_t(i)] = fleet_.cost_to_go(i)(q[std::size_t(i)]);
-  }
-  std::vector<int> result(robots_.size());
-  std::iota(result.begin(), result.end(), 0);
-  std::ranges::sort(result, {}, [&](int i) {
-    return std::tuple(-robots_[std::size_t(i)].steps_under_way, to_go[std::size_t(i)], i);
+void SteppedWorld::set_order() {
+  order_.resize(robots_.size());
+  std::iota(order_.begin(), order_.end(), 0);
+  std::ranges::sort(order_, {}, [&](int i) {
+    const Robot& robot = robots_[std::size_t(i)];
+    return std::tuple(-robot.steps_under_way, -robot.way, i);
   });
-  return result;
+  for (std::size_t k = 0; k < order_.size(); ++k) robots_[std::size_t(order_[k])].rank = int(k);
+}
+
+double SteppedWorld::reach(int i) const {
+  const Vehicle& vehicle = fleet_.car(i).vehicle();
+  return fleet_.car(i).step_length() +
+         std::hypot(std::max(vehicle.front, vehicle.rear), vehicle.width / 2);
+}
+
+void SteppedWorld::look_around(const Configuration& q) {
+  neighbours_ = Neighbours(q);
+  double longest = 0.0;  // [m]
+  double quickest = 0.0;
+  for (int i = 0; i < fleet_.size(); ++i) {
+    longest = std::max(longest, reach(i));
+    quickest = std::max(quickest, fleet_.car(i).step_length());
+  }
+  for (int i = 0; i < fleet_.size(); ++i) {
+    Robot& robot = robots_[std::size_t(i)];
+    const Pose& pose = q[std::size_t(i)];
+    const double one_step = reach(i) + longest;
+    robot.near.clear();
+    const double drives = fleet_.car(i).step_length() + quickest;
+    neighbours_.within(one_step + look_ahead(i) * drives, pose, robot.in_sight);
+    std::erase(robot.in_sight, i);
+    for (const int j : robot.in_sight) {
+      const Pose& other = q[std::size_t(j)];
+      const double d2 = squared_distance({pose.x, pose.y}, {other.x, other.y});
+      if (d2 <= one_step * one_step) robot.near.push_back(j);
+    }
+    std::ranges::sort(robot.near, {}, [&](int j) { return robots_[std::size_t(j)].rank; });
+  }
 }
 
 void SteppedWorld::set_guide(int i, const Pose& pose, std::vector<Arc> guide, int joint) {
@@ -325,18 +453,19 @@ void SteppedWorld::prepare(const Configuration& q) {
   for (int i = 0; i < fleet_.size(); ++i) {
     Robot& robot = robots_[std::size_t(i)];
     const Pose& pose = q[std::size_t(i)];
-    const bool searched_in_vain = step_ < robot.search_again;
-    if (robot.prediction && pose == robot.expected && (searched_in_vain || !robot.search_again)) {
-      continue;
-    }
+    const bool not_yet = step_ < robot.search_again;
+    if (robot.prediction && pose == robot.expected && (not_yet || !robot.search_again)) continue;
     break_joint(robot.joint);
     std::optional<TimedPath> path;
-    if (!searched_in_vain) {
+    if (!not_yet) {
       path = find_guide(i, pose);
-      robot.search_again = path ? 0 : step_ + kGuideRetry;
+      robot.searched_in_vain = path ? 0 : robot.searched_in_vain + 1;
+      robot.search_again = path ? 0 : step_ + (kGuideRetry << std::min(robot.searched_in_vain, 8));
     }
     set_guide(i, pose, path ? std::move(path->steps) : std::vector<Arc>{}, -1);
   }
+  set_order();
+  look_around(q);
 }
 
 void SteppedWorld::advance(const std::vector<Motion>& motions) {
@@ -348,7 +477,6 @@ void SteppedWorld::advance(const std::vector<Motion>& motions) {
     if (!is_wait(m.arc)) robot.last = m.arc;
 
     const bool under_way = robot.next < robot.guide.size();
-    const bool straight = !is_wait(m.arc) && m.arc.curvature == 0.0;
     const bool on_guide = under_way && m.arc == robot.guide[robot.next];
     if (on_guide) {
       ++robot.next;
@@ -357,15 +485,17 @@ void SteppedWorld::advance(const std::vector<Motion>& motions) {
       break_joint(robot.joint);  // late, or pushed off
     }
 
-    robot.retreat = straight && !on_guide ? robot.retreat + 1 : 0;
     if (m.end == fleet_.goal(i)) {
       robot.steps_under_way = 0;
-    } else {
-      ++robot.steps_under_way;
-      if (on_guide) continue;  // a robot on its own way is in nobody's
-      const auto [visit, first] = robot.visits.try_emplace(cell(i, m.end), 0.0);
-      if (!first) visit->second = kForget * visit->second + 1.0;
+      robot.stuck = 0;
+      continue;
     }
+    ++robot.steps_under_way;
+    robot.stuck = on_guide ? 0 : robot.stuck + 1;
+    if (on_guide) continue;  // a robot on its own way is in nobody's
+    const double before = visits(i, m.end);
+    const auto [visit, first] = robot.visits.try_emplace(cell(i, m.end), Visits{0.0, step_});
+    if (!first) visit->second = {before + 1.0, step_};
   }
 }
 

@@ -4,26 +4,28 @@
 #include <map>
 #include <optional>
 #include <random>
-#include <set>
+#include <span>
 #include <unordered_map>
 #include <vector>
 
 #include "planner/algorithms/conflict_based_search.hpp"
 #include "planner/algorithms/fleet.hpp"
 #include "planner/algorithms/generate_config.hpp"
+#include "planner/algorithms/neighbours.hpp"
 #include "planner/problem/deadline.hpp"
 
 namespace mvtp {
 
 struct SteppedWorldOptions {
-  bool grouping = true;  ///< false: PBCR alone
-  int window = 10;       ///< robots that will conflict within so many steps are grouped, >= 1
-  int max_group = 5;     ///< robots in a group, at most
+  std::uint64_t seed = 0;  ///< of the noise that tells equally good steps apart
+  bool grouping = true;    ///< false: PBCR alone
+  int window = 10;         ///< robots that will conflict within so many steps are grouped, >= 1
+  int max_group = 5;       ///< robots in a group, at most
   /// PreCheck: a group that could not be planned is not tried again for so many steps.
   int retry_after = 5;
   CbsOptions eccr{
-      .w = 1.5, .cost = CbsCost::kLateForSlowest, .max_nodes = 200, .max_expansions = 2000};
-  double guide_w = 1.2;          ///< weight of the search for a guide path, >= 1
+      .w = 1.5, .cost = CbsCost::kLateForSlowest, .max_nodes = 50, .max_expansions = 300};
+  double guide_w = 1.4;          ///< weight of the search for a guide path, >= 1
   int guide_expansions = 20000;  ///< of that search
 };
 
@@ -45,7 +47,9 @@ class SteppedWorld {
   // StepWorld
   /// Six arcs, a wait and the greedy action, by score; random actions first [ESCoT Sec. III-E].
   [[nodiscard]] std::vector<Motion> candidates(int i, const Pose& pose) const;
-  /// The same for a robot that is pushed: places where the pusher goes next are worse.
+  /// To stay at the goal or to follow the guide, where nothing speaks against it.
+  [[nodiscard]] std::optional<Motion> first_choice(int i, const Pose& pose) const;
+  /// The same for a robot that is pushed: it also gives way to its pusher, after that one's motion.
   [[nodiscard]] std::vector<Motion> evasions(int i, const Pose& pose, int pusher,
                                              const Motion& motion) const;
   [[nodiscard]] Motion safe_stop(int i, const Pose& pose) const { return motion(i, pose, {}); }
@@ -53,14 +57,19 @@ class SteppedWorld {
     return collide(a.sweep, b.sweep);
   }
 
+  /// Those that i can meet in one step, highest priority first.
+  [[nodiscard]] std::span<const int> near(int i) const { return robots_[std::size_t(i)].near; }
+
   // GroupWorld
   [[nodiscard]] std::vector<Group> group_robots(const Configuration& q);
   [[nodiscard]] bool pre_check(const Group& group) const;
   [[nodiscard]] std::optional<std::vector<Motion>> get_opt_traj(const Configuration& q,
                                                                 const Group& group);
-  [[nodiscard]] std::vector<int> order(const Configuration& q) const;
+  /// Longest under way first, then who had the longest way from its start.
+  [[nodiscard]] std::vector<int> order(const Configuration&) const { return order_; }
 
-  /// Gives a guide to every robot that has none or is not on it. To be called before each step.
+  /// Gives a guide to every robot that has none or is not on it, and looks who is near whom. To be
+  /// called before each step.
   void prepare(const Configuration& q);
   /// Takes note of what everybody did.
   void advance(const std::vector<Motion>& motions);
@@ -69,38 +78,76 @@ class SteppedWorld {
   void add_randomness(const Configuration& q, std::mt19937_64& rng);
 
  private:
+  /// How much a robot has been in a cell, not counting its own way; forgotten bit by bit.
+  struct Visits {
+    double value = 0.0;
+    int step = 0;  ///< when it had that value
+  };
+
   struct Robot {
     std::optional<MovingObstacle> prediction;  ///< along the guide
     std::vector<Arc> guide;                    ///< steps to the goal
     std::size_t next = 0;                      ///< of the guide
     Pose expected;                             ///< where the guide goes on
     int search_again = 0;                      ///< > 0: no guide was found, wait until this step
+    int searched_in_vain = 0;                  ///< so many times since the last success
     int joint = -1;                            ///< the joint trajectory that the guide is part of
-    std::unordered_map<std::uint64_t, double> visits;  ///< how much each cell is to be avoided
+    std::unordered_map<std::uint64_t, Visits> visits;  ///< by cell
     Arc last;                                          ///< last arc driven
+    double way = 0.0;                                  ///< from its start to its goal [m]
     int steps_under_way = 0;                           ///< since it was last at its goal
-    int retreat = 0;                                   ///< steps straight on, off its guide
-    std::optional<Arc> random_action;                  ///< for the next step only
+    int stuck = 0;                     ///< steps since it was at its goal or went along its guide
+    int rank = 0;                      ///< in the order of this step
+    std::vector<int> near;             ///< see near()
+    std::vector<int> in_sight;         ///< those whose next steps may lead over where it goes now
+    std::optional<Arc> random_action;  ///< for the next step only
   };
 
-  /// Who pushes a robot, from where, and where to next.
-  struct Push {
-    const std::vector<Sweep>* ahead = nullptr;  ///< nullptr: nobody
-    int by = -1;
+  /// Where another robot goes after this step: no place to stand for who has to give way to it.
+  struct Way {
+    int of = -1;
     Pose from;
+    const MovingObstacle* along = nullptr;
+    int next = 0;   ///< the step of `along` that comes after this one
+    int steps = 0;  ///< so many from there on are looked at
+    Point middle;   ///< a circle around all of it
+    double radius = 0.0;
   };
 
   [[nodiscard]] Motion motion(int i, const Pose& pose, const Arc& arc) const;
+  [[nodiscard]] Motion motion(int i, const Pose& pose, const Frame& frame,
+                              const Primitive& step) const;
+  /// The next step of the guide. @pre guided(i)
+  [[nodiscard]] Motion greedy_motion(int i, const Pose& pose) const;
+  [[nodiscard]] bool guided(int i) const {
+    return robots_[std::size_t(i)].next < robots_[std::size_t(i)].guide.size();
+  }
+  /// What driving the arc is worth [m], after the last arc of robot i.
+  [[nodiscard]] double penalty(int i, const Arc& arc) const;
+  /// What counts against a motion of robot i, whatever the others do [m].
   [[nodiscard]] double score(int i, const Motion& motion, bool greedy) const;
+  /// What counts against standing in the way of others, or against meeting them farther along the
+  /// guide if the motion is the greedy one [m].
+  [[nodiscard]] double in_the_way(int i, const Motion& motion, bool greedy,
+                                  std::span<const Way> ways) const;
+  [[nodiscard]] double visits(int i, const Pose& pose) const;
   [[nodiscard]] std::uint64_t cell(int i, const Pose& pose) const;
+  /// How many steps of others are looked at.
+  [[nodiscard]] int look_ahead(int i) const;
   /// In how many steps the two will overlap if they follow their guides; nullopt: not soon.
   [[nodiscard]] std::optional<int> predicted_conflict(int i, int j) const;
-  [[nodiscard]] std::vector<Motion> candidates_away_from(int i, const Pose& pose,
-                                                         const Push& push) const;
-  /// How far robot i, in `pose`, is from having left the lane of the robot that pushes it and is
-  /// now at `pushed_by` [m]: the way aside, of which a turn across the lane is worth a radius.
-  [[nodiscard]] double still_to_clear(int i, const Pose& pose, int pusher,
-                                      const Pose& pushed_by) const;
+  [[nodiscard]] Way way_along(int i, const Pose& from, const MovingObstacle& along, int next) const;
+  /// Where those go that robot i has to give way to.
+  [[nodiscard]] std::vector<Way> ways_to_keep_clear(int i) const;
+  [[nodiscard]] std::vector<Motion> candidates_beside(int i, const Pose& pose,
+                                                      std::span<const Way> ways) const;
+  /// How far robot i, in `pose`, is from having left the lane of another one [m]: the way aside, of
+  /// which a turn across the lane is worth a radius.
+  [[nodiscard]] double still_to_clear(int i, const Pose& pose, const Way& way) const;
+  /// No point of the body is farther from the rear axle during one step, wherever that starts [m].
+  [[nodiscard]] double reach(int i) const;
+  void set_order();
+  void look_around(const Configuration& q);
   [[nodiscard]] std::optional<TimedPath> find_guide(int i, const Pose& pose) const;
   void break_joint(int joint);
   void set_guide(int i, const Pose& pose, std::vector<Arc> guide, int joint);
@@ -110,6 +157,9 @@ class SteppedWorld {
   const Deadline& deadline_;
   SpacetimeHybridAstar planner_;
   std::vector<Robot> robots_;
+  std::vector<std::vector<Primitive>> primitives_;  ///< of each robot
+  std::vector<int> order_;                          ///< robots, highest priority first
+  Neighbours neighbours_;
   std::map<Group, int> failed_;  ///< groups, and the step in which they could not be planned
   int step_ = 0;
   int joints_ = 0;  ///< so many joint trajectories were made

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <utility>
 #include <vector>
 
 #include "planner/motion/stepped_car.hpp"
@@ -19,6 +20,11 @@ class MovingObstacle {
     sweeps_.push_back(car.sweep(start, {}));
   }
 
+  /// What is left of it from step t on. @pre t >= 0
+  [[nodiscard]] MovingObstacle from(int t) const {
+    return MovingObstacle({sweeps_.begin() + std::min(t, makespan()), sweeps_.end()});
+  }
+
   /// The number of steps until it rests.
   [[nodiscard]] int makespan() const { return int(sweeps_.size()) - 1; }
   /// The sweep of step t, from time t to t + 1. @pre t >= 0
@@ -27,6 +33,8 @@ class MovingObstacle {
   }
 
  private:
+  explicit MovingObstacle(std::vector<Sweep> sweeps) : sweeps_(std::move(sweeps)) {}
+
   std::vector<Sweep> sweeps_;
 };
 

@@ -8,6 +8,7 @@
 #include <numeric>
 #include <random>
 #include <set>
+#include <span>
 
 namespace mvtp {
 namespace {
@@ -149,6 +150,37 @@ struct RandomScene {
   }
 };
 
+/// The same, but it names the first candidate beforehand and who is near whom, as a test of nothing
+/// but time: both leave every decision as it is.
+struct QuickPlaces : Places {
+  std::vector<std::vector<int>> near_;
+
+  [[nodiscard]] std::optional<Motion> first_choice(int i, int from) const {
+    const auto all = candidates(i, from);
+    return all.empty() ? std::nullopt : std::optional(all.front());
+  }
+  [[nodiscard]] std::span<const int> near(int i) const { return near_[std::size_t(i)]; }
+
+  /// Those whose motions can touch, in the order of priority.
+  void look_around(const std::vector<int>& from) {
+    near_.assign(from.size(), {});
+    const auto motions = [&](int i) {
+      auto all = candidates(i, from[std::size_t(i)]);
+      all.push_back(safe_stop(i, from[std::size_t(i)]));
+      return all;
+    };
+    for (int i = 0; i < int(from.size()); ++i) {
+      for (int j = 0; j < int(from.size()); ++j) {
+        const auto others = motions(j);
+        const bool meet = std::ranges::any_of(motions(i), [&](const Motion& a) {
+          return std::ranges::any_of(others, [&](const Motion& b) { return conflict(i, a, j, b); });
+        });
+        if (i != j && meet) near_[std::size_t(i)].push_back(j);
+      }
+    }
+  }
+};
+
 class PbcrLaws : public testing::TestWithParam<unsigned> {};
 
 TEST_P(PbcrLaws, EveryStepIsLegalAndLeavesEverybodyAStop) {
@@ -174,6 +206,19 @@ TEST_P(PbcrLaws, TheFirstRobotMovesUnlessNoneOfItsWishesCanBeCleared) {
   };
   if (std::ranges::any_of(scene.world.candidates(0, scene.from[0]), free)) {
     EXPECT_NE(next[0].to, scene.from[0]);
+  }
+}
+
+TEST_P(PbcrLaws, KnowingTheFirstChoiceAndTheNeighboursChangesNoDecision) {
+  RandomScene scene(GetParam());
+  QuickPlaces quick{scene.world, {}};
+  static_assert(LocalWorld<QuickPlaces> && DecisiveWorld<QuickPlaces>);
+  for (int t = 0; t < 20; ++t) {
+    const std::vector<int> order = in_order(scene.from.size());
+    quick.look_around(scene.from);
+    const auto next = Pbcr{scene.world}.step(scene.from, order).value();
+    ASSERT_EQ(Pbcr{quick}.step(scene.from, order).value(), next);
+    scene.from = targets(next);
   }
 }
 

@@ -47,9 +47,17 @@ TEST(Escot, IsQuickerThanPbcrAlone) {
   }
 }
 
-//   Nose to nose, the pushed robot cannot turn away; without a limit it is driven back 865 steps.
-TEST(Pbcr, APushedRobotDoesNotRetreatForEver) {
-  EXPECT_LE(judged(circle(2), {.algorithm = "pbcr"}).statistics.makespan_steps, 400U);
+//   Nose to nose, a pushed robot cannot turn away any more and is driven back, for hundreds of
+//   steps: it has to leave the lane of the other one in time.
+TEST(Pbcr, RobotsHeadOnGiveWayInTime) {
+  EXPECT_LE(judged(circle(2), {.algorithm = "pbcr"}).statistics.makespan_steps, 45U);
+  EXPECT_LE(judged(circle(8), {.algorithm = "pbcr"}).statistics.makespan_steps, 100U);
+}
+
+TEST(Pbcr, ADifferentSeedTriesOtherWays) {
+  const Plan a = judged(circle(8), {.algorithm = "pbcr", .seed = 1});
+  const Plan b = judged(circle(8), {.algorithm = "pbcr", .seed = 2});
+  EXPECT_NE(a.trajectories, b.trajectories);
 }
 
 /// Each shard solves 26 instances of 2 to 6 robots, with up to 8 obstacles, on 24 to 30 m.
