@@ -30,7 +30,7 @@ constexpr double kMaxNoise = 2.0;
 /// A robot that may have no guide path is not searched for one again for twice so many steps, then
 /// four times so many, ...
 constexpr int kGuideRetry = 10;
-/// Groups avoid robots that they could meet within so many windows, both driving, for that long.
+/// Groups avoid robots that they could meet within so many windows, for that long.
 constexpr double kSight = 2.0;
 /// Chances of a robot that is under way when a configuration repeats.
 constexpr double kRandomAction = 0.3;
@@ -351,17 +351,28 @@ std::optional<std::vector<SteppedWorld::Motion>> SteppedWorld::get_opt_traj(cons
     members.push_back({&fleet_.car(i), &fleet_.cost_to_go(i), q[std::size_t(i)]});
   }
   // Only those who may be met soon: the way to the goal is long, and much will change until then.
+  // In all that time nobody is farther from its place at half time than it drives in half of it.
+  const int sight = options_.eccr.sight;
+  const auto circle = [&](int i) {
+    const Robot& robot = robots_[std::size_t(i)];
+    const Sweep& half_way = robot.prediction->at(int(robot.next) + sight / 2);
+    return Circle{half_way.centre().x, half_way.centre().y,
+                  half_way.radius() + fleet_.car(i).step_length() * (sight / 2 + 1)};
+  };
+  std::vector<Circle> circles;
+  for (const int k : group) circles.push_back(circle(k));
   const auto near = [&](int i) {
-    return std::ranges::any_of(group, [&](int k) {
-      const double steps = fleet_.car(i).step_length() + fleet_.car(k).step_length();
-      return distance(q[std::size_t(i)], q[std::size_t(k)]) <= kSight * options_.window * steps;
+    const Circle own = circle(i);
+    return std::ranges::any_of(circles, [&](const Circle& member) {
+      const double reach = own.radius + member.radius;
+      return squared_distance({own.x, own.y}, {member.x, member.y}) <= reach * reach;
     });
   };
   std::vector<MovingObstacle> others;
   for (int i = 0; i < fleet_.size(); ++i) {
     if (std::ranges::binary_search(group, i) || !near(i)) continue;
     const Robot& robot = robots_[std::size_t(i)];
-    others.push_back(robot.prediction->from(int(robot.next)));
+    others.push_back(robot.prediction->part(int(robot.next), sight));
   }
   std::vector<const MovingObstacle*> to_avoid;
   for (const MovingObstacle& other : others) to_avoid.push_back(&other);

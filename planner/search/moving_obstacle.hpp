@@ -20,9 +20,11 @@ class MovingObstacle {
     sweeps_.push_back(car.sweep(start, {}));
   }
 
-  /// What is left of it from step t on. @pre t >= 0
-  [[nodiscard]] MovingObstacle from(int t) const {
-    return MovingObstacle({sweeps_.begin() + std::min(t, makespan()), sweeps_.end()});
+  /// Its steps from t on, at most so many; then at rest. @pre t >= 0, steps > 0
+  [[nodiscard]] MovingObstacle part(int t, int steps) const {
+    const int first = std::min(t, makespan());
+    const int last = std::min(makespan(), first + steps);
+    return MovingObstacle({sweeps_.begin() + first, sweeps_.begin() + last + 1});
   }
 
   /// The number of steps until it rests.
