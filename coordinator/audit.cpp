@@ -79,14 +79,34 @@ double clearance(const Pose& a, const Vehicle& body_a, const Pose& b, const Vehi
   return std::min(corner_distance(ca, cb), corner_distance(cb, ca));
 }
 
-void Audit::observe(double time, std::span<const Sighting> sightings) {
+void Audit::observe(double time, std::span<const Sighting> sightings,
+                    std::span<const Pedestrian> people) {
   compare_pairs(time, sightings);
+  compare_with_people(time, sightings, people);
   for (const Sighting& s : sightings) follow(time, s);
   std::erase_if(tracks_, [&](const auto& track) {
     const auto seen = std::ranges::lower_bound(sightings, track.first, {},
                                                [](const Sighting& s) { return s.state->id; });
     return seen == sightings.end() || seen->state->id != track.first;
   });
+}
+
+void Audit::compare_with_people(double time, std::span<const Sighting> sightings,
+                                std::span<const Pedestrian> people) {
+  for (const Sighting& s : sightings) {
+    if (!s.coordinated) continue;
+    const Vehicle& body = s.type->body;
+    for (const Pedestrian& person : people) {
+      const Pose p = relative(s.state->pose, {person.position.x, person.position.y, 0.0});
+      const double ahead = std::max({p.x - body.front, -body.rear - p.x, 0.0});
+      const double aside = std::max(std::abs(p.y) - body.width / 2.0, 0.0);
+      const double gap = std::hypot(ahead, aside) - person.radius;
+      figures_.min_person_clearance = std::min(figures_.min_person_clearance, gap);
+      if (gap >= -kTolerance || !touched_people_.insert({s.state->id, person.id}).second) continue;
+      events_.push_back({time, s.state->id + " touches " + person.id, person.position});
+    }
+  }
+  figures_.people_touched = std::int64_t(touched_people_.size());
 }
 
 void Audit::compare_pairs(double time, std::span<const Sighting> sightings) {

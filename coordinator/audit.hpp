@@ -28,6 +28,8 @@ struct AuditFigures {
   std::int64_t overlap_pairs_coordinated = 0;  ///< those with a coordinated vehicle
   std::int64_t overlap_vehicle_steps = 0;
   double min_clearance = std::numeric_limits<double>::infinity();  ///< [m] between two footprints
+  std::int64_t people_touched = 0;  ///< pairs of a coordinated vehicle and a person
+  double min_person_clearance = std::numeric_limits<double>::infinity();  ///< [m] between those
   std::int64_t off_road_steps = 0;  ///< vehicle-steps with part of the footprint off the road
   std::int64_t off_road_steps_coordinated = 0;
 
@@ -62,7 +64,8 @@ class Audit {
   Audit(const DrivableArea& area, double step_length) : area_(area), dt_(step_length) {}
 
   /// @param sightings ordered by id.
-  void observe(double time, std::span<const Sighting> sightings);
+  void observe(double time, std::span<const Sighting> sightings,
+               std::span<const Pedestrian> people = {});
 
   [[nodiscard]] const AuditFigures& figures() const { return figures_; }
   [[nodiscard]] const std::vector<AuditEvent>& events() const { return events_; }
@@ -81,6 +84,8 @@ class Audit {
     double handed_back = -1e9;  ///< when [s]
   };
 
+  void compare_with_people(double time, std::span<const Sighting> sightings,
+                           std::span<const Pedestrian> people);
   void compare_pairs(double time, std::span<const Sighting> sightings);
   void follow(double time, const Sighting& sighting);
   void judge_motion(double time, const Sighting& s, const Track& before, Track& now);
@@ -95,6 +100,7 @@ class Audit {
   std::map<std::string, Track> tracks_;
   std::set<std::pair<std::string, std::string>> overlapping_;
   std::set<std::pair<std::string, std::string>> overlapping_coordinated_;
+  std::set<std::pair<std::string, std::string>> touched_people_;
 };
 
 /// Distance between the footprints of two vehicles [m]; negative: how deep they overlap.

@@ -23,7 +23,7 @@ double smoothstep(double x) {
 
 /// A leader: holds its speed for three seconds, then speeds up gently. Predicting that a standing
 /// leader stands for ever would leave the vehicles behind it without any complete plan.
-PathTrajectory predict_leader(const RoadVehicle& v, const TimeGrid& grid, std::int64_t step) {
+PathTrajectory predict_leader(const RoadVehicle& v, const DecisionGrid& grid, std::int64_t step) {
   constexpr double kHold = 3.0;
   constexpr double kAcceleration = 1.0;
   PathTrajectory t{.begin = step, .states = {v.now}};
@@ -36,7 +36,7 @@ PathTrajectory predict_leader(const RoadVehicle& v, const TimeGrid& grid, std::i
 }
 
 /// A vehicle in a wrong lane: halts at the line, and has found a way into its lane after a while.
-PathTrajectory predict_halt(const RoadVehicle& v, const TimeGrid& grid, std::int64_t step) {
+PathTrajectory predict_halt(const RoadVehicle& v, const DecisionGrid& grid, std::int64_t step) {
   constexpr double kBraking = 3.0;
   constexpr double kStand = 8.0;
   PathTrajectory t{.begin = step, .states = {v.now}};

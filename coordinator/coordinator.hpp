@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "coordinator/traffic.hpp"
+#include "coordinator/controller.hpp"
 #include "coordinator/zone.hpp"
 #include "planner/algorithms/road_escot.hpp"
 
@@ -20,19 +20,6 @@ struct CoordinatorOptions {
   /// dropped. 0: no planning at all, as if the planner had died.
   double replan_budget_ms = 1e9;
   double budget_from = 0.0;
-};
-
-/// One decision, for the record.
-struct Replan {
-  double time = 0.0;  ///< [s]
-  int vehicles = 0;   ///< under control
-  int newcomers = 0;
-  int forecasts = 0;
-  int groups = 0;
-  int stepped = 0;        ///< vehicles without a complete plan, moved by PBCR
-  bool fallback = false;  ///< late, or refused by the referee: the previous plan was kept
-  double cost = 0.0;      ///< [s]
-  double ms = 0.0;        ///< wall clock
 };
 
 /// A vehicle under control.
@@ -50,19 +37,20 @@ struct Driven {
 /// Safety: at every decision, "everyone brakes now" is free of contact among the vehicles driven.
 /// Liveness: the plan that is executed leads every vehicle out of the zone; a new plan replaces it
 /// only if it is complete and no worse. Both are properties of decide_on_road and are tested there.
-class Coordinator {
+class Coordinator : public Controller {
  public:
   Coordinator(Traffic& traffic, Zone& zone, const CoordinatorOptions& options);
 
-  /// One step of the traffic; a decision before it where one is due.
-  void step();
+  void step() override;
 
   /// Builds the paths and tables that the vehicles in sight of the network will need.
   void prepare();
 
-  [[nodiscard]] bool drives(const std::string& id) const { return driven_.contains(id); }
+  [[nodiscard]] bool drives(const std::string& id) const override {
+    return driven_.contains(id);
+  }
   [[nodiscard]] const std::map<std::string, Driven>& driven() const { return driven_; }
-  [[nodiscard]] const std::vector<Replan>& replans() const { return replans_; }
+  [[nodiscard]] const std::vector<Replan>& replans() const override { return replans_; }
   /// Ids taken over and handed back during the last step().
   [[nodiscard]] const std::vector<std::string>& taken_over() const { return taken_over_; }
   [[nodiscard]] const std::vector<std::string>& handed_back() const { return handed_back_; }
@@ -94,7 +82,7 @@ class Coordinator {
   Traffic& traffic_;
   Zone& zone_;
   CoordinatorOptions options_;
-  TimeGrid grid_;
+  DecisionGrid grid_;
   std::int64_t step_ = 0;
   std::int64_t next_key_ = 0;
   std::map<std::string, Driven> driven_;

@@ -40,7 +40,7 @@ bool near_border(const Point& p, const Polygon& polygon, double tolerance) {
 
 }  // namespace
 
-DrivableArea::DrivableArea(const RoadNetwork& network) {
+DrivableArea::DrivableArea(const RoadNetwork& network, std::span<const ParkingLot> lots) {
   for (const auto& [id, lane] : network.lanes) {
     if (!lane.drivable) continue;
     const double r = lane.width / 2.0;
@@ -54,16 +54,23 @@ DrivableArea::DrivableArea(const RoadNetwork& network) {
     }
   }
   for (const auto& [id, junction] : network.junctions) {
-    if (junction.shape.size() < 3) continue;
-    Point low = junction.shape[0];
-    Point high = low;
-    for (const Point& p : junction.shape) {
-      low = {std::min(low.x, p.x), std::min(low.y, p.y)};
-      high = {std::max(high.x, p.x), std::max(high.y, p.y)};
-    }
-    polygons_.push_back(junction.shape);
-    register_box(low, high, -std::int32_t(polygons_.size()));
+    if (junction.shape.size() >= 3) add_polygon(junction.shape);
   }
+  for (const ParkingLot& lot : lots) {
+    add_polygon(lot.ground);
+    solid_.insert(solid_.end(), lot.obstacles.begin(), lot.obstacles.end());
+  }
+}
+
+void DrivableArea::add_polygon(const Polygon& polygon) {
+  Point low = polygon[0];
+  Point high = low;
+  for (const Point& p : polygon) {
+    low = {std::min(low.x, p.x), std::min(low.y, p.y)};
+    high = {std::max(high.x, p.x), std::max(high.y, p.y)};
+  }
+  polygons_.push_back(polygon);
+  register_box(low, high, -std::int32_t(polygons_.size()));
 }
 
 std::int64_t DrivableArea::cell_key(std::int64_t column, std::int64_t row) {
@@ -93,8 +100,38 @@ bool DrivableArea::contains(const Point& p, double tolerance) const {
   });
 }
 
+bool DrivableArea::hits_solid(const Pose& rear_axle, const Vehicle& body) const {
+  constexpr double kTouch = 1e-3;  // [m] that count as no contact
+  const Point low{-body.rear + kTouch, -body.width / 2.0 + kTouch};
+  const Point high{body.front - kTouch, body.width / 2.0 - kTouch};
+  const auto local = [&](const Point& p) {
+    const Pose q = relative(rear_axle, {p.x, p.y, 0.0});
+    return Point{q.x, q.y};
+  };
+  // Does a side cross the rectangle (Liang & Barsky 1984)? A body inside a solid without touching
+  // its border has crossed that border before.
+  const auto crosses = [&](const Point& a, const Point& b) {
+    double from = 0.0;
+    double to = 1.0;
+    const auto clip = [&](double start, double way, double lower, double upper) {
+      if (way == 0.0) return start > lower && start < upper;
+      from = std::max(from, std::min((lower - start) / way, (upper - start) / way));
+      to = std::min(to, std::max((lower - start) / way, (upper - start) / way));
+      return from < to;
+    };
+    return clip(a.x, b.x - a.x, low.x, high.x) && clip(a.y, b.y - a.y, low.y, high.y);
+  };
+  return std::ranges::any_of(solid_, [&](const Polygon& polygon) {
+    for (std::size_t i = 0, j = polygon.size() - 1; i < polygon.size(); j = i++) {
+      if (crosses(local(polygon[j]), local(polygon[i]))) return true;
+    }
+    return false;
+  });
+}
+
 double DrivableArea::share_outside(const Pose& rear_axle, const Vehicle& body,
                                    double tolerance) const {
+  if (hits_solid(rear_axle, body)) return 1.0;
   const double half = body.width / 2.0;
   const int along = std::max(2, int(std::ceil(body.length())));
   const double c = std::cos(rear_axle.theta);

@@ -1,23 +1,27 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <unordered_map>
 #include <vector>
 
 #include "coordinator/road_network.hpp"
+#include "planner/problem/parking_lot.hpp"
 
 namespace mvtp {
 
-/// The ground that vehicles may use: the strips of all drivable lanes and the junctions' areas.
+/// The ground that vehicles may use: the strips of all drivable lanes, the junctions' areas, and
+/// the ground of parking lots without what stands on it.
 class DrivableArea {
  public:
-  explicit DrivableArea(const RoadNetwork& network);
+  explicit DrivableArea(const RoadNetwork& network, std::span<const ParkingLot> lots = {});
 
   /// Is `p` on the road, or at most `tolerance` [m] beside it?
   [[nodiscard]] bool contains(const Point& p, double tolerance) const;
 
   /// The share of the border of a vehicle's footprint that is off the road, in [0, 1]; 0 means that
-  /// the whole footprint is on it (sampled at most 1 m apart, corners included).
+  /// the whole footprint is on it (sampled at most 1 m apart, corners included). 1 if it touches
+  /// what stands on a parking lot.
   [[nodiscard]] double share_outside(const Pose& rear_axle, const Vehicle& body,
                                      double tolerance) const;
 
@@ -27,11 +31,14 @@ class DrivableArea {
     double half_width;
   };
 
+  void add_polygon(const Polygon& polygon);
+  [[nodiscard]] bool hits_solid(const Pose& rear_axle, const Vehicle& body) const;
   void register_box(Point low, Point high, std::int32_t item);
   [[nodiscard]] static std::int64_t cell_key(std::int64_t column, std::int64_t row);
 
   std::vector<Strip> strips_;
   std::vector<Polygon> polygons_;
+  std::vector<Polygon> solid_;  ///< on parking lots
   /// Items near each cell: strip i as i, polygon j as -1 - j. Looked up only, never iterated.
   std::unordered_map<std::int64_t, std::vector<std::int32_t>> cells_;
 };

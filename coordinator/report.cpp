@@ -5,21 +5,13 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
-#include <numeric>
+
+#include "coordinator/statistics.hpp"
 
 namespace mvtp {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-double mean(const std::vector<double>& values) {
-  if (values.empty()) return 0.0;
-  return std::accumulate(values.begin(), values.end(), 0.0) / double(values.size());
-}
-
-double largest(const std::vector<double>& values) {
-  return values.empty() ? 0.0 : *std::ranges::max_element(values);
-}
 
 template <class Range, class Function>
 std::vector<double> collect(const Range& range, Function value) {
@@ -58,6 +50,9 @@ Json audit_json(const AuditFigures& a) {
           {"overlap_pairs_coordinated", a.overlap_pairs_coordinated},
           {"overlap_vehicle_steps", a.overlap_vehicle_steps},
           {"min_clearance_m", std::isfinite(a.min_clearance) ? Json(a.min_clearance) : Json()},
+          {"people_touched", a.people_touched},
+          {"min_person_clearance_m",
+           std::isfinite(a.min_person_clearance) ? Json(a.min_person_clearance) : Json()},
           {"off_road_steps", a.off_road_steps},
           {"off_road_steps_coordinated", a.off_road_steps_coordinated}};
 }
@@ -66,24 +61,7 @@ std::string cell(const std::optional<double>& value) {
   return value ? fmt::format("{:.3f}", *value) : std::string();
 }
 
-/// A CSV field; quoted where its text demands it.
-std::string field(const std::string& text) {
-  if (text.find_first_of(",\"\n\r") == std::string::npos) return text;
-  std::string quoted = "\"";
-  for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return quoted + "\"";
-}
-
 }  // namespace
-
-double quantile(std::vector<double> values, double p) {
-  if (values.empty()) return 0.0;
-  std::ranges::sort(values);
-  const double place = p * double(values.size() - 1);
-  const auto i = std::size_t(place);
-  const std::size_t j = std::min(i + 1, values.size() - 1);
-  return values[i] + (place - double(i)) * (values[j] - values[i]);
-}
 
 double delay_of(const VehicleRecord& v, double end) {
   const double delay = v.arrival.value_or(end) - v.intended_departure - v.free_flow;
@@ -91,7 +69,7 @@ double delay_of(const VehicleRecord& v, double end) {
 }
 
 bool succeeded(const RunReport& report) {
-  return report.audit.overlap_pairs_coordinated == 0 &&
+  return report.audit.overlap_pairs_coordinated == 0 && report.audit.people_touched == 0 &&
          std::ranges::all_of(report.vehicles,
                              [](const VehicleRecord& v) { return v.arrival.has_value(); });
 }
@@ -145,6 +123,7 @@ std::string summary_json(const RunReport& r) {
   j["replans"] = r.replans.size();
   j["fallbacks"] = count([](const Replan& x) { return x.fallback; });
   j["replans_with_stepped_vehicles"] = count([](const Replan& x) { return x.stepped > 0; });
+  if (r.lot) j["parking"] = lot_json(*r.lot, r.end);
   j["simulated_s"] = r.end - r.begin;
   j["real_time_factor"] = r.wall_time > 0.0 ? (r.end - r.begin) / r.wall_time : 0.0;
   j["sumo_version"] = r.sumo_version;
@@ -159,10 +138,11 @@ std::string vehicles_csv(const RunReport& r) {
       "id,type,intended_departure_s,departure_s,arrival_s,free_flow_s,delay_s,time_loss_s,"
       "waiting_time_s,speed_factor,coordinated,min_clearance_m\n";
   for (const VehicleRecord& v : r.vehicles) {
-    text += fmt::format(
-        "{},{},{:.3f},{},{},{:.3f},{:.3f},{:.3f},{:.3f},{:.4f},{},{}\n", field(v.id), field(v.type),
-        v.intended_departure, cell(v.departure), cell(v.arrival), v.free_flow, delay_of(v, r.end),
-        v.time_loss, v.waiting_time, v.speed_factor, v.coordinated ? 1 : 0, cell(v.min_clearance));
+    text +=
+        fmt::format("{},{},{:.3f},{},{},{:.3f},{:.3f},{:.3f},{:.3f},{:.4f},{},{}\n",
+                    csv_field(v.id), csv_field(v.type), v.intended_departure, cell(v.departure),
+                    cell(v.arrival), v.free_flow, delay_of(v, r.end), v.time_loss, v.waiting_time,
+                    v.speed_factor, v.coordinated ? 1 : 0, cell(v.min_clearance));
   }
   return text;
 }
@@ -179,7 +159,8 @@ std::string replans_csv(const RunReport& r) {
 std::string events_csv(const RunReport& r) {
   std::string text = "time_s,event,x_m,y_m\n";
   for (const AuditEvent& e : r.events) {
-    text += fmt::format("{:.2f},{},{:.3f},{:.3f}\n", e.time, field(e.what), e.where.x, e.where.y);
+    text +=
+        fmt::format("{:.2f},{},{:.3f},{:.3f}\n", e.time, csv_field(e.what), e.where.x, e.where.y);
   }
   return text;
 }

@@ -8,6 +8,7 @@
 
 #include "coordinator/audit.hpp"
 #include "coordinator/coordinator.hpp"
+#include "coordinator/lot_report.hpp"
 
 namespace mvtp {
 
@@ -36,6 +37,7 @@ struct RunReport {
   AuditFigures audit;
   std::vector<Replan> replans;
   std::vector<AuditEvent> events;
+  std::optional<LotReport> lot;  ///< of a run on a parking lot
   std::int64_t sumo_collisions = 0;
   std::int64_t wrong_lane_sightings = 0;
   double begin = 0.0;      ///< [s] simulated time
@@ -67,8 +69,5 @@ struct Headline {
 [[nodiscard]] std::string vehicles_csv(const RunReport& report);
 [[nodiscard]] std::string replans_csv(const RunReport& report);
 [[nodiscard]] std::string events_csv(const RunReport& report);
-
-/// The p-quantile of the values, 0 <= p <= 1, interpolated; 0 if there are none.
-[[nodiscard]] double quantile(std::vector<double> values, double p);
 
 }  // namespace mvtp

@@ -74,6 +74,11 @@ class Traffic {
   virtual void take_over(const std::string& id) = 0;
   /// Gives the vehicle back to the traffic's own driver, who goes on from its pose and speed.
   virtual void hand_back(const std::string& id) = 0;
+  /// A taken-over vehicle is about to leave its lanes for open ground: from now on the traffic
+  /// expects it on none of those that lie ahead, however near it comes to them, until
+  virtual void leave_road(const std::string& /*id*/) {}
+  /// it is on a lane of its route again after the next step, from where the route goes on.
+  virtual void enter_road(const std::string& /*id*/, const std::string& /*lane*/) {}
   /// Where a taken-over vehicle is after the next step.
   virtual void place(const std::string& id, const Pose& pose, double speed) = 0;
   /// Makes a vehicle that is not taken over stop before the end of its lane (true), or go on.
@@ -85,8 +90,10 @@ class Traffic {
   [[nodiscard]] virtual std::optional<ParkingStop> parking_stop(const std::string& /*id*/) const {
     return std::nullopt;
   }
-  /// Takes that stop off the vehicle's plans; if it is parked, it may be taken over from now on.
+  /// Takes that stop off the vehicle's plans; if it is parked, it may be taken over from now on,
   virtual void drop_parking_stop(const std::string& /*id*/) {}
+  /// but stays where it stands as long as this is false.
+  [[nodiscard]] virtual bool can_move(const std::string& /*id*/) const { return true; }
   /// Everyone on foot after the last step, ordered by id.
   [[nodiscard]] virtual std::span<const Pedestrian> pedestrians() const { return {}; }
 

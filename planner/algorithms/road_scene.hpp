@@ -11,7 +11,7 @@
 namespace mvtp {
 
 /// Time on roads is counted in steps of the simulation; a decision holds for several of them.
-struct TimeGrid {
+struct DecisionGrid {
   double dt = 0.1;             ///< [s] one simulation step
   int steps_per_decision = 5;  ///< for so many steps an acceleration is held
 
@@ -62,7 +62,7 @@ struct Forecast {
 /// The vehicles on the road at the moment of a decision.
 struct RoadScene {
   const PathLibrary* library = nullptr;
-  TimeGrid grid;
+  DecisionGrid grid;
   std::int64_t step = 0;              ///< now
   std::vector<RoadVehicle> vehicles;  ///< ours, ordered by key
   std::vector<Forecast> forecasts;

@@ -150,7 +150,7 @@ class Surroundings {
     return ramp * (options_.exit_gap + options_.exit_headway * v + std::max(0.0, braking));
   }
 
-  TimeGrid grid_;
+  DecisionGrid grid_;
   const RoadVehicle& vehicle_;
   const Vehicle& body_;
   const WholeTrajectoryOptions& options_;
@@ -307,7 +307,7 @@ class VehiclePlanner {
            missing * missing / (2.0 * body_.max_accel * vehicle_.cruise_speed);
   }
 
-  TimeGrid grid_;
+  DecisionGrid grid_;
   std::int64_t start_;
   const RoadVehicle& vehicle_;
   const Vehicle& body_;

@@ -4,8 +4,7 @@
 
 namespace mvtp {
 
-Clearance::Clearance(const Map& map, const Obstacles& obstacles)
-    : columns_(0), rows_(0), side_(kSide) {
+Clearance::Clearance(const Map& map, const Obstacles& obstacles) {
   if (obstacles.empty()) return;
   side_ = std::max(kSide, std::sqrt(map.width * map.height / 4e6));
   columns_ = int(std::ceil(map.width / side_));

@@ -13,6 +13,8 @@ namespace mvtp {
 class Clearance {
  public:
   Clearance(const Map& map, const Obstacles& obstacles);
+  /// Knows nothing: 0 everywhere. For maps that change too often to be worth the work.
+  [[nodiscard]] static Clearance unknown() { return Clearance(); }
 
   /// [m], no more than kFar; 0 near obstacles and outside the map.
   [[nodiscard]] float at(double x, double y) const;
@@ -21,9 +23,12 @@ class Clearance {
 
  private:
   static constexpr double kSide = 0.5;
-  int columns_;
-  int rows_;
-  double side_;
+
+  Clearance() : distance_(1, 0.0F) {}
+
+  int columns_ = 0;
+  int rows_ = 0;
+  double side_ = kSide;
   std::vector<float> distance_;  ///< empty without obstacles
 };
 

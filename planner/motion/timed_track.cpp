@@ -10,7 +10,7 @@ constexpr int kStride = 16;  ///< every so many instants the exact pose is kept
 }  // namespace
 
 TimedTrack::TimedTrack(const Vehicle& vehicle, const Pose& start, std::vector<Arc> steps,
-                       int padding)
+                       int padding, bool leaves)
     : start_(start), steps_(std::move(steps)) {
   while (!steps_.empty() && steps_.back().length == 0.0) steps_.pop_back();
   boxes_.reserve(steps_.size() + 1 + std::size_t(padding));
@@ -27,6 +27,12 @@ TimedTrack::TimedTrack(const Vehicle& vehicle, const Pose& start, std::vector<Ar
     frame = frame.then(step);
     theta += steps_[t].length * steps_[t].curvature;
   }
+  if (leaves) {  // at the end of a bucket: within one no box may jump
+    const std::size_t buckets = (steps_.size() + std::size_t(padding) - 1) / std::size_t(padding);
+    boxes_.resize(buckets * std::size_t(padding) + 1, boxes_.back());
+    boxes_.push_back({kGone, kGone, 1.0F, 0.0F});
+  }
+  end_ = int(boxes_.size()) - 1;
   boxes_.resize(boxes_.size() + std::size_t(padding), boxes_.back());
 }
 

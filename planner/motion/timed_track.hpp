@@ -16,14 +16,16 @@ struct TimeGrid {
   [[nodiscard]] double bucket_duration() const { return dt * bucket; }
 };
 
-/// One robot's motion: one arc per instant from time 0 on, then at rest for ever.
+/// One robot's motion: one arc per instant from time 0 on, then at rest for ever, or gone.
 ///
 /// The arcs are exact; the boxes, in single precision, are what collision tests read.
 class TimedTrack {
  public:
   TimedTrack() = default;
   /// @param padding  so many boxes at rest follow the last one: the size of a bucket.
-  TimedTrack(const Vehicle& vehicle, const Pose& start, std::vector<Arc> steps, int padding);
+  /// @param leaves   the robot is gone after the bucket in which it arrives
+  TimedTrack(const Vehicle& vehicle, const Pose& start, std::vector<Arc> steps, int padding,
+             bool leaves = false);
 
   /// The instant from which on the robot rests.
   [[nodiscard]] int arrival() const { return int(steps_.size()); }
@@ -32,8 +34,11 @@ class TimedTrack {
   /// The rear axle at instant t >= 0.
   [[nodiscard]] Pose pose(int t) const;
 
+  /// Where the box of a robot is that has left [m].
+  static constexpr float kGone = 1e8F;
+
   /// Boxes from instant t on: `padding` + 1 of them may be read. @pre t >= 0
-  [[nodiscard]] const BoxPose* boxes(int t) const { return boxes_.data() + std::min(t, arrival()); }
+  [[nodiscard]] const BoxPose* boxes(int t) const { return boxes_.data() + std::min(t, end_); }
   [[nodiscard]] bool empty() const { return boxes_.empty(); }
 
  private:
@@ -41,6 +46,7 @@ class TimedTrack {
   std::vector<Arc> steps_;
   std::vector<Pose> poses_;  ///< at every kStride-th instant
   std::vector<BoxPose> boxes_;
+  int end_ = 0;  ///< from this box on all are the same
 };
 
 }  // namespace mvtp

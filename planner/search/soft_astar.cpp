@@ -15,10 +15,11 @@ constexpr int kShotEvery = 6;       ///< expansions between two shots far from t
 constexpr double kShotRange = 3.0;  ///< within so many turning radii every node shoots
 /// The cost-to-go is no bound: so much of it may be wrong before the deadline cuts [radii].
 constexpr double kSlack = 0.1;
+constexpr double kNoPrice = 1e-3;   ///< [s]: prices are summed up in single precision
 constexpr double kRounding = 1e-9;  ///< of a step: no step of its own for so little
 
 /// Instants that a path takes.
-int duration(const ReedsSheppPath& arcs, double step) {
+int duration(std::span<const Arc> arcs, double step) {
   int instants = 0;
   for (const Arc& arc : arcs) instants += int(std::ceil(std::abs(arc.length) / step - kRounding));
   return instants;
@@ -48,7 +49,8 @@ std::optional<SoftPath> SoftAstar::search(const SoftProblem& problem, const Soft
             -1,
             problem.start_bucket,
             0,
-            -1};
+            -1,
+            std::int8_t(problem.direction)};
   root.f = estimate(0.0, root.bucket, to_go(start.x, start.y, start.theta));
   push(root);
   for (int n = 0; n < options.max_expansions && !open_.empty(); ++n) {
@@ -72,7 +74,8 @@ std::optional<SoftPath> SoftAstar::search(const SoftProblem& problem, const Soft
 bool SoftAstar::shoots(int expansion, const Node& node) const {
   const Vehicle& vehicle = problem_->car->vehicle();
   const double h = to_go(node.x, node.y, heading(node.turns));
-  const bool close = h * vehicle.max_speed < kShotRange * vehicle.min_turning_radius;
+  const bool close =
+      (h - tail_duration_) * vehicle.max_speed < kShotRange * vehicle.min_turning_radius;
   if (!close && expansion % kShotEvery != 0) return false;
   return double(node.price) + node.bucket * bucket_duration_ + h < best_.cost;
 }
@@ -81,6 +84,10 @@ void SoftAstar::prepare() {
   const MacroCar& car = *problem_->car;
   bucket_duration_ = car.time().bucket_duration();
   turn_ = car.turn();
+  tail_duration_ = 0.0;
+  for (const Arc& arc : problem_->tail) {
+    tail_duration_ += std::abs(arc.length) / car.vehicle().max_speed;
+  }
   nodes_.clear();
   open_.clear();
   best_ = Shot{};
@@ -99,12 +106,14 @@ void SoftAstar::prepare() {
 
 void SoftAstar::price_of_resting() {
   const MacroCar& car = *problem_->car;
-  const BoxPose goal = box_pose(car.vehicle(), problem_->cost_to_go->goal());
+  Pose end = problem_->cost_to_go->goal();
+  for (const Arc& arc : problem_->tail) end = drive(end, arc);
+  const BoxPose goal = box_pose(car.vehicle(), end);
   boxes_.assign(boxes_.size(), goal);
   const int horizon = problem_->others.occupancy->horizon();
   rest_price_.assign(std::size_t(horizon) + 2, 0.0F);
   rest_cost_.assign(std::size_t(horizon) + 2, 0.0F);
-  for (int k = horizon; k >= 0; --k) {
+  for (int k = horizon; k >= 0 && !problem_->leaves; --k) {
     rest_price_[std::size_t(k)] = rest_price_[std::size_t(k) + 1] +
                                   price(k, boxes_.data(), 0.0F, car.shape().half_diagonal());
   }
@@ -148,7 +157,8 @@ float SoftAstar::price_of_nearby(int bucket, const BoxPose* boxes, float travel)
 }
 
 double SoftAstar::to_go(double x, double y, double theta) const {
-  return (*problem_->cost_to_go)({x, y, theta}) / problem_->car->vehicle().max_speed;
+  return (*problem_->cost_to_go)({x, y, theta}) / problem_->car->vehicle().max_speed +
+         tail_duration_;
 }
 
 float SoftAstar::estimate(double price, int bucket, double to_go) const {
@@ -199,13 +209,15 @@ void SoftAstar::try_action(int parent, int a) {
   child.action = std::int8_t(a);
   child.bucket = from.bucket + 1;
   child.turns = from.turns + action.turn;
+  if (action.arc.length != 0.0) child.direction = action.arc.length > 0.0 ? 1 : -1;
+  if (child.direction * from.direction < 0) child.price += float(options_.reversal);
   child.x += from.ux * action.dx - from.uy * action.dy;
   child.y += from.uy * action.dx + from.ux * action.dy;
   const double theta = heading(child.turns);
   const double h = to_go(child.x, child.y, theta);
   const double slack = kSlack * car.vehicle().min_turning_radius / car.vehicle().max_speed;
   if (child.bucket * bucket_duration_ + h - slack > problem_->deadline * car.time().dt) return;
-  child.f = estimate(double(from.price), child.bucket, h);
+  child.f = estimate(double(child.price), child.bucket, h);
   if (double(child.f) >= best_.cost) return;
   Cell& cell = cell_of(child.x, child.y, theta, child.bucket);
   if (cell.f <= child.f) return;
@@ -237,25 +249,44 @@ void SoftAstar::try_shot(int node) {
   const Node& from = nodes_[std::size_t(node)];
   const Pose start = pose(from);
   const Pose& goal = problem_->cost_to_go->goal();
-  const ReedsSheppPath arcs = reeds_shepp_path(start, goal, car.vehicle().min_turning_radius);
+  const ReedsSheppPath shot = reeds_shepp_path(start, goal, car.vehicle().min_turning_radius);
+  const std::span<const Arc> arcs = to_the_end(shot);
   const int instants = car.time().bucket;
   const int arrival = from.bucket * instants + duration(arcs, car.step_length());
   if (arrival > problem_->deadline) return;
   const std::size_t rest =
       std::min(std::size_t((arrival + instants - 1) / instants), rest_price_.size() - 1);
-  const double cost = double(from.price) + arrival * car.time().dt + double(rest_price_[rest]);
+  const double reversals = price_of_reversals(from.direction, arcs);
+  const double cost =
+      double(from.price) + reversals + arrival * car.time().dt + double(rest_price_[rest]);
   if (cost >= best_.cost) return;
   const double price = follow(start, from.bucket, arcs, best_.cost - cost);
   if (cost + price >= best_.cost) return;
   best_.node = node;
-  best_.arcs = arcs;
+  best_.arcs = shot;
   best_.cost = cost + price;
-  best_.price = double(from.price) + double(rest_price_[rest]) + price;
+  best_.price = double(from.price) + reversals + double(rest_price_[rest]) + price;
+}
+
+std::span<const Arc> SoftAstar::to_the_end(const ReedsSheppPath& shot) {
+  if (problem_->tail.empty()) return {shot.begin(), shot.end()};
+  to_the_end_.assign(shot.begin(), shot.end());
+  to_the_end_.insert(to_the_end_.end(), problem_->tail.begin(), problem_->tail.end());
+  return to_the_end_;
+}
+
+double SoftAstar::price_of_reversals(int direction, std::span<const Arc> arcs) const {
+  double sum = 0.0;
+  for (const Arc& arc : arcs) {
+    if (arc.length * direction < 0.0) sum += options_.reversal;
+    if (arc.length != 0.0) direction = arc.length > 0.0 ? 1 : -1;
+  }
+  return sum;
 }
 
 /// The price of the arcs from the beginning of a bucket on, infinite if they are not free; stops
 /// once it is `most`.
-double SoftAstar::follow(const Pose& start, int bucket, const ReedsSheppPath& arcs, double most) {
+double SoftAstar::follow(const Pose& start, int bucket, std::span<const Arc> arcs, double most) {
   const MacroCar& car = *problem_->car;
   const int instants = car.time().bucket;
   const double step = car.step_length();
@@ -297,25 +328,32 @@ double SoftAstar::follow(const Pose& start, int bucket, const ReedsSheppPath& ar
   return sum;
 }
 
-SoftPath SoftAstar::path() const {
+SoftPath SoftAstar::path() {
   const MacroCar& car = *problem_->car;
   const int instants = car.time().bucket;
+  const Node& last = nodes_[std::size_t(best_.node)];
+  const std::span<const Arc> arcs = to_the_end(best_.arcs);
+  double reversals = price_of_reversals(last.direction, arcs);
   std::vector<int> actions;
   for (int n = best_.node; nodes_[std::size_t(n)].parent >= 0; n = nodes_[std::size_t(n)].parent) {
-    actions.push_back(nodes_[std::size_t(n)].action);
+    const Node& node = nodes_[std::size_t(n)];
+    actions.push_back(node.action);
+    const bool reversed = node.direction * nodes_[std::size_t(node.parent)].direction < 0;
+    reversals += reversed ? options_.reversal : 0.0;
   }
   SoftPath path;
   path.cost = best_.cost;
-  path.price = best_.price;
+  path.price = reversals == 0.0 ? best_.price : std::max(0.0, best_.price - reversals);
+  if (path.price < kNoPrice) path.price = 0.0;
   path.steps.reserve(actions.size() * std::size_t(instants) +
-                     std::size_t(duration(best_.arcs, car.step_length())));
+                     std::size_t(duration(arcs, car.step_length())));
   for (auto a = actions.rbegin(); a != actions.rend(); ++a) {
     const Arc& arc = car.actions()[std::size_t(*a)].arc;
     path.steps.insert(path.steps.end(), std::size_t(instants),
                       Arc{arc.length / instants, arc.curvature});
   }
   const double step = car.step_length();
-  for (const Arc& arc : best_.arcs) {
+  for (const Arc& arc : arcs) {
     const double sign = arc.length < 0.0 ? -1.0 : 1.0;
     for (double left = std::abs(arc.length); left > kRounding * step; left -= step) {
       path.steps.push_back({sign * std::min(left, step), arc.curvature});

@@ -30,6 +30,9 @@ struct SoftProblem {
   Pose start;
   int start_bucket = 0;
   int deadline = std::numeric_limits<int>::max();  ///< arrival, in instants
+  int direction = 0;    ///< in which it drives at the start: 1 forwards, -1 in reverse, 0 at rest
+  bool leaves = false;  ///< nobody can touch it any more once it has arrived
+  std::span<const Arc> tail = {};  ///< driven from the goal of cost_to_go on: to the true goal
 };
 
 struct SoftOptions {
@@ -38,12 +41,13 @@ struct SoftOptions {
   double cell = 1.5;           ///< side of a cell in which one node is kept [m]
   double cell_heading = 0.35;  ///< [rad]
   int cell_buckets = 2;        ///< buckets of time that share a cell
+  double reversal = 0.0;       ///< price of a change of direction [s]
 };
 
 struct SoftPath {
   std::vector<Arc> steps;  ///< one per instant from the start of start_bucket on
-  double cost = 0.0;       ///< arrival and prices of all overlaps [s]
-  double price = 0.0;      ///< prices alone: 0 if nobody is overlapped
+  double cost = 0.0;       ///< arrival and prices of all overlaps and reversals [s]
+  double price = 0.0;      ///< of overlaps alone: 0 if nobody is overlapped
 };
 
 /// Weighted hybrid A* in (x, y, theta, t) that may drive through other robots at a price.
@@ -79,6 +83,7 @@ class SoftAstar {
     int bucket;
     int turns;
     std::int8_t action;
+    std::int8_t direction;  ///< of the last drive: 1, -1, or 0 if there was none
   };
   struct Cell {
     std::uint64_t key;
@@ -102,14 +107,17 @@ class SoftAstar {
   [[nodiscard]] double to_go(double x, double y, double theta) const;
   [[nodiscard]] float estimate(double price, int bucket, double to_go) const;
   [[nodiscard]] Cell& cell_of(double x, double y, double theta, int bucket);
+  [[nodiscard]] double price_of_reversals(int direction, std::span<const Arc> arcs) const;
   [[nodiscard]] bool shoots(int expansion, const Node& node) const;
   void expand(int node);
   void try_action(int node, int a);
   void try_shot(int node);
-  [[nodiscard]] double follow(const Pose& start, int bucket, const ReedsSheppPath& arcs,
+  [[nodiscard]] double follow(const Pose& start, int bucket, std::span<const Arc> arcs,
                               double most);
+  /// The way behind a shot, the tail included; valid until the next call.
+  [[nodiscard]] std::span<const Arc> to_the_end(const ReedsSheppPath& shot);
   void push(const Node& node);
-  [[nodiscard]] SoftPath path() const;
+  [[nodiscard]] SoftPath path();
 
   std::vector<int> found_;        ///< the first nearby_ are those near the motion in question
   std::vector<int> around_list_;  ///< the first around_ are those near the node in question
@@ -131,6 +139,8 @@ class SoftAstar {
   SoftOptions options_;
   double bucket_duration_ = 0.0;
   double turn_ = 0.0;
+  double tail_duration_ = 0.0;
+  std::vector<Arc> to_the_end_;
 };
 
 }  // namespace mvtp

@@ -5,6 +5,7 @@
 #include "coordinator/free_flow.hpp"
 #include "coordinator/referee.hpp"
 #include "coordinator/report.hpp"
+#include "coordinator/statistics.hpp"
 #include "tests/coordinator/fake_traffic.hpp"
 
 namespace mvtp {

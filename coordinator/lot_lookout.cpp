@@ -1,0 +1,157 @@
+#include "coordinator/lot_lookout.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "planner/motion/inertial_car.hpp"
+
+namespace mvtp {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kSight = 4.0;          ///< [m] beyond the braking distance
+constexpr double kDistance = 0.6;       ///< [m] kept from people
+constexpr double kHorizon = 8.0;        ///< [s] for which people are expected to walk on
+constexpr double kInstant = 0.25;       ///< [s]
+constexpr double kSlackOutside = 1.2;   ///< [s] between a car and a person at one place, and
+constexpr double kSlackInside = 0.3;    ///< [s] where a car is on a footpath already
+constexpr double kRoomAhead = 0.3;      ///< [m] between a halt and what it is for
+constexpr double kReversal = 3.0;       ///< [s] that a change of direction takes, about
+constexpr double kFromStrangers = 0.5;  ///< [m]
+
+/// [s] to drive `distance` from speed `v`, at best.
+double fastest(double distance, double v, const LotLimits& limits) {
+  const double reached = std::max(0.0, (limits.speed * limits.speed - v * v) / (2 * limits.accel));
+  if (distance <= reached) {
+    return (std::sqrt(v * v + 2 * limits.accel * distance) - v) / limits.accel;
+  }
+  return (limits.speed - v) / limits.accel + (distance - reached) / limits.speed;
+}
+
+Point after(const Pedestrian& p, double time) {
+  return {p.position.x + p.speed * time * std::cos(p.theta),
+          p.position.y + p.speed * time * std::sin(p.theta)};
+}
+
+bool near(const LotCar& car, int cell, const Point& point, double distance) {
+  const BoxPose& box = car.cells.box(cell);
+  const BoxShape& shape = car.cells.shape(cell);
+  const double dx = point.x - double(box.x);
+  const double dy = point.y - double(box.y);
+  const double along =
+      std::abs(dx * double(box.ux) + dy * double(box.uy)) - double(shape.half_length);
+  const double across =
+      std::abs(dy * double(box.ux) - dx * double(box.uy)) - double(shape.half_width);
+  return std::hypot(std::max(along, 0.0), std::max(across, 0.0)) < distance;
+}
+
+/// The last place before a cell where the car should stand [m].
+double before(int cell) { return cell * PathCells::kLength - kRoomAhead; }
+
+}  // namespace
+
+/// One car's view of what is ahead.
+struct LotLookout::Look {
+  const LotCar& car;
+  const LotLimits& limits;
+  const View& view;
+  int here;
+  int last;  ///< cell
+  bool inside;
+
+  [[nodiscard]] double time_to(int cell) const {
+    return fastest(std::max(0.0, cell * PathCells::kLength - car.s), car.v, limits);
+  }
+};
+
+LotLookout::LotLookout(const ParkingLot& lot) {
+  for (const Footpath& path : lot.footpaths) {
+    for (std::size_t k = 1; k < path.line.size(); ++k) {
+      const Point& a = path.line[k - 1];
+      const Point& b = path.line[k];
+      const double length = std::hypot(b.x - a.x, b.y - a.y);
+      if (length == 0.0) continue;
+      strips_.push_back({{float((a.x + b.x) / 2), float((a.y + b.y) / 2),
+                          float((b.x - a.x) / length), float((b.y - a.y) / length)},
+                         {float(length / 2), float(path.width / 2), 0.0F}});
+    }
+  }
+}
+
+bool LotLookout::on_footpath(const LotCar& car, int cell) const {
+  return std::ranges::any_of(strips_, [&](const Strip& strip) {
+    return gap(car.cells.box(cell), car.cells.shape(cell), strip.pose, strip.shape) < 0.0F;
+  });
+}
+
+double LotLookout::halt(const LotCar& car, double turn_ends, const LotLimits& limits,
+                        const View& view, bool patient) const {
+  if (car.at_end()) return kInfinity;
+  const double sight = car.s + stopping_distance(car.v, limits.braking) + kSight;
+  const int here = car.cells.cell_at(car.s);
+  const Look look{
+      car, limits, view, here, car.cells.cell_at(sight), view.footpaths && on_footpath(car, here)};
+  double halt = std::min(before_people(look), before_strangers(look));
+  if (view.footpaths) halt = std::min(halt, before_footpath(look, turn_ends, patient));
+  return halt;
+}
+
+double LotLookout::before_people(const Look& look) const {
+  const double slack = look.inside ? kSlackInside : kSlackOutside;
+  double halt = kInfinity;
+  for (const Pedestrian& person : look.view.people) {
+    for (int cell = look.here + 1; cell <= look.last; ++cell) {
+      if (before(cell) >= halt) break;
+      const double enters = look.time_to(cell);
+      const double leaves = 1.5 * look.time_to(cell + 1);
+      bool meets = false;
+      for (double t = std::max(0.0, enters - slack); t <= leaves + slack && !meets; t += kInstant) {
+        meets = near(look.car, cell, after(person, t), person.radius + kDistance);
+      }
+      if (meets) halt = before(cell);
+    }
+  }
+  return halt;
+}
+
+double LotLookout::before_footpath(const Look& look, double turn_ends, bool patient) const {
+  const LotCar& car = look.car;
+  int first = look.here;
+  while (first <= look.last && !on_footpath(car, first)) ++first;
+  if (first > look.last || first == look.here) return kInfinity;
+  int last = first;
+  double time = 0.0;
+  while (last + 1 < car.cells.size() && on_footpath(car, last + 1)) ++last;
+  const double end = (last + 1) * PathCells::kLength;
+  if (patient && turn_ends < std::min(end, car.path.length())) return before(first);
+  for (double s = car.path.stop_after(car.s); s < end && s < car.path.length();
+       s = car.path.stop_after(s + 1e-6)) {
+    time += kReversal;
+  }
+  time += look.time_to(last + 1) + kSlackOutside;
+  for (const Pedestrian& person : look.view.people) {
+    for (double t = 0.0; t <= std::min(time, 2 * kHorizon); t += kInstant) {
+      const Point place = after(person, t);
+      for (int cell = first; cell <= last; ++cell) {
+        if (near(car, cell, place, person.radius + kDistance)) return before(first);
+      }
+    }
+  }
+  return kInfinity;
+}
+
+double LotLookout::before_strangers(const Look& look) {
+  for (int cell = look.here + 1; cell <= look.last; ++cell) {
+    BoxShape grown = look.car.cells.shape(cell);
+    grown.half_length += float(kFromStrangers);
+    for (const StandingCar& stranger : look.view.strangers) {
+      const BoxShape body{float(stranger.body.length() / 2), float(stranger.body.width / 2), 0.0F};
+      const BoxPose pose = box_pose(stranger.body, stranger.pose);
+      if (gap(look.car.cells.box(cell), grown, pose, body) < 0.0F) return before(cell);
+    }
+  }
+  return kInfinity;
+}
+
+}  // namespace mvtp

@@ -1,0 +1,123 @@
+#include "coordinator/lot_report.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "coordinator/statistics.hpp"
+
+namespace mvtp {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// Of all who made one of the two ways.
+struct Ways {
+  std::vector<double> took;   ///< [s] those not at the end counted up to now
+  std::vector<double> alone;  ///< [s] of those who got a way
+  int unfinished = 0;
+};
+
+Json ways_json(const Ways& ways) {
+  const double alone = mean(ways.alone);
+  return {{"vehicles", ways.took.size()},
+          {"unfinished", ways.unfinished},
+          {"mean", mean(ways.took)},
+          {"p50", quantile(ways.took, 0.5)},
+          {"p95", quantile(ways.took, 0.95)},
+          {"max", largest(ways.took)},
+          {"alone_mean", alone},
+          {"ratio_to_alone", alone > 0.0 ? Json(mean(ways.took) / alone) : Json()}};
+}
+
+template <class Value>
+double mean_of(const LotReport& report, Value value) {
+  std::vector<double> values;
+  for (const VisitRecord& r : report.visits) {
+    if (r.visit.distance > 0.0) values.push_back(value(r.visit));
+  }
+  return mean(values);
+}
+
+std::string cell(const std::optional<double>& value) {
+  return value ? fmt::format("{:.2f}", *value) : std::string();
+}
+
+}  // namespace
+
+std::optional<double> time_in(const VisitRecord& record, double end) {
+  if (!record.at_gate || *record.at_gate > end) return std::nullopt;
+  return record.visit.parked.value_or(end) - *record.at_gate;
+}
+
+std::optional<double> time_out(const VisitRecord& record, double end) {
+  if (!record.visit.wished_out) return std::nullopt;
+  return record.visit.handed_back.value_or(end) - *record.visit.wished_out;
+}
+
+Json lot_json(const LotReport& report, double end) {
+  Ways in;
+  Ways out;
+  Json broken = Json::array();
+  Json stranded = Json::array();
+  for (const VisitRecord& r : report.visits) {
+    if (const auto took = time_in(r, end)) in.took.push_back(*took);
+    if (const auto took = time_out(r, end)) out.took.push_back(*took);
+    in.unfinished += time_in(r, end) && !r.visit.parked ? 1 : 0;
+    out.unfinished += time_out(r, end) && !r.visit.handed_back ? 1 : 0;
+    if (r.visit.admitted_in) in.alone.push_back(r.visit.alone_in);
+    if (r.visit.admitted_out) out.alone.push_back(r.visit.alone_out);
+    if (r.visit.broken) broken.push_back(r.visit.id);
+    if (r.visit.stranded) stranded.push_back(r.visit.id);
+  }
+  std::vector<double> parked;
+  std::vector<double> queue;
+  std::vector<double> under_way;
+  for (const Occupied& o : report.occupancy) {
+    parked.push_back(o.parked);
+    queue.push_back(o.at_gate);
+    under_way.push_back(o.under_way);
+  }
+  return {{"lot", report.lot},
+          {"slots", report.slots},
+          {"gate_to_parked_s", ways_json(in)},
+          {"slot_to_exit_s", ways_json(out)},
+          {"reversals_mean", mean_of(report, [](const LotVisit& v) { return v.reversals; })},
+          {"distance_mean_m", mean_of(report, [](const LotVisit& v) { return v.distance; })},
+          {"waited_mean_s", mean_of(report, [](const LotVisit& v) { return v.waited; })},
+          {"parked_mean", mean(parked)},
+          {"parked_max", largest(parked)},
+          {"under_way_max", largest(under_way)},
+          {"at_gate_max", largest(queue)},
+          {"at_gate_end", queue.empty() ? 0.0 : queue.back()},
+          {"broken_down", std::move(broken)},
+          {"stranded", std::move(stranded)}};
+}
+
+std::string visits_csv(const LotReport& report, double end) {
+  std::string text =
+      "id,slot,at_gate_s,asked_in_s,admitted_in_s,parked_s,wished_out_s,admitted_out_s,"
+      "handed_back_s,gate_to_parked_s,alone_in_s,slot_to_exit_s,alone_out_s,distance_m,waited_s,"
+      "reversals,broken_down,stranded\n";
+  for (const VisitRecord& r : report.visits) {
+    const LotVisit& v = r.visit;
+    text += fmt::format("{},{},{},{},{},{},{},{},{},{},{:.2f},{},{:.2f},{:.2f},{:.2f},{},{},{}\n",
+                        csv_field(v.id), csv_field(v.slot), cell(r.at_gate), cell(v.asked_in),
+                        cell(v.admitted_in), cell(v.parked), cell(v.wished_out),
+                        cell(v.admitted_out), cell(v.handed_back), cell(time_in(r, end)),
+                        v.alone_in, cell(time_out(r, end)), v.alone_out, v.distance, v.waited,
+                        v.reversals, v.broken ? 1 : 0, v.stranded ? 1 : 0);
+  }
+  return text;
+}
+
+std::string occupancy_csv(const LotReport& report) {
+  std::string text = "time_s,parked,under_way,at_gate\n";
+  for (const Occupied& o : report.occupancy) {
+    text += fmt::format("{:.1f},{},{},{}\n", o.time, o.parked, o.under_way, o.at_gate);
+  }
+  return text;
+}
+
+}  // namespace mvtp

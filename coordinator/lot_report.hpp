@@ -1,0 +1,37 @@
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "coordinator/lot_coordinator.hpp"
+
+namespace mvtp {
+
+/// A stay with what only the trip's record knows. A row of visits.csv.
+struct VisitRecord {
+  LotVisit visit;
+  /// [s] when it would have been at the gate with nobody before it; none: it was there at the start
+  std::optional<double> at_gate;
+};
+
+/// What a run leaves behind of its parking lot.
+struct LotReport {
+  std::string lot;  ///< id
+  int slots = 0;
+  std::vector<VisitRecord> visits;
+  std::vector<Occupied> occupancy;  ///< the rows of occupancy.csv
+};
+
+/// From the gate to the slot, or from the end of the stay to the exit lane [s]; of a vehicle that
+/// is still waiting or under way, up to `end`; none if it had no such way to make.
+[[nodiscard]] std::optional<double> time_in(const VisitRecord& record, double end);
+[[nodiscard]] std::optional<double> time_out(const VisitRecord& record, double end);
+
+/// The part "parking" of summary.json: the keys of docs/outputs.md.
+[[nodiscard]] nlohmann::ordered_json lot_json(const LotReport& report, double end);
+[[nodiscard]] std::string visits_csv(const LotReport& report, double end);
+[[nodiscard]] std::string occupancy_csv(const LotReport& report);
+
+}  // namespace mvtp
