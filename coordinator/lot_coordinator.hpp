@@ -88,7 +88,7 @@ struct LotSighting {
 /// Two properties are meant to hold at every step: everyone braking now is free of contact, and
 /// everyone under way has a complete way in an order that lets all arrive (LotMotion). A breakdown
 /// is the one thing that ends the second; who cannot go on then stops, and asks for a new way.
-/// The first is broken by up to 2 cm in crowded entry lanes: see the disabled tests.
+/// The first is still broken now and then, by some centimetres: see the disabled tests.
 class LotCoordinator : public Controller {
  public:
   LotCoordinator(Traffic& traffic, const ParkingLot& lot, const LotOptions& options);

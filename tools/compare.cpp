@@ -35,7 +35,8 @@ Action declare_compare(CLI::App& app) {
   options->jobs = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
   app.footer(
       "The controls: the lights of the twins NAME.static.sumocfg and NAME.actuated.sumocfg where\n"
-      "they lie beside NAME.sumocfg, what NAME.sumocfg has by itself, and coordinated.");
+      "they lie beside NAME.sumocfg, what NAME.sumocfg has by itself, and coordinated. On a\n"
+      "parking lot: one-at-a-time, prioritized, and coordinated.");
   declare_run_options(app, options->run);
   app.add_option("--seeds", *seeds, "Seeds, each run under every control, e.g. 1-5 or 1,2,7")
       ->type_name("LIST")

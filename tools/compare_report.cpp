@@ -43,6 +43,32 @@ constexpr std::array kFigures = {
     ComparedFigure{"real_time_factor", "/real_time_factor"},
 };
 
+constexpr std::array kParkingFigures = {
+    ComparedFigure{"gate_to_parked_mean_s", "/parking/gate_to_parked_s/mean"},
+    ComparedFigure{"gate_to_parked_p95_s", "/parking/gate_to_parked_s/p95"},
+    ComparedFigure{"gate_to_parked_alone_s", "/parking/gate_to_parked_s/alone_mean"},
+    ComparedFigure{"slot_to_exit_mean_s", "/parking/slot_to_exit_s/mean"},
+    ComparedFigure{"slot_to_exit_p95_s", "/parking/slot_to_exit_s/p95"},
+    ComparedFigure{"slot_to_exit_alone_s", "/parking/slot_to_exit_s/alone_mean"},
+    ComparedFigure{"at_gate_max", "/parking/at_gate_max"},
+    ComparedFigure{"reversals_mean", "/parking/reversals_mean"},
+    ComparedFigure{"people_touched", "/audit/people_touched"},
+};
+
+bool is_parking(std::span<const ComparedRun> runs) {
+  return std::ranges::any_of(
+      runs, [](const auto& run) { return run.figures.contains(kParkingFigures.front().name); });
+}
+
+/// The columns of a comparison.
+std::vector<ComparedFigure> figures_of(std::span<const ComparedRun> runs) {
+  std::vector<ComparedFigure> figures(kFigures.begin(), kFigures.end());
+  if (is_parking(runs)) {
+    figures.insert(figures.end(), kParkingFigures.begin(), kParkingFigures.end());
+  }
+  return figures;
+}
+
 /// The runs of one control.
 struct Row {
   std::string control;
@@ -105,6 +131,32 @@ std::string arrived_cell(const Row& row) {
 
 using Cells = std::vector<std::string>;
 
+const Cells kParkingHeader = {"control",    "runs",          "gate to parked [s]",
+                              "95 % [s]",   "alone [s]",     "slot to exit [s]",
+                              "95 % [s]",   "alone [s]",     "arrived",
+                              "overlaps",   "longest queue", "replan 95 % [ms]",
+                              "x real time"};
+
+Cells parking_cells_of(const Row& row) {
+  return {row.control,
+          fmt::format("{}/{}", row.runs.size(), row.planned),
+          spread_cell(row, "gate_to_parked_mean_s", 1),
+          mean_cell(row, "gate_to_parked_p95_s", 1),
+          mean_cell(row, "gate_to_parked_alone_s", 1),
+          spread_cell(row, "slot_to_exit_mean_s", 1),
+          mean_cell(row, "slot_to_exit_p95_s", 1),
+          mean_cell(row, "slot_to_exit_alone_s", 1),
+          arrived_cell(row),
+          sum_cell(row, "overlap_pairs"),
+          mean_cell(row, "at_gate_max", 0),
+          mean_cell(row, "replan_p95_ms", 1),
+          mean_cell(row, "real_time_factor", 0)};
+}
+
+const Cells kHeader = {
+    "control", "runs",     "delay [s]",   "95 % [s]",         "throughput [veh/h]",
+    "arrived", "overlaps", "waiting [s]", "replan 95 % [ms]", "x real time"};
+
 Cells cells_of(const Row& row) {
   const bool coordinated = sum(values_of(row, "replans")) > 0.0;
   return {row.control,
@@ -152,6 +204,7 @@ std::string csv_field(const std::string& text) {
 }  // namespace
 
 std::span<const ComparedFigure> compared_figures() { return kFigures; }
+std::span<const ComparedFigure> parking_figures() { return kParkingFigures; }
 
 void read_summary(const std::string& text, const std::string& where, ComparedRun& run) {
   const Json summary = Json::parse(text, nullptr, false);
@@ -159,7 +212,11 @@ void read_summary(const std::string& text, const std::string& where, ComparedRun
     throw InputError(where, "is no summary of a run");
   }
   run.status = summary["status"];
-  for (const ComparedFigure& figure : kFigures) {
+  std::vector<ComparedFigure> figures(kFigures.begin(), kFigures.end());
+  if (summary.contains("parking")) {
+    figures.insert(figures.end(), kParkingFigures.begin(), kParkingFigures.end());
+  }
+  for (const ComparedFigure& figure : figures) {
     const Json::json_pointer pointer(figure.pointer);
     if (!summary.contains(pointer)) {
       throw InputError(where, fmt::format("lacks the figure {}", figure.pointer));
@@ -171,7 +228,9 @@ void read_summary(const std::string& text, const std::string& where, ComparedRun
 
 bool succeeded(const ComparedRun& run) {
   if (!run.failure.empty()) return false;
-  if (run.control != "coordinated") return true;
+  const bool ours = run.control == "coordinated" || run.control == "prioritized" ||
+                    run.control == "one-at-a-time";
+  if (!ours) return true;
   return run.status != "stuck" && run.figures.at("overlap_pairs_coordinated") == 0.0;
 }
 
@@ -187,10 +246,11 @@ MeanAndDeviation mean_and_deviation(std::span<const double> values) {
 }
 
 std::string comparison_table(std::span<const ComparedRun> runs) {
-  std::vector<Cells> lines = {{"control", "runs", "delay [s]", "95 % [s]", "throughput [veh/h]",
-                               "arrived", "overlaps", "waiting [s]", "replan 95 % [ms]",
-                               "x real time"}};
-  for (const Row& row : rows_of(runs)) lines.push_back(cells_of(row));
+  const bool parking = is_parking(runs);
+  std::vector<Cells> lines = {parking ? kParkingHeader : kHeader};
+  for (const Row& row : rows_of(runs)) {
+    lines.push_back(parking ? parking_cells_of(row) : cells_of(row));
+  }
   std::string text = aligned(lines);
   for (const ComparedRun& run : runs) {
     if (!run.failure.empty()) {
@@ -205,12 +265,13 @@ std::string comparison_table(std::span<const ComparedRun> runs) {
 
 std::string comparison_csv(std::span<const ComparedRun> runs) {
   std::string text = "control,seed,status,failure,folder";
-  for (const ComparedFigure& figure : kFigures) text += fmt::format(",{}", figure.name);
+  const std::vector<ComparedFigure> figures = figures_of(runs);
+  for (const ComparedFigure& figure : figures) text += fmt::format(",{}", figure.name);
   text += '\n';
   for (const ComparedRun& run : runs) {
     text += fmt::format("{},{},{},{},{}", csv_field(run.control), run.seed, run.status,
                         csv_field(run.failure), csv_field(run.folder));
-    for (const ComparedFigure& figure : kFigures) {
+    for (const ComparedFigure& figure : figures) {
       const auto value = run.figures.find(figure.name);
       text += value == run.figures.end() ? "," : fmt::format(",{:.10g}", value->second);
     }
@@ -221,12 +282,13 @@ std::string comparison_csv(std::span<const ComparedRun> runs) {
 
 std::string comparison_json(std::span<const ComparedRun> runs, const std::string& scenario,
                             const std::string& version, const std::string& command) {
+  const std::vector<ComparedFigure> figures = figures_of(runs);
   Json controls = Json::array();
   for (const Row& row : rows_of(runs)) {
     Json control = {{"control", row.control},
                     {"runs", row.runs.size()},
                     {"failed", row.planned - row.runs.size()}};
-    for (const ComparedFigure& figure : kFigures) {
+    for (const ComparedFigure& figure : figures) {
       const std::vector<double> values = values_of(row, figure.name);
       if (values.empty()) {
         control[figure.name] = nullptr;

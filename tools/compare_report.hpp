@@ -11,13 +11,16 @@ namespace mvtp {
 
 /// One run of a comparison, and what its summary.json says.
 struct ComparedRun {
-  std::string control;  ///< "static", "actuated", "priority", "own light", "coordinated"
+  /// "static", "actuated", "priority", "own light", "coordinated"; on a parking lot "one-at-a-time",
+  /// "prioritized", "coordinated".
+  std::string control;
   std::uint32_t seed = 0;
   std::string folder;
   /// Why there are no figures, e.g. "crashed (Segmentation fault)"; empty: there are.
   std::string failure = "did not run";
   std::string status;  ///< "finished", "end reached", "stuck", "interrupted"
-  /// By the names of compared_figures(); one that the summary leaves open is missing.
+  /// By the names of compared_figures() and parking_figures(); one that the summary leaves open is
+  /// missing.
   std::map<std::string, double> figures;
 };
 
@@ -27,6 +30,8 @@ struct ComparedFigure {
   const char* pointer;  ///< where summary.json has it (JSON pointer)
 };
 [[nodiscard]] std::span<const ComparedFigure> compared_figures();
+/// Those that only runs on a parking lot have.
+[[nodiscard]] std::span<const ComparedFigure> parking_figures();
 
 /// Takes the figures from the text of a summary.json.
 /// @param where  name of the file in messages

@@ -22,6 +22,7 @@
 #include "tools/view/page.hpp"
 #include "traci_bridge/configuration.hpp"
 #include "traci_bridge/network.hpp"
+#include "traci_bridge/parking_file.hpp"
 
 namespace mvtp {
 namespace {
@@ -55,8 +56,21 @@ std::string own_control(const CompareOptions& options) {
   return types.size() == 1 ? *types.begin() : "own rules";
 }
 
-/// The twins that lie beside the scenario, the scenario's own control, and ours.
+bool has_parking_lot(const CompareOptions& options) {
+  const Configuration configuration = read_configuration(options.run.configuration);
+  const RoadNetwork network = read_network(configuration.net_file);
+  return !read_parking_lots(configuration.additional_files, network).empty();
+}
+
+/// The twins that lie beside the scenario, the scenario's own control, and ours; on a parking lot,
+/// where SUMO's own drivers know no manoeuvres, simpler controllers of ours and ours.
 std::vector<Control> controls_of(const CompareOptions& options) {
+  const std::string& scenario = options.run.configuration;
+  if (has_parking_lot(options)) {
+    return {{"one-at-a-time", scenario, "one-at-a-time"},
+            {"prioritized", scenario, "prioritized"},
+            {kCoordinated, scenario, "escot"}};
+  }
   const std::string own = own_control(options);
   std::vector<Control> controls;
   for (const char* kind : {"static", "actuated"}) {

@@ -12,8 +12,9 @@ void declare_options(CLI::App& app, CoordinateOptions& o) {
   app.add_option("--seed", o.seed, "Seed of SUMO's random numbers and of ours")
       ->capture_default_str()
       ->group("Input");
-  app.add_option("--controller", o.controller, "escot, or sumo: SUMO's own control, for comparison")
-      ->check(CLI::IsMember({"escot", "sumo"}))
+  app.add_option("--controller", o.controller, "escot; sumo: SUMO's own control, for comparison; on parking lots also prioritized\n"
+                 "(each plans once, against all earlier ones) and one-at-a-time")
+      ->check(CLI::IsMember({"escot", "prioritized", "one-at-a-time", "sumo"}))
       ->capture_default_str()
       ->group("Control");
   app.add_option("--output-dir", o.output_dir, "Folder of the results; made if missing")

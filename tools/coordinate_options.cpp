@@ -37,6 +37,14 @@ void declare_run_options(CLI::App& app, CoordinateOptions& o) {
       ->check(number_between(0, 100000))
       ->capture_default_str()
       ->group("Control");
+  app.add_option("--parking", o.parking, "How to stand in slots: forward, reverse, or any")
+      ->check(CLI::IsMember({"forward", "reverse", "any"}))
+      ->capture_default_str()
+      ->group("Control");
+  app.add_option("--break-down", o.breakdowns,
+                 "Vehicle that stops for good on the parking lot, and when [s]; repeatable")
+      ->type_name("VEHICLE@SECONDS")
+      ->group("Control");
   app.add_option("--replan-budget-ms", o.replan_budget_ms,
                  "Drop plans that take longer [ms]; 0: no planning, as if the planner were dead "
                  "(default: no limit)")

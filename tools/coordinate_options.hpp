@@ -13,7 +13,11 @@ struct CoordinateOptions {
   std::string configuration;           ///< *.sumocfg
   std::vector<std::string> junctions;  ///< none: all with conflicting connections
   double zone_radius = 80.0;           ///< [m]
-  std::string controller = "escot";    ///< or "sumo": SUMO's own control, with the same figures
+  /// Or "sumo": SUMO's own control, with the same figures; on parking lots also "prioritized" and
+  /// "one-at-a-time".
+  std::string controller = "escot";
+  std::string parking = "any";          ///< or "forward", "reverse"
+  std::vector<std::string> breakdowns;  ///< VEHICLE@SECONDS
   std::string output_dir = "out";
   bool gui = false;
   bool quiet = false;

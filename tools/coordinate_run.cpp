@@ -1,5 +1,7 @@
 #include "tools/coordinate_run.hpp"
 
+#include <fmt/format.h>
+
 #include <chrono>
 #include <csignal>
 #include <filesystem>
@@ -10,12 +12,16 @@
 #include "coordinator/coordinator.hpp"
 #include "coordinator/free_flow.hpp"
 #include "coordinator/lateral_limits.hpp"
+#include "coordinator/lot_coordinator.hpp"
 #include "coordinator/report.hpp"
 #include "planner/problem/input_error.hpp"
 #include "planner/problem/text_file.hpp"
+#include "tools/lot_options.hpp"
+#include "tools/lot_recorder.hpp"
 #include "tools/run_recorder.hpp"
 #include "tools/version.hpp"
 #include "traci_bridge/configuration.hpp"
+#include "traci_bridge/parking_file.hpp"
 #include "traci_bridge/sumo_traffic.hpp"
 #include "traci_bridge/trips.hpp"
 
@@ -68,8 +74,8 @@ class Run {
       throw InputError(options_.output_dir, "cannot make this folder (" + error.message() +
                                                 "); choose another --output-dir");
     }
-    for (const char* name :
-         {"summary.json", "vehicles.csv", "replans.csv", "events.csv", "view.html"}) {
+    for (const char* name : {"summary.json", "vehicles.csv", "replans.csv", "events.csv",
+                             "view.html", "visits.csv", "occupancy.csv", "lot.svg"}) {
       check_writable(path(name));
     }
   }
@@ -90,12 +96,39 @@ class Run {
         network_limited_[lane] = speed;
       }
     }
-    area_ = std::make_unique<DrivableArea>(network_);
+    lots_ =
+        read_parking_lots(read_configuration(options_.configuration).additional_files, network_);
+    area_ = std::make_unique<DrivableArea>(network_, lots_);
     audit_ = std::make_unique<Audit>(*area_, traffic_->step_length());
-    const std::set<std::string> junctions = coordinated_junctions();
-    recorder_ = std::make_unique<RunRecorder>(options_, network_, junctions, report_);
-    if (options_.controller == "sumo") return;
+    const std::set<std::string> junctions =
+        lots_.empty() ? coordinated_junctions() : std::set<std::string>();
+    recorder_ = std::make_unique<RunRecorder>(options_, network_, junctions, lots_, report_);
+    check_controller();
+    if (options_.controller == "sumo") {
+      controller_ = std::make_unique<OwnDrivers>(*traffic_);
+    } else if (lots_.empty()) {
+      open_zone(junctions);
+    } else {
+      open_lot();
+    }
+  }
 
+  void check_controller() const {
+    const bool for_lots =
+        options_.controller == "one-at-a-time" || options_.controller == "prioritized";
+    if (for_lots && lots_.empty()) {
+      throw InputError("--controller " + options_.controller,
+                       "is for parking lots, and the scenario has none; choose escot or sumo");
+    }
+    if (lots_.size() > 1 && options_.controller != "sumo") {
+      throw InputError(options_.configuration,
+                       fmt::format("has {} parking lots ({}, {}, ...); one can be coordinated, so "
+                                   "leave the others' parking.ground out",
+                                   lots_.size(), lots_[0].id, lots_[1].id));
+    }
+  }
+
+  void open_zone(const std::set<std::string>& junctions) {
     ZoneOptions zone;
     zone.radius = options_.zone_radius;
     zone.max_lateral_accel = options_.max_lateral_accel;
@@ -106,8 +139,16 @@ class Run {
     coordinator.escot.crossing.tries = options_.tries;
     if (options_.replan_budget_ms >= 0.0) coordinator.replan_budget_ms = options_.replan_budget_ms;
     coordinator.budget_from = options_.replan_budget_from;
-    coordinator_ = std::make_unique<Coordinator>(*traffic_, *zone_, coordinator);
-    coordinator_->prepare();
+    auto crossing = std::make_unique<Coordinator>(*traffic_, *zone_, coordinator);
+    crossing->prepare();
+    coordinator_ = crossing.get();
+    controller_ = std::move(crossing);
+  }
+
+  void open_lot() {
+    auto lot = std::make_unique<LotCoordinator>(*traffic_, lots_.front(), lot_options(options_));
+    lot_recorder_ = std::make_unique<LotRecorder>(*lot);
+    controller_ = std::move(lot);
   }
 
   [[nodiscard]] std::set<std::string> coordinated_junctions() const {
@@ -130,22 +171,19 @@ class Run {
   }
 
   void step() {
-    if (coordinator_) {
-      coordinator_->step();
-    } else {
-      traffic_->step();
-    }
+    controller_->step();
     for (const std::string& id : traffic_->departed()) routes_[id] = traffic_->route(id);
     std::vector<Sighting> sightings;
     bool moving = false;
     for (const VehicleState& v : traffic_->vehicles()) {
-      const bool ours = coordinator_ && coordinator_->drives(v.id);
+      const bool ours = controller_->drives(v.id);
       sightings.push_back({&v, &type_of(v.type), ours});
       if (ours) coordinated_.insert(v.id);
       moving = moving || v.speed > 0.1;
     }
     if (moving || sightings.empty()) last_motion_ = traffic_->time();
-    audit_->observe(traffic_->time(), sightings);
+    audit_->observe(traffic_->time(), sightings, traffic_->pedestrians());
+    if (lot_recorder_) lot_recorder_->observe(traffic_->time());
     recorder_->observe(traffic_->time(), sightings, *audit_);
     report_.sumo_collisions += traffic_->collisions();
   }
@@ -153,11 +191,16 @@ class Run {
   void write_files() {
     report_.audit = audit_->figures();
     report_.events = audit_->events();
-    if (coordinator_) {
-      report_.replans = coordinator_->replans();
-      report_.wrong_lane_sightings = coordinator_->wrong_lane_sightings();
+    report_.replans = controller_->replans();
+    if (coordinator_) report_.wrong_lane_sightings = coordinator_->wrong_lane_sightings();
+    const std::vector<Trip> trips = read_trips(path("tripinfo.xml"));
+    report_.vehicles = vehicle_records(trips);
+    if (lot_recorder_) {
+      report_.lot = lot_recorder_->report(times_at_gate(trips));
+      write_text_file(path("visits.csv"), visits_csv(*report_.lot, report_.end));
+      write_text_file(path("occupancy.csv"), occupancy_csv(*report_.lot));
+      write_text_file(path("lot.svg"), lot_recorder_->picture());
     }
-    report_.vehicles = vehicle_records();
     write_text_file(path("summary.json"), summary_json(report_));
     write_text_file(path("vehicles.csv"), vehicles_csv(report_));
     write_text_file(path("replans.csv"), replans_csv(report_));
@@ -165,10 +208,34 @@ class Run {
     if (!options_.no_view) write_text_file(path("view.html"), recorder_->page(report_));
   }
 
-  [[nodiscard]] std::vector<VehicleRecord> vehicle_records() {
+  /// When each vehicle would have been at the gate if nobody had been before it [s].
+  [[nodiscard]] std::map<std::string, double> times_at_gate(const std::vector<Trip>& trips) {
+    std::map<std::string, double> times;
+    for (const Trip& trip : trips) {
+      const auto route = routes_.find(trip.id);
+      const double intended = trip.depart.value_or(report_.end) - trip.depart_delay;
+      if (route == routes_.end()) {
+        times[trip.id] = intended;  // it never got onto the road
+        continue;
+      }
+      for (const LotLane& entry : lots_.front().entries) {
+        const auto edge = std::ranges::find(route->second, network_.lanes.at(entry.lane).edge);
+        if (edge == route->second.end()) continue;
+        const VehicleType& type = type_of(trip.type);
+        times[trip.id] =
+            intended + free_flow_duration(network_, std::span(route->second.begin(), edge + 1),
+                                          trip.depart_lane, trip.depart_position,
+                                          entry.offset + type.body.length(), trip.speed_factor,
+                                          type.body.max_speed);
+      }
+    }
+    return times;
+  }
+
+  [[nodiscard]] std::vector<VehicleRecord> vehicle_records(const std::vector<Trip>& trips) {
     for (const auto& [lane, speed] : network_limited_) network_.lanes.at(lane).speed_limit = speed;
     std::vector<VehicleRecord> records;
-    for (const Trip& trip : read_trips(path("tripinfo.xml"))) {
+    for (const Trip& trip : trips) {
       VehicleRecord v;
       v.id = trip.id;
       v.type = trip.type;
@@ -205,6 +272,10 @@ class Run {
                 << " pairs with a coordinated vehicle overlapped; see " << path("view.html")
                 << "\n";
     }
+    if (report_.audit.people_touched > 0) {
+      std::cerr << "mvtp: " << report_.audit.people_touched << " people were touched; see "
+                << path("events.csv") << "\n";
+    }
     if (missing > 0) {
       std::cerr << "mvtp: " << missing << " of " << report_.vehicles.size()
                 << " vehicles had not arrived at t = " << report_.end << " s (" << report_.status
@@ -231,7 +302,10 @@ class Run {
   std::unique_ptr<Audit> audit_;
   std::unique_ptr<RunRecorder> recorder_;
   std::unique_ptr<Zone> zone_;
-  std::unique_ptr<Coordinator> coordinator_;
+  std::vector<ParkingLot> lots_;
+  std::unique_ptr<Controller> controller_;
+  Coordinator* coordinator_ = nullptr;  ///< the controller, if it is that of a zone
+  std::unique_ptr<LotRecorder> lot_recorder_;
   std::map<std::string, std::vector<std::string>> routes_;
   std::map<std::string, VehicleType> types_;
   std::set<std::string> coordinated_;

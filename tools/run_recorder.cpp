@@ -7,7 +7,18 @@
 namespace mvtp {
 namespace {
 
-ReplayScene scene_of(const RoadNetwork& network, const std::set<std::string>& junctions) {
+/// The outline of a slot, from the aisle round its back to the aisle again.
+std::vector<Point> outline(const ParkingSlot& slot) {
+  std::vector<Point> points;
+  for (const auto& [x, y] : {std::pair{-0.5, 0.5}, {0.5, 0.5}, {0.5, -0.5}, {-0.5, -0.5}}) {
+    const Pose corner = compose(slot.middle, {x * slot.length, y * slot.width, 0.0});
+    points.push_back({corner.x, corner.y});
+  }
+  return points;
+}
+
+ReplayScene scene_of(const RoadNetwork& network, const std::set<std::string>& junctions,
+                     std::span<const ParkingLot> lots) {
   ReplayScene scene;
   for (const auto& [id, lane] : network.lanes) {
     if (!lane.drivable) continue;
@@ -17,6 +28,11 @@ ReplayScene scene_of(const RoadNetwork& network, const std::set<std::string>& ju
     if (junction.shape.size() < 3) continue;
     scene.junctions.push_back(junction.shape);
     if (junctions.contains(id)) scene.zones.push_back(junction.shape);
+  }
+  for (const ParkingLot& lot : lots) {
+    scene.junctions.push_back(lot.ground);
+    scene.polygons.insert(scene.polygons.end(), lot.obstacles.begin(), lot.obstacles.end());
+    for (const ParkingSlot& slot : lot.slots) scene.zones.push_back(outline(slot));
   }
   return scene;
 }
@@ -29,13 +45,14 @@ ReplayState state_of(const Sighting& s) {
 }  // namespace
 
 RunRecorder::RunRecorder(const CoordinateOptions& options, const RoadNetwork& network,
-                         const std::set<std::string>& junctions, const RunReport& report)
+                         const std::set<std::string>& junctions, std::span<const ParkingLot> lots,
+                         const RunReport& report)
     : recorder_({.title = options.configuration,
                  .label = options.controller,
                  .command = report.command,
                  .version = "mvtp " + report.mvtp_version + ", " + report.sumo_version,
                  .seed = std::to_string(report.seed)},
-                scene_of(network, junctions)) {}
+                scene_of(network, junctions, lots)) {}
 
 std::size_t RunRecorder::index_of(const Sighting& s) {
   const auto known = indices_.find(s.state->id);

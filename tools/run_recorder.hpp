@@ -16,7 +16,8 @@ namespace mvtp {
 class RunRecorder {
  public:
   RunRecorder(const CoordinateOptions& options, const RoadNetwork& network,
-              const std::set<std::string>& junctions, const RunReport& report);
+              const std::set<std::string>& junctions, std::span<const ParkingLot> lots,
+              const RunReport& report);
 
   void observe(double time, std::span<const Sighting> sightings, const Audit& audit);
 

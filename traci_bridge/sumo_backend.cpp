@@ -32,6 +32,7 @@ namespace {
 // moveToXY's bits "keep the route" and "off the road is allowed": poses are exact and the route
 // stays. Every other value snaps to lanes, or rewrites the route.
 constexpr int kKeepRoute = 3;
+constexpr int kNewRoute = 2;  // the same, but the route is that of the lane it comes to
 constexpr double kAnyDistance = 100.0;
 // Speed and lane-change modes in which SUMO neither corrects the commanded pose nor the speed.
 constexpr int kObey = 0;
@@ -174,6 +175,28 @@ class Backend final : public SumoTraffic {
     controlled_.erase(found);
   }
 
+  /// SUMO puts a vehicle onto any lane of the rest of its route that it comes near, and fails an
+  /// assertion once it has been near the inside of a junction.
+  void leave_road(const std::string& id) override {
+    Controlled& vehicle = controlled_.at(id);
+    if (!vehicle.rest_of_route.empty()) return;
+    vehicle.rest_of_route = route(id);
+    ask([&] {
+      api::Vehicle::setRoute(id, std::vector<std::string>{vehicle.rest_of_route.front()});
+    });
+  }
+
+  void enter_road(const std::string& id, const std::string& lane) override {
+    Controlled& vehicle = controlled_.at(id);
+    const std::string& edge = network_.lanes.at(lane).edge;
+    std::vector<std::string>& rest = vehicle.rest_of_route;
+    const auto here = std::ranges::find(rest, edge);
+    if (here == rest.end()) return;
+    rest.erase(rest.begin(), here);
+    vehicle.lane_index = network_.lanes.at(lane).index;
+    vehicle.enters = true;
+  }
+
   void place(const std::string& id, const Pose& pose, double speed) override {
     if (!std::isfinite(pose.x) || !std::isfinite(pose.y) || !std::isfinite(pose.theta) ||
         !std::isfinite(speed)) {
@@ -233,15 +256,21 @@ class Backend final : public SumoTraffic {
     });
   }
 
+  bool can_move(const std::string& id) const override { return !leaving_.contains(id); }
+
   void step() override {
     ask([&] {
       resume_lane_changes();
       leave_parking_areas();
       for (const auto& [id, vehicle] : controlled_) {
+        if (leaving_.contains(id)) continue;
         const SumoPosition& p = vehicle.position;
-        api::Vehicle::moveToXY(id, "", -1, p.x_m, p.y_m, p.angle_deg, kKeepRoute, kAnyDistance);
+        api::Vehicle::moveToXY(id, vehicle.enters ? vehicle.rest_of_route.front() : "",
+                               vehicle.enters ? vehicle.lane_index : -1, p.x_m, p.y_m, p.angle_deg,
+                               vehicle.enters ? kNewRoute : kKeepRoute, kAnyDistance);
       }
       api::Simulation::step();
+      resume_routes();
       observe();
     });
   }
@@ -261,6 +290,9 @@ class Backend final : public SumoTraffic {
     double speed = 0.0;
     int speed_mode = 0;  ///< to restore
     int lane_change_mode = 0;
+    std::vector<std::string> rest_of_route;  ///< edges, of a vehicle that has left the road
+    bool enters = false;                     ///< it is to be on the first of them again, in
+    int lane_index = -1;                     ///< this lane
   };
 
   /// What does not change while a vehicle is on the road.
@@ -353,10 +385,40 @@ class Backend final : public SumoTraffic {
     return (api::Vehicle::getStopState(id) & kParkedBits) == kParkedBits;
   }
 
-  /// A vehicle that leaves has no place until SUMO, or moveToXY in the same step, gives it one.
+  /// Those who came onto a lane again in this step go on along their own routes.
+  void resume_routes() {
+    for (auto& [id, vehicle] : controlled_) {
+      if (!vehicle.enters || api::Vehicle::getRoadID(id) != vehicle.rest_of_route.front()) continue;
+      api::Vehicle::setRoute(id, vehicle.rest_of_route);
+      vehicle.rest_of_route.clear();
+      vehicle.enters = false;
+    }
+  }
+
+  /// A vehicle that leaves goes by the lane beside its area, if only for a moment: moveToXY in the
+  /// same step takes it away from there. It waits for room, as SUMO would try it again in later
+  /// steps, when it is long under control, and in the end remove it twice.
   void leave_parking_areas() {
-    for (const std::string& id : leaving_) api::Vehicle::resume(id);
-    leaving_.clear();
+    std::erase_if(leaving_, [&](const std::string& id) {
+      if (is_parked(id) && !is_lane_free_beside(id)) return false;
+      if (is_parked(id)) api::Vehicle::resume(id);
+      return true;
+    });
+  }
+
+  static bool is_lane_free_beside(const std::string& id) {
+    constexpr double kAhead = 5.0;    // [m]
+    constexpr double kBehind = 40.0;  // [m]
+    const std::optional<NextStop> stop = next_parking_stop(id);
+    if (!stop) return true;
+    const double end = stop->data.endPos;
+    const double begin = end - api::Vehicle::getLength(id);
+    const std::vector<std::string> others = api::Lane::getLastStepVehicleIDs(stop->data.lane);
+    return std::ranges::none_of(others, [&](const std::string& other) {
+      if (other == id) return false;
+      const double front = api::Vehicle::getLanePosition(other);
+      return front > begin - kBehind && front - api::Vehicle::getLength(other) < end + kAhead;
+    });
   }
 
   void observe_pedestrians() {

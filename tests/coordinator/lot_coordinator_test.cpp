@@ -115,8 +115,7 @@ TEST(LotCoordinator, ParksACarAndBringsItBack) {
 
 class LotControllers : public testing::TestWithParam<LotController> {};
 
-// Disabled because they fail: where cars queue on ground that others manoeuvre on, two of them come
-// to touch by up to 2 cm. The runs of the larger lot in SUMO show no contact.
+// Disabled because they fail: two cars come to touch by up to 2 cm.
 TEST_P(LotControllers, DISABLED_ServeABusyLotWithoutContact) {
   LotOptions options;
   options.controller = GetParam();

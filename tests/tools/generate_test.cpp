@@ -18,8 +18,6 @@
 #include "tools/generate/parking_instance.hpp"
 #include "tools/generate/random_instance.hpp"
 #include "tools/generate/suite.hpp"
-#include "traci_bridge/network.hpp"
-#include "traci_bridge/parking_file.hpp"
 
 namespace mvtp {
 namespace {
@@ -196,25 +194,6 @@ TEST(GeneratedInstance, SaysWhenSoManyDoNotFit) {
 }
 
 // ---- cars that come and go
-
-std::string place(const ParkingSlot& slot) {
-  return fmt::format("{:.3f} {:.3f} {:.3f} {:.2f} {:.2f}", slot.middle.x, slot.middle.y,
-                     std::cos(slot.middle.theta), slot.length, slot.width);
-}
-
-TEST(OpenLot, IsThatOfTheScenario) {
-  const std::string folder = std::string(MVTP_SOURCE_DIR) + "/scenarios/parking/";
-  const std::vector<ParkingLot> lots =
-      read_parking_lots({folder + "parking.add.xml"}, read_network(folder + "parking.net.xml"));
-  ASSERT_EQ(lots.size(), 1U);
-  std::vector<std::string> drawn;
-  for (const ParkingSlot& slot : lots.front().slots) drawn.push_back(place(slot));
-  std::vector<std::string> made;
-  const ParkingLot lot = open_lot();
-  for (const ParkingSlot& slot : lot.slots) made.push_back(place(slot));
-  EXPECT_THAT(made, testing::UnorderedElementsAreArray(drawn));
-  EXPECT_THAT(lot.obstacles, testing::UnorderedElementsAreArray(lots.front().obstacles));
-}
 
 /// How far the body is out of the slot that it is nearest to, turned either way [m].
 double out_of_slot(const Agent& agent, const Pose& pose, double west) {

@@ -1,0 +1,43 @@
+#include "tools/lot_options.hpp"
+
+#include <charconv>
+#include <cmath>
+
+#include "planner/problem/input_error.hpp"
+
+namespace mvtp {
+namespace {
+
+LotController controller_of(const std::string& name) {
+  if (name == "one-at-a-time") return LotController::kOneAtATime;
+  return name == "prioritized" ? LotController::kPrioritized : LotController::kEscot;
+}
+
+ParkingDirection direction_of(const std::string& name) {
+  if (name == "forward") return ParkingDirection::kForward;
+  return name == "reverse" ? ParkingDirection::kReverse : ParkingDirection::kAny;
+}
+
+}  // namespace
+
+LotOptions lot_options(const CoordinateOptions& options) {
+  LotOptions lot;
+  lot.controller = controller_of(options.controller);
+  lot.parking = direction_of(options.parking);
+  for (const std::string& word : options.breakdowns) {
+    const std::size_t at = word.rfind('@');
+    double time = -1.0;
+    const char* end = word.data() + word.size();
+    const bool good = at != std::string::npos && at > 0 &&
+                      std::from_chars(word.data() + at + 1, end, time) ==
+                          std::from_chars_result{end, std::errc()} &&
+                      std::isfinite(time) && time >= 0.0;
+    if (!good) {
+      throw InputError("--break-down " + word, "is not VEHICLE@SECONDS, e.g. in00.3@120");
+    }
+    lot.breakdowns[word.substr(0, at)] = time;
+  }
+  return lot;
+}
+
+}  // namespace mvtp

@@ -1,0 +1,12 @@
+#pragma once
+
+#include "coordinator/lot_coordinator.hpp"
+#include "tools/coordinate_options.hpp"
+
+namespace mvtp {
+
+/// What the command line of `mvtp coordinate` says about a parking lot.
+/// @throws InputError for a breakdown that is not VEHICLE@SECONDS
+[[nodiscard]] LotOptions lot_options(const CoordinateOptions& options);
+
+}  // namespace mvtp
