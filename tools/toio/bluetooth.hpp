@@ -62,12 +62,15 @@ class Bluetooth {
   void subscribe(const std::string& path, Characteristic characteristic);
   [[nodiscard]] Bytes read(const std::string& path, Characteristic characteristic);
   /// Waits until BlueZ has taken it, and the cube if the characteristic answers writes.
+  /// @throws BluetoothError if either does not, or the link is gone.
   void write(const std::string& path, const Write& write);
   /// Does not wait, and nobody says whether it arrived: for commands that follow each other fast.
   void write_now(const std::string& path, const Write& write);
 
   /// Handles what comes in for so long [s].
   void wait(double seconds);
+  /// The same until `condition` is true. @return whether it is.
+  bool wait_until(double seconds, const std::function<bool()>& condition);
   /// From now on nothing ends with Interrupted: for stopping the cubes.
   void finish();
 

@@ -230,6 +230,21 @@ class Bluetooth::Bus {
     return "";
   }
 
+  /// The same. @throws BluetoothError if the cube has none.
+  [[nodiscard]] std::string place_of(const std::string& cube, Characteristic wanted) const {
+    const Object* object = find(cube);
+    const std::string name = object == nullptr ? cube : object->name;
+    if (object == nullptr || !object->connected) {
+      throw BluetoothError(fmt::format("{} lost its link; bring it nearer and try again", name));
+    }
+    std::string place = characteristic(cube, wanted);
+    if (!place.empty()) return place;
+    throw BluetoothError(
+        fmt::format("{} lacks the characteristic \"{}\"; remove it from Bluetooth's list and pair "
+                    "again (bluetoothctl remove {})",
+                    name, to_string(wanted), object->address));
+  }
+
   [[nodiscard]] Message method(const std::string& path, const char* interface, const char* name) {
     sd_bus_message* message = nullptr;
     check(
@@ -426,19 +441,11 @@ int Bluetooth::mtu(const std::string& path) const {
 }
 
 void Bluetooth::subscribe(const std::string& path, Characteristic characteristic) {
-  const std::string place = bus_->characteristic(path, characteristic);
-  if (place.empty()) {
-    throw BluetoothError(
-        fmt::format("a cube lacks the characteristic \"{}\"; remove it from "
-                    "Bluetooth's list and pair again (bluetoothctl remove)",
-                    to_string(characteristic)));
-  }
-  bus_->call(bus_->method(place, kGatt, "StartNotify"));
+  bus_->call(bus_->method(bus_->place_of(path, characteristic), kGatt, "StartNotify"));
 }
 
 Bytes Bluetooth::read(const std::string& path, Characteristic characteristic) {
-  const Message message =
-      bus_->method(bus_->characteristic(path, characteristic), kGatt, "ReadValue");
+  const Message message = bus_->method(bus_->place_of(path, characteristic), kGatt, "ReadValue");
   check(sd_bus_message_append(message.get(), "a{sv}", 0), "ReadValue");
   const Message reply = bus_->call(message);
   const void* data = nullptr;
@@ -462,7 +469,7 @@ void append_write(const Message& message, const Write& write) {
 }  // namespace
 
 void Bluetooth::write(const std::string& path, const Write& write) {
-  const Message message = bus_->method(bus_->characteristic(path, write.to), kGatt, "WriteValue");
+  const Message message = bus_->method(bus_->place_of(path, write.to), kGatt, "WriteValue");
   append_write(message, write);
   bus_->call(message);
 }
@@ -477,6 +484,10 @@ void Bluetooth::write_now(const std::string& path, const Write& write) {
 
 void Bluetooth::wait(double seconds) {
   (void)bus_->wait_until(seconds, [] { return false; });
+}
+
+bool Bluetooth::wait_until(double seconds, const std::function<bool()>& condition) {
+  return bus_->wait_until(seconds, condition);
 }
 
 void Bluetooth::finish() { bus_->finishing = true; }

@@ -23,6 +23,7 @@ constexpr double kDriveTime = 1.0;  // about 70 mm [s]
 constexpr int kDrives = 4;
 constexpr double kRest = 0.5;  // until the cube stands [s]
 constexpr double kKeepAlive = 0.05;
+constexpr double kFirstLook = 2.0;  // for the cube to tell where it is [s]
 
 /// One report of the cube and when it came [s].
 struct Sample {
@@ -34,8 +35,9 @@ struct Sample {
 /// Keeps the wheels turning for a time, and records what the cube reports from the first command.
 class Recorder {
  public:
-  Recorder(Bluetooth& bluetooth, std::string path) : bluetooth_(bluetooth), path_(std::move(path)) {
-    bluetooth_.on_notification([this](const std::string& from, const Notification& notification) {
+  Recorder(CubeSession& session, std::string path)
+      : session_(session), bluetooth_(session.bluetooth()), path_(std::move(path)) {
+    session_.on_notification([this](const std::string& from, const Notification& notification) {
       const auto event = decode_event(notification.from, notification.bytes);
       if (from != path_ || !event) return;
       missed_ = missed_ || std::holds_alternative<PositionMissed>(*event);
@@ -46,7 +48,7 @@ class Recorder {
   }
   Recorder(const Recorder&) = delete;
   Recorder& operator=(const Recorder&) = delete;
-  ~Recorder() { bluetooth_.on_notification(nullptr); }
+  ~Recorder() { session_.on_notification(nullptr); }
 
   std::vector<Sample> drive(const WheelUnits& units, double seconds) {
     samples_.clear();
@@ -68,6 +70,7 @@ class Recorder {
     return std::chrono::duration<double>(Clock::now() - begin_).count();
   }
 
+  CubeSession& session_;
   Bluetooth& bluetooth_;
   std::string path_;
   Clock::time_point begin_ = Clock::now();
@@ -155,8 +158,8 @@ Calibration calibrate(Bluetooth& bluetooth, const Mat& mat, const std::string& n
   CubeSession session(bluetooth);
   hooks.say(fmt::format("measuring {} ({})", wanted->name, wanted->address));
   session.add(*wanted);
-  Recorder recorder(bluetooth, wanted->path);
-  bluetooth.wait(0.2);
+  session.await_places(kFirstLook);
+  Recorder recorder(session, wanted->path);
 
   Calibration result;
   result.center_to_axle =

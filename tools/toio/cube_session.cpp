@@ -5,13 +5,25 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 
 namespace mvtp {
 namespace {
 
 constexpr int kLeastBattery = 20;                    // [%]
-constexpr double kVersionTime = 2.0;                 // [s]
 constexpr std::string_view kLeastVersion = "2.2.0";  // the first that can notify all the time
+
+constexpr double kAskAgain = 0.3;  // if no answer has come [s]
+constexpr double kAskTime = 5.0;   // for all times together [s]
+constexpr double kSilence = 0.3;   // after which a place does not count any more [s]
+
+// A cube stands if what it reports varies by no more than this, for so long after the first stop:
+// longer than a command and the report of what it did are under way.
+constexpr double kRestDots = 1.5;
+constexpr double kRestDegrees = 2.5;
+constexpr double kRestTime = 0.25;    // [s]
+constexpr double kStopTime = 1.0;     // for stopping in all: by then every command has ended [s]
+constexpr double kStopPeriod = 0.05;  // cubes may miss commands that come closer [s]
 
 bool equal_ignoring_case(std::string_view a, std::string_view b) {
   return std::ranges::equal(a, b, [](char p, char q) {
@@ -20,31 +32,100 @@ bool equal_ignoring_case(std::string_view a, std::string_view b) {
   });
 }
 
-/// Asks for the protocol version; empty if the cube does not tell.
-std::string version_of(Bluetooth& bluetooth, const FoundCube& cube) {
-  std::string version;
-  bluetooth.on_notification([&](const std::string& path, const Notification& notification) {
-    const auto event = decode_event(notification.from, notification.bytes);
-    if (path != cube.path || !event) return;
-    if (const auto* told = std::get_if<Version>(&*event)) version = told->text;
-  });
-  bluetooth.write(cube.path, encode(AskVersion{}));
-  for (double waited = 0.0; version.empty() && waited < kVersionTime; waited += 0.02) {
-    bluetooth.wait(0.02);
-  }
-  bluetooth.on_notification(nullptr);
-  return version;
+double seconds_between(std::chrono::steady_clock::time_point a,
+                       std::chrono::steady_clock::time_point b) {
+  return std::chrono::duration<double>(b - a).count();
 }
 
-void refuse_unfit(Bluetooth& bluetooth, const FoundCube& cube) {
-  const std::string version = version_of(bluetooth, cube);
+}  // namespace
+
+CubeSession::CubeSession(Bluetooth& bluetooth) : bluetooth_(bluetooth) {
+  bluetooth_.on_notification([this](const std::string& path, const Notification& notification) {
+    hear(path, notification);
+    if (handler_) handler_(path, notification);
+  });
+}
+
+CubeSession::~CubeSession() {
+  handler_ = nullptr;  // who listened may be gone already
+  bluetooth_.finish();
+  stop_all();
+  bluetooth_.on_notification(nullptr);
+  for (const FoundCube& cube : cubes_) {
+    try {
+      if (bluetooth_.connected(cube.path)) bluetooth_.disconnect(cube.path);
+    } catch (const BluetoothError&) {
+      // It will notice that nobody talks to it.
+    }
+  }
+}
+
+void CubeSession::hear(const std::string& path, const Notification& notification) {
+  const auto event = decode_event(notification.from, notification.bytes);
+  if (!event) return;
+  Told& told = told_[path];
+  if (const auto* version = std::get_if<Version>(&*event)) {
+    told.version = version->text;
+  } else if (const auto* done = std::get_if<SettingDone>(&*event)) {
+    told.settings[done->setting] = done->result;
+  } else if (const auto* position = std::get_if<PositionId>(&*event)) {
+    hear_place(told, {double(position->x), double(position->y), double(position->degrees)});
+  } else if (std::holds_alternative<PositionMissed>(*event)) {
+    told.place.reset();
+    told.saw_or_missed = true;
+  }
+}
+
+void CubeSession::hear_place(Told& told, const MatPose& place) {
+  told.place = place;
+  told.heard = Clock::now();
+  told.saw_or_missed = true;
+  const double turn = std::remainder(place.degrees - told.rest.degrees, 360.0);
+  if (std::hypot(place.x - told.rest.x, place.y - told.rest.y) <= kRestDots &&
+      std::abs(turn) <= kRestDegrees) {
+    return;
+  }
+  told.rest = place;
+  told.moved = told.heard;
+}
+
+bool CubeSession::ask(const FoundCube& cube, const CubeCommand& question,
+                      const std::function<bool(const Told&)>& answered) {
+  const Clock::time_point begin = Clock::now();
+  while (seconds_between(begin, Clock::now()) < kAskTime) {
+    bluetooth_.write(cube.path, encode(question));
+    if (bluetooth_.wait_until(kAskAgain, [&] { return answered(told_[cube.path]); })) return true;
+  }
+  return false;
+}
+
+void CubeSession::require_setting(const FoundCube& cube, const CubeCommand& setting,
+                                  std::uint8_t answer) {
+  if (!ask(cube, setting, [&](const Told& told) { return told.settings.contains(answer); })) {
+    throw BluetoothError(fmt::format(
+        "{} does not confirm its settings; switch it off and on, and bring it nearer", cube.name));
+  }
+  const int result = told_[cube.path].settings[answer];
+  if (result == 0) return;
+  throw BluetoothError(fmt::format(
+      "{} refuses to report its position all the time (result {}); update its firmware with "
+      "toio's update page",
+      cube.name, result));
+}
+
+void CubeSession::refuse_unfit(const FoundCube& cube) {
+  if (!ask(cube, AskVersion{}, [](const Told& told) { return !told.version.empty(); })) {
+    throw BluetoothError(fmt::format(
+        "{} does not tell its protocol; switch it off and on, and bring it nearer", cube.name));
+  }
+  const std::string& version = told_[cube.path].version;
   if (version < kLeastVersion) {  // digits and points of equal length
     throw BluetoothError(
         fmt::format("{} has protocol {}, at least {} is needed; update its firmware "
                     "with toio's update page",
-                    cube.name, version.empty() ? "unknown" : version, kLeastVersion));
+                    cube.name, version, kLeastVersion));
   }
-  const Bytes battery = bluetooth.read(cube.path, Characteristic::kBattery);
+  const Bytes battery = bluetooth_.read(cube.path, Characteristic::kBattery);
   const auto event = decode_event(Characteristic::kBattery, battery);
   if (const auto* level = event ? std::get_if<Battery>(&*event) : nullptr) {
     if (level->percent < kLeastBattery) {
@@ -56,49 +137,57 @@ void refuse_unfit(Bluetooth& bluetooth, const FoundCube& cube) {
   }
 }
 
-}  // namespace
-
-CubeSession::~CubeSession() {
-  bluetooth_.on_notification(nullptr);  // who listened may be gone already
-  bluetooth_.finish();
-  stop_all();
-  for (const FoundCube& cube : cubes_) {
-    try {
-      if (bluetooth_.connected(cube.path)) bluetooth_.disconnect(cube.path);
-    } catch (const BluetoothError&) {
-      // It will notice that nobody talks to it.
-    }
-  }
-}
-
 void CubeSession::add(const FoundCube& cube) {
   bluetooth_.connect(cube.path);
   cubes_.push_back(cube);
+  told_[cube.path] = {};
   for (const Characteristic c : {Characteristic::kId, Characteristic::kMotor,
                                  Characteristic::kButton, Characteristic::kConfiguration}) {
     bluetooth_.subscribe(cube.path, c);
   }
-  refuse_unfit(bluetooth_, cube);
+  refuse_unfit(cube);
   // Always, so that silence means trouble.
-  bluetooth_.write(cube.path, encode(NotifyId{1, NotifyWhen::kAlways}));
-  bluetooth_.write(cube.path, encode(NotifyIdMissed{10}));
+  require_setting(cube, NotifyId{1, NotifyWhen::kAlways}, 0x98);
+  require_setting(cube, NotifyIdMissed{10}, 0x99);
+}
+
+std::optional<MatPose> CubeSession::place(const std::string& path) const {
+  const auto told = told_.find(path);
+  if (told == told_.end() || !told->second.place) return std::nullopt;
+  if (seconds_between(told->second.heard, Clock::now()) > kSilence) return std::nullopt;
+  return told->second.place;
+}
+
+void CubeSession::await_places(double seconds) {
+  (void)bluetooth_.wait_until(seconds, [this] {
+    return std::ranges::all_of(cubes_, [this](const FoundCube& cube) {
+      return told_[cube.path].saw_or_missed || !bluetooth_.connected(cube.path);
+    });
+  });
+}
+
+bool CubeSession::stands_since(const FoundCube& cube, Clock::time_point begin) const {
+  const auto told = told_.find(cube.path);
+  return told != told_.end() && told->second.place.has_value() &&
+         seconds_between(std::max(begin, told->second.moved), told->second.heard) > kRestTime;
 }
 
 void CubeSession::stop_all() {
   const Write stop = encode(DriveOn{});
-  // All at once first; then each by itself, so that one that does not answer holds up no other.
+  const Clock::time_point begin = Clock::now();
   try {
-    for (const FoundCube& cube : cubes_) bluetooth_.write_now(cube.path, stop);
-    bluetooth_.wait(0.05);  // cubes may miss commands that come closer
+    while (seconds_between(begin, Clock::now()) < kStopTime) {
+      bool all_stand = true;
+      for (const FoundCube& cube : cubes_) {
+        if (!bluetooth_.connected(cube.path) || stands_since(cube, begin)) continue;
+        all_stand = false;
+        bluetooth_.write_now(cube.path, stop);
+      }
+      if (all_stand) return;
+      bluetooth_.wait(kStopPeriod);
+    }
   } catch (const BluetoothError&) {
     // The bus is gone: the cubes stop by themselves when their last command ends.
-  }
-  for (const FoundCube& cube : cubes_) {
-    try {
-      if (bluetooth_.connected(cube.path)) bluetooth_.write(cube.path, stop);
-    } catch (const BluetoothError&) {
-      // Its last command ends by itself.
-    }
   }
 }
 

@@ -55,6 +55,8 @@ struct Station {
   Air<Write> to_cube;
   Air<Notification> from_cube;
   int failures_left = 0;
+  int settings_to_lose = 0;
+  int answers_to_lose = 0;
   bool visible = false;
   bool connected = false;
   bool resolved = false;
@@ -145,7 +147,9 @@ class EmulatedBluez::Service {
                     .address = fmt::format("CA:B3:00:00:00:{:02X}", number),
                     .path = {},
                     .cube = CubeModel(world_.mat, world_.cube, world_.starts[i], flaws),
-                    .failures_left = world_.connect_failures};
+                    .failures_left = world_.connect_failures,
+                    .settings_to_lose = world_.lost_settings,
+                    .answers_to_lose = world_.lost_settings};
     std::string file = station.address;
     std::ranges::replace(file, ':', '_');
     station.path = fmt::format("{}/dev_{}", kAdapterPath, file);
@@ -165,7 +169,8 @@ class EmulatedBluez::Service {
       }
       s.cube.step(kStep);
       for (Notification& n : s.cube.take_notifications()) {
-        if (s.connected) s.from_cube.send(std::move(n), time_, world_.air, dice_);
+        if (!s.connected || is_lost(n.from, s.answers_to_lose)) continue;
+        s.from_cube.send(std::move(n), time_, world_.air, dice_);
       }
       s.from_cube.deliver(time_, [&](const Notification& n) { notify(s, n); });
     }
@@ -231,7 +236,15 @@ class EmulatedBluez::Service {
       s.last_motor = to_hex(bytes);
       if (!s.moved_at) s.moved_at = time_;
     }
+    if (is_lost(to, s.settings_to_lose)) return;
     s.to_cube.send({to, std::move(bytes)}, time_, world_.air, dice_);
+  }
+
+  /// Counts down the settings, or the answers to them, that never arrive.
+  static bool is_lost(Characteristic characteristic, int& left) {
+    if (characteristic != Characteristic::kConfiguration || left == 0) return false;
+    --left;
+    return true;
   }
 
   // What BlueZ tells ----------------------------------------------------------------------------

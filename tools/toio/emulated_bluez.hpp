@@ -26,6 +26,7 @@ struct EmulatedWorld {
   AirQuality air;                 ///< each way
   int mtu = 247;                  ///< longer writes are dropped, as a cube does
   int connect_failures = 0;       ///< of each cube, before it can be connected
+  int lost_settings = 0;          ///< of each cube: so many first ones, and then so many answers
   bool adapter = true;            ///< is there one?
   int battery = 90;               ///< of the cubes [%]
   std::string version = "2.4.0";  ///< of their protocol

@@ -132,6 +132,9 @@ void declare(CLI::App& app, EmulatorOptions& options) {
       ->check(number_between(0, 1000));
   app.add_option("--loss", options.loss_percent, "Of commands and reports [%] [0]")
       ->check(number_between(0, 90));
+  app.add_option("--lose-settings", options.world.lost_settings,
+                 "Of each cube, the first so many settings, then so many answers [0]")
+      ->check(whole_number_between(0, 1000));
   app.add_option("--stall", options.stall, "Blocked wheels: RATE:SECONDS, as with emulate [none]");
   app.add_option("--mtu", options.world.mtu, "Longer writes are dropped [bytes] [247]")
       ->check(whole_number_between(23, 517));

@@ -15,6 +15,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
+constexpr double kFirstLook = 2.0;   // for the cubes to tell where they are, at most [s]
 constexpr double kLookPeriod = 0.1;  // while cubes are placed [s]
 constexpr double kHintPeriod = 3.0;  // between two hints about their places [s]
 constexpr std::uint8_t kDim = 60;
@@ -23,36 +24,13 @@ double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-/// What cubes have told last, by path.
-struct Listener {
-  std::map<std::string, MatPose> places;
-  bool button = false;
-
-  void hear(const std::string& path, const CubeEvent& event) {
-    if (const auto* position = std::get_if<PositionId>(&event)) {
-      places[path] = {double(position->x), double(position->y), double(position->degrees)};
-    } else if (std::holds_alternative<PositionMissed>(event)) {
-      places.erase(path);
-    } else if (const auto* press = std::get_if<Button>(&event)) {
-      button = button || press->pressed;
-    }
-  }
-};
-
-void listen(Bluetooth& bluetooth, Listener& listener) {
-  bluetooth.on_notification([&](const std::string& path, const Notification& notification) {
-    const auto event = decode_event(notification.from, notification.bytes);
-    if (event) listener.hear(path, *event);
-  });
-}
-
 Pose start_of(const ToioRun& run, std::size_t i) {
   return run.desk.to_desk(run.robots[i].waypoints.front().pose);
 }
 
 /// Which cube drives which robot: those that the run names, then the nearest pairs.
-std::vector<std::size_t> assign(const ToioRun& run, const std::vector<FoundCube>& cubes,
-                                const Listener& listener) {
+std::vector<std::size_t> assign(const ToioRun& run, const CubeSession& session) {
+  const std::vector<FoundCube>& cubes = session.cubes();
   constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
   std::vector<std::size_t> cube_of(run.robots.size(), kNone);
   std::vector<bool> taken(cubes.size());
@@ -70,10 +48,9 @@ std::vector<std::size_t> assign(const ToioRun& run, const std::vector<FoundCube>
     for (std::size_t i = 0; i < cube_of.size(); ++i) {
       for (std::size_t c = 0; c < cubes.size() && cube_of[i] == kNone; ++c) {
         if (taken[c]) continue;
-        const auto place = listener.places.find(cubes[c].path);
-        const double away = place == listener.places.end()
-                                ? 1e6  // does not see the mat yet
-                                : distance(run.desk.to_desk(place->second), start_of(run, i));
+        const std::optional<MatPose> place = session.place(cubes[c].path);
+        const double away = place ? distance(run.desk.to_desk(*place), start_of(run, i))
+                                  : 1e6;  // does not see the mat yet
         if (away >= nearest) continue;
         nearest = away;
         robot = i;
@@ -114,8 +91,7 @@ class LiveRun {
         hooks_(hooks) {}
 
   LiveOutcome drive() {
-    listen(bluetooth_, listener_);
-    bluetooth_.wait(0.3);
+    session_.await_places(kFirstLook);
     assign_cubes();
     place_cubes();
     return play();
@@ -125,8 +101,13 @@ class LiveRun {
   [[nodiscard]] const FoundCube& cube(std::size_t i) const { return session_.cubes()[cube_of_[i]]; }
 
   [[nodiscard]] std::optional<MatPose> place(std::size_t i) const {
-    const auto found = listener_.places.find(cube(i).path);
-    return found == listener_.places.end() ? std::nullopt : std::optional(found->second);
+    return session_.place(cube(i).path);
+  }
+
+  void require_link(std::size_t i) const {
+    if (bluetooth_.connected(cube(i).path)) return;
+    throw BluetoothError(fmt::format("{} ({}) {}; bring it nearer and try again", run_.robots[i].id,
+                                     cube(i).name, to_string(Fault::kLinkLost)));
   }
 
   void light(std::size_t i, std::uint8_t red, std::uint8_t green, std::uint8_t blue) {
@@ -134,7 +115,7 @@ class LiveRun {
   }
 
   void assign_cubes() {
-    cube_of_ = assign(run_, session_.cubes(), listener_);
+    cube_of_ = assign(run_, session_);
     for (std::size_t i = 0; i < run_.robots.size(); ++i) {
       hooks_.say(fmt::format("{} is driven by {} ({}), MTU {}", run_.robots[i].id, cube(i).name,
                              cube(i).address, bluetooth_.mtu(cube(i).path)));
@@ -149,6 +130,7 @@ class LiveRun {
     while (true) {
       std::string problem;
       for (std::size_t i = 0; i < run_.robots.size(); ++i) {
+        require_link(i);
         const std::string how = hint(run_, i, place(i), options_);
         if (shown[i] != int(how.empty())) {
           light(i, how.empty() ? 0 : kDim, how.empty() ? kDim : 0, 0);
@@ -162,6 +144,7 @@ class LiveRun {
       if (waited >= next_hint) {
         hooks_.say(problem);
         next_hint = waited + kHintPeriod;
+        std::ranges::fill(shown, -1);  // once more, should a lamp have missed it
       }
       bluetooth_.wait(kLookPeriod);
     }
@@ -174,7 +157,6 @@ class LiveRun {
     for (std::size_t i = 0; i < run_.robots.size(); ++i) {
       light(i, run_.robots[i].color[0], run_.robots[i].color[1], run_.robots[i].color[2]);
     }
-    listener_.button = false;
     std::vector<Fault> told(run_.robots.size(), Fault::kNone);
     double next = seconds_since(begin);
     while (!player.finished() && !player.stuck(seconds_since(begin))) {
@@ -196,22 +178,22 @@ class LiveRun {
   void hear_with(Player& player, Clock::time_point begin) {
     std::map<std::string, std::size_t> robot_of;
     for (std::size_t i = 0; i < run_.robots.size(); ++i) robot_of[cube(i).path] = i;
-    bluetooth_.on_notification([this, &player, begin, robot_of](const std::string& path,
-                                                                const Notification& notification) {
+    session_.on_notification([this, &player, begin, robot_of](const std::string& path,
+                                                              const Notification& notification) {
       const auto robot = robot_of.find(path);
       const auto event = decode_event(notification.from, notification.bytes);
       if (robot == robot_of.end() || !event) return;
       const double now = seconds_since(begin);
       log(now, robot->second, "from", notification.from, notification.bytes);
-      listener_.hear(path, *event);
+      if (const auto* button = std::get_if<Button>(&*event)) pressed_ = pressed_ || button->pressed;
       player.receive(robot->second, *event, now);
     });
   }
 
   void take_pause(Player& player) {
     const bool asked = hooks_.pause_asked && hooks_.pause_asked();
-    if (!asked && !listener_.button) return;
-    listener_.button = false;
+    if (!asked && !pressed_) return;
+    pressed_ = false;
     player.pause(!player.paused());
     hooks_.say(player.paused() ? "paused: press Enter or a cube's button to go on" : "going on");
   }
@@ -259,8 +241,8 @@ class LiveRun {
   const ToioRun& run_;
   const LiveOptions& options_;
   const LiveHooks& hooks_;
-  Listener listener_;
   std::vector<std::size_t> cube_of_;
+  bool pressed_ = false;  ///< a button, since the last look
 };
 
 }  // namespace
