@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -16,19 +17,20 @@ namespace mvtp {
 namespace {
 
 struct EmulateCommand {
-  std::string run;
+  std::vector<std::string> runs;  ///< files
   EmulateOptions options;
   std::string stall = "0";
   double delay_ms = 130.0;
   double loss_percent = 0.0;
-  int runs = 1;
+  int times = 1;
   bool no_gating = false;
   std::string report;
 };
 
 double mm(double metres) { return metres * 1000.0; }
 
-nlohmann::ordered_json json_of(const ToioRun& run, const EmulateReport& report) {
+nlohmann::ordered_json json_of(const std::string& file, std::uint64_t seed, const ToioRun& run,
+                               const EmulateReport& report) {
   nlohmann::ordered_json robots = nlohmann::ordered_json::array();
   for (std::size_t i = 0; i < report.robots.size(); ++i) {
     const RobotOutcome& robot = report.robots[i];
@@ -46,7 +48,9 @@ nlohmann::ordered_json json_of(const ToioRun& run, const EmulateReport& report) 
                       {"along_mm", mm(robot.most_along)},
                       {"track_mm", track}});
   }
-  return {{"finished", report.finished},
+  return {{"run", file},
+          {"seed", seed},
+          {"finished", report.finished},
           {"duration_s", report.duration},
           {"clearance_least_mm", std::isfinite(report.least_clearance)
                                      ? nlohmann::ordered_json(mm(report.least_clearance))
@@ -56,17 +60,58 @@ nlohmann::ordered_json json_of(const ToioRun& run, const EmulateReport& report) 
           {"robots", robots}};
 }
 
-void print_report(std::uint64_t seed, const EmulateReport& report) {
+void print_report(const std::string& name, std::uint64_t seed, const EmulateReport& report) {
   fmt::print(
-      "seed {}: {} in {:.1f} s, {} stalls, bodies {:.1f} mm apart at least, waited {:.1f} s, "
+      "{}seed {}: {} in {:.1f} s, {} stalls, bodies {:.1f} mm apart at least, waited {:.1f} s, "
       "beside {:.1f} mm, along {:.1f} mm{}\n",
-      seed, report.finished ? "finished" : "NOT FINISHED", report.duration, report.stalls,
+      name, seed, report.finished ? "finished" : "NOT FINISHED", report.duration, report.stalls,
       std::isfinite(report.least_clearance) ? mm(report.least_clearance) : 0.0, report.waited(),
       mm(report.most_lateral()), mm(report.most_along()),
       report.touching.empty() ? "" : "; TOUCHING: " + report.touching.front());
 }
 
-int emulate_run(EmulateCommand command) {
+/// What many runs have in common.
+class Summary {
+ public:
+  void add(const EmulateReport& report) {
+    touching_ += report.touching.empty() ? 0 : 1;
+    unfinished_ += report.finished ? 0 : 1;
+    good_ += report.finished && report.touching.empty() ? 1 : 0;
+    duration_ += report.duration;
+    beside_.push_back(report.most_lateral());
+  }
+
+  [[nodiscard]] bool all_good() const { return good_ == beside_.size(); }
+
+  /// @pre something was added.
+  void print() {
+    std::ranges::sort(beside_);
+    const std::size_t n = beside_.size();
+    fmt::print(
+        "{} of {} runs finished untouched; {} touching, {} not finished; {:.2f} s in the mean; "
+        "beside the path at most {:.1f} mm in 95 % of the runs, {:.1f} mm in all\n",
+        good_, n, touching_, unfinished_, duration_ / double(n), mm(beside_[(n - 1) * 95 / 100]),
+        mm(beside_.back()));
+  }
+
+ private:
+  std::size_t good_ = 0;
+  std::size_t touching_ = 0;
+  std::size_t unfinished_ = 0;
+  double duration_ = 0.0;       ///< of all together [s]
+  std::vector<double> beside_;  ///< the most of each run [m]
+};
+
+/// @throws InputError unless it can be driven so.
+ToioRun read_drivable(const std::string& file, DriveMode mode) {
+  ToioRun run = read_run(file);
+  require_mode(run, mode, file);
+  const std::vector<std::string> problems = find_problems(run);
+  if (!problems.empty()) throw InputError(file, problems.front() + "; see mvtp toio check");
+  return run;
+}
+
+int emulate_runs(EmulateCommand command) {
   const Stalls stalls = parse_stalls(command.stall);
   command.options.stalls_per_minute = stalls.per_minute;
   command.options.shortest_stall = stalls.shortest;
@@ -75,25 +120,26 @@ int emulate_run(EmulateCommand command) {
   command.options.loss = command.loss_percent / 100.0;
   command.options.player.gating = !command.no_gating;
   if (!command.report.empty()) check_writable(command.report);
-  const ToioRun run = read_run(command.run);
-  require_mode(run, command.options.player.mode, command.run);
-  const std::vector<std::string> problems = find_problems(run);
-  if (!problems.empty()) {
-    throw InputError(command.run, problems.front() + "; see mvtp toio check");
+  std::vector<ToioRun> runs;
+  for (const std::string& file : command.runs) {
+    runs.push_back(read_drivable(file, command.options.player.mode));
   }
 
-  int good = 0;
+  Summary summary;
   nlohmann::ordered_json reports = nlohmann::ordered_json::array();
-  for (int n = 0; n < command.runs; ++n) {
-    const EmulateReport report = emulate(run, command.options);
-    good += report.finished && report.touching.empty() ? 1 : 0;
-    print_report(command.options.seed, report);
-    if (!command.report.empty()) reports.push_back(json_of(run, report));
-    ++command.options.seed;
+  for (std::size_t r = 0; r < runs.size(); ++r) {
+    const std::string& file = command.runs[r];
+    EmulateOptions options = command.options;
+    for (int n = 0; n < command.times; ++n, ++options.seed) {
+      const EmulateReport report = emulate(runs[r], options);
+      summary.add(report);
+      print_report(runs.size() == 1 ? "" : file + ": ", options.seed, report);
+      if (!command.report.empty()) reports.push_back(json_of(file, options.seed, runs[r], report));
+    }
   }
-  if (command.runs > 1) fmt::print("{} of {} runs finished untouched\n", good, command.runs);
+  if (runs.size() > 1 || command.times > 1) summary.print();
   if (!command.report.empty()) write_text_file(command.report, reports.dump(1) + "\n");
-  return good == command.runs ? kDone : kNotAchieved;
+  return summary.all_good() ? kDone : kNotAchieved;
 }
 
 }  // namespace
@@ -102,7 +148,7 @@ ToioCommand declare_toio_emulate(CLI::App& toio) {
   CLI::App* app = toio.add_subcommand("emulate", "Drive a run on cubes emulated in the process");
   const auto command = std::make_shared<EmulateCommand>();
   app->footer("Exit code: 0 all arrived and none touched, 1 otherwise, 2 bad input.");
-  app->add_option("RUN", command->run, "Run file of mvtp toio export")
+  app->add_option("RUN", command->runs, "Run files of mvtp toio export")
       ->required()
       ->type_name("FILE")
       ->group("Input");
@@ -122,7 +168,7 @@ ToioCommand declare_toio_emulate(CLI::App& toio) {
   app->add_option("--seed", command->options.seed, "Of the world's chances [0]")
       ->type_name("N")
       ->group("World");
-  app->add_option("--runs", command->runs, "Runs with seeds from --seed on [1]")
+  app->add_option("--runs", command->times, "Runs of each file, with seeds from --seed on [1]")
       ->check(whole_number_between(1, 1'000'000))
       ->type_name("N")
       ->group("World");
@@ -136,7 +182,7 @@ ToioCommand declare_toio_emulate(CLI::App& toio) {
   app->add_option("--report", command->report, "Figures and true tracks to write (JSON) [none]")
       ->type_name("FILE")
       ->group("Output");
-  return {app, [command] { return emulate_run(*command); }};
+  return {app, [command] { return emulate_runs(*command); }};
 }
 
 }  // namespace mvtp

@@ -188,7 +188,7 @@ TEST_F(ToioEmulateProgram, TheReleaseGraphIsWhatKeepsBlockedCubesApart) {
   const std::string command = "toio emulate run.json --stall 12:2-4 --loss 2 --delay 130 --runs 10";
   const Outcome gated = run(command + " --report report.json");
   EXPECT_EQ(gated.exit_code, 0) << gated.out << gated.err;
-  EXPECT_THAT(gated.out, HasSubstr("10 of 10 runs finished untouched\n"));
+  EXPECT_THAT(gated.out, HasSubstr("10 of 10 runs finished untouched; 0 touching, 0 not "));
   EXPECT_THAT(content_of(directory_.path("report.json")), HasSubstr("\"clearance_least_mm\""));
   const Outcome ungated = run(command + " --no-gating");
   EXPECT_EQ(ungated.exit_code, 1);
