@@ -54,6 +54,9 @@ class Bluetooth {
   /// Connects, and finds the cube's characteristics. Tries three times: adapters abort the first
   /// attempt now and then ("le-connection-abort-by-local").
   void connect(const std::string& path);
+  /// connect() for those who cannot wait: begins, and says whether it is done. To be called again
+  /// until it is; tries as often as it takes.
+  [[nodiscard]] bool connect_meanwhile(const std::string& path);
   void disconnect(const std::string& path);
   [[nodiscard]] bool connected(const std::string& path) const;
   /// Bytes of a packet on this link, three of which are not a write's; 23 if BlueZ does not say.

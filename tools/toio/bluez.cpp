@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <cstdlib>
 #include <cstring>
 #include <map>
@@ -25,7 +26,8 @@ constexpr double kCallTime = 5.0;      // of calls but Connect [s]
 constexpr double kConnectTime = 20.0;  // [s]
 constexpr double kSlice = 0.01;        // between two looks whether to stop [s]
 constexpr int kTries = 3;              // to connect, and
-constexpr double kRetryPause = 0.3;    // between them [s]
+constexpr double kRetryPause = 0.3;    // between them, and
+constexpr double kRetryLater = 1.0;    // between those that nobody waits for [s]
 constexpr int kLeastMtu = 23;
 
 struct FreeMessage {
@@ -34,6 +36,10 @@ struct FreeMessage {
 struct CloseBus {
   void operator()(sd_bus* bus) const { sd_bus_flush_close_unref(bus); }
 };
+struct FreeSlot {
+  void operator()(sd_bus_slot* slot) const { sd_bus_slot_unref(slot); }
+};
+using Slot = std::unique_ptr<sd_bus_slot, FreeSlot>;
 using Message = std::unique_ptr<sd_bus_message, FreeMessage>;
 
 /// What is known of one object of BlueZ; which fields count depends on its interface.
@@ -219,6 +225,12 @@ class Bluetooth::Bus {
     return found == objects_.end() ? nullptr : &found->second;
   }
 
+  /// Is the cube connected, with its characteristics?
+  [[nodiscard]] bool ready(const std::string& path) const {
+    const Object* object = find(path);
+    return object != nullptr && object->connected && object->resolved;
+  }
+
   /// Where a cube's characteristic is on the bus; empty if the cube has none.
   [[nodiscard]] std::string characteristic(const std::string& cube, Characteristic wanted) const {
     for (auto at = objects_.lower_bound(cube + "/"); at != objects_.end(); ++at) {
@@ -270,10 +282,7 @@ class Bluetooth::Bus {
     check(sd_bus_call_async(bus_.get(), &slot, message.get(), take, &reply,
                             std::uint64_t((seconds + 1.0) * 1e6)),
           "call");
-    struct FreeSlot {
-      sd_bus_slot* slot;
-      ~FreeSlot() { sd_bus_slot_unref(slot); }
-    } const free_slot{slot};
+    const Slot free_slot(slot);
     wait_until(seconds, [&] { return reply.done; });
     if (!reply.done) throw BluetoothError("BlueZ does not answer; restart bluetoothd");
     if (const sd_bus_error* error = sd_bus_message_get_error(reply.message.get())) {
@@ -281,6 +290,25 @@ class Bluetooth::Bus {
                                                                                 : error->name);
     }
     return std::move(reply.message);
+  }
+
+  /// Asks a cube to connect, unless that is under way or was tried a moment ago.
+  void begin_to_connect(const std::string& path) {
+    Attempt& attempt = attempts_[path];
+    if (attempt.under_way || Clock::now() < attempt.next) return;
+    const auto end = [](sd_bus_message*, void* data, sd_bus_error*) {
+      auto* ended = static_cast<Attempt*>(data);
+      ended->under_way = false;
+      ended->next = Clock::now() + std::chrono::milliseconds(std::lround(kRetryLater * 1e3));
+      return 0;
+    };
+    const Message message = method(path, kDevice, "Connect");
+    sd_bus_slot* slot = nullptr;
+    check(sd_bus_call_async(bus_.get(), &slot, message.get(), end, &attempt,
+                            std::uint64_t(kConnectTime * 1e6)),
+          "Connect");
+    attempt.slot.reset(slot);
+    attempt.under_way = true;
   }
 
   /// Only sends.
@@ -325,6 +353,13 @@ class Bluetooth::Bus {
   }
 
  private:
+  /// To connect a cube that nobody waits for.
+  struct Attempt {
+    Slot slot;
+    bool under_way = false;
+    Clock::time_point next;  ///< not before
+  };
+
   static int on_signal(sd_bus_message* m, void* data, sd_bus_error*) {
     static_cast<Bus*>(data)->handle(m);
     return 0;
@@ -361,6 +396,7 @@ class Bluetooth::Bus {
   std::function<bool()> interrupted_;
   std::map<std::string, Object> objects_;
   std::string adapter_;
+  std::map<std::string, Attempt> attempts_;  ///< by path
 };
 
 Bluetooth::Bluetooth(std::function<bool()> interrupted)
@@ -407,15 +443,11 @@ std::vector<FoundCube> Bluetooth::scan(
 }
 
 void Bluetooth::connect(const std::string& path) {
-  const auto ready = [this, &path] {
-    const Object* object = bus_->find(path);
-    return object != nullptr && object->connected && object->resolved;
-  };
   for (int attempt = 1;; ++attempt) {
     try {
       bus_->call(bus_->method(path, kDevice, "Connect"), kConnectTime);
-      if (!bus_->wait_until(kCallTime, ready)) throw BluetoothError("its services do not show");
-      return;
+      if (bus_->wait_until(kCallTime, [&] { return bus_->ready(path); })) return;
+      throw BluetoothError("its services do not show");
     } catch (const BluetoothError& error) {
       if (attempt == kTries) {
         throw BluetoothError(fmt::format("{} cannot be connected ({}); switch it off and on",
@@ -424,6 +456,12 @@ void Bluetooth::connect(const std::string& path) {
       wait(kRetryPause);
     }
   }
+}
+
+bool Bluetooth::connect_meanwhile(const std::string& path) {
+  if (bus_->ready(path)) return true;
+  if (!connected(path)) bus_->begin_to_connect(path);
+  return false;
 }
 
 void Bluetooth::disconnect(const std::string& path) {

@@ -78,10 +78,10 @@ class Recorder {
   bool missed_ = false;
 };
 
-double mean(const std::vector<double>& values) {
-  double sum = 0.0;
-  for (const double value : values) sum += value;
-  return values.empty() ? 0.0 : sum / double(values.size());
+/// The middle of the values: what one drive that was held up does not change. @pre not empty.
+double median(std::vector<double> values) {
+  std::ranges::sort(values);
+  return (values[(values.size() - 1) / 2] + values[values.size() / 2]) / 2.0;
 }
 
 /// Radius of the circle that best fits the points [dots]: least squares after I. Kasa, "A circle
@@ -173,8 +173,8 @@ Calibration calibrate(Bluetooth& bluetooth, const Mat& mat, const std::string& n
     // The wheels near their speed as exp(-t / kMotorTime): the line begins that much later.
     lags.push_back(line.begin - kMotorTime);
   }
-  result.speed_per_unit = mean(speeds);
-  result.lag = std::max(0.0, mean(lags));
+  result.speed_per_unit = median(speeds);
+  result.lag = std::max(0.0, median(lags));
   return result;
 }
 

@@ -40,6 +40,8 @@ class CubeModel {
   void disconnect();
   /// Holds the wheels fast for a time, whatever the motors do.
   void block(double seconds) { blocked_until_ = time_ + seconds; }
+  /// Something hits it.
+  void bump() { notify(Motion{.collision = true}); }
   void press(bool pressed) { notify(Button{pressed}); }
   /// Somebody's hand.
   void put(const Pose& pose) { pose_ = pose; }

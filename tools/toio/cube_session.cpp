@@ -140,13 +140,32 @@ void CubeSession::refuse_unfit(const FoundCube& cube) {
 void CubeSession::add(const FoundCube& cube) {
   bluetooth_.connect(cube.path);
   cubes_.push_back(cube);
+  listen_to(cube);
+  refuse_unfit(cube);
+  set_up(cube);
+}
+
+bool CubeSession::regain(const FoundCube& cube) {
+  try {
+    if (!bluetooth_.connect_meanwhile(cube.path)) return false;
+    listen_to(cube);
+    set_up(cube);
+    return true;
+  } catch (const BluetoothError&) {
+    return false;  // its link is gone again, or it does not answer yet
+  }
+}
+
+void CubeSession::listen_to(const FoundCube& cube) {
   told_[cube.path] = {};
-  for (const Characteristic c : {Characteristic::kId, Characteristic::kMotor,
-                                 Characteristic::kButton, Characteristic::kConfiguration}) {
+  for (const Characteristic c :
+       {Characteristic::kId, Characteristic::kMotor, Characteristic::kSensor,
+        Characteristic::kButton, Characteristic::kConfiguration}) {
     bluetooth_.subscribe(cube.path, c);
   }
-  refuse_unfit(cube);
-  // Always, so that silence means trouble.
+}
+
+void CubeSession::set_up(const FoundCube& cube) {
   require_setting(cube, NotifyId{1, NotifyWhen::kAlways}, 0x98);
   require_setting(cube, NotifyIdMissed{10}, 0x99);
 }

@@ -26,6 +26,9 @@ class CubeSession {
   /// Connects a cube, and asks it for positions all the time.
   /// @throws BluetoothError if it cannot be connected, its firmware is too old or its battery low.
   void add(const FoundCube& cube);
+  /// Tries to get a cube back whose link is lost. Does not wait for the link: to be called again
+  /// until it says true, once the cube is ready to drive.
+  [[nodiscard]] bool regain(const FoundCube& cube);
 
   [[nodiscard]] const std::vector<FoundCube>& cubes() const { return cubes_; }
   [[nodiscard]] Bluetooth& bluetooth() const { return bluetooth_; }
@@ -61,6 +64,9 @@ class CubeSession {
   bool ask(const FoundCube& cube, const CubeCommand& question,
            const std::function<bool(const Told&)>& answered);
   void require_setting(const FoundCube& cube, const CubeCommand& setting, std::uint8_t answer);
+  void listen_to(const FoundCube& cube);
+  /// Has it report its position all the time, so that silence means trouble.
+  void set_up(const FoundCube& cube);
   void refuse_unfit(const FoundCube& cube);
   [[nodiscard]] bool stands_since(const FoundCube& cube, Clock::time_point begin) const;
   /// Tells every cube to stop until all stand.

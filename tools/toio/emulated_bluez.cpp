@@ -66,6 +66,7 @@ struct Station {
   int writes = 0;
   int dropped = 0;
   std::optional<double> moved_at;
+  double deaf_until = 0.0;  ///< cannot be connected before [s]
 
   [[nodiscard]] std::string service_path() const { return path + "/service000a"; }
   [[nodiscard]] std::string path_of(Characteristic c) const {
@@ -195,14 +196,23 @@ class EmulatedBluez::Service {
 
   void befall(std::size_t i) {
     Station& s = stations_[i];
-    const auto due = [&](std::optional<Mishap>& mishap) {
-      if (!mishap || mishap->cube != i || !s.moved_at) return false;
-      if (time_ < *s.moved_at + mishap->after) return false;
-      mishap.reset();
-      return true;
+    const auto due = [&](const std::optional<Mishap>& mishap) {
+      return mishap && mishap->cube == i && s.moved_at && time_ >= *s.moved_at + mishap->after;
     };
-    if (due(world_.disconnect)) drop(s);
-    if (due(world_.press)) s.cube.press(true);
+    if (due(world_.disconnect)) {
+      const double never = std::numeric_limits<double>::infinity();
+      s.deaf_until = time_ + world_.disconnect->lasts.value_or(never);
+      world_.disconnect.reset();
+      drop(s);
+    }
+    if (due(world_.press)) {
+      world_.press.reset();
+      s.cube.press(true);
+    }
+    if (due(world_.bump)) {
+      world_.bump.reset();
+      s.cube.bump();
+    }
   }
 
   void watch() {
@@ -419,8 +429,8 @@ class EmulatedBluez::Service {
     if (member != "Connect") {
       return refuse(m, "org.freedesktop.DBus.Error.UnknownMethod", "no such method");
     }
-    if (s.failures_left > 0) {
-      --s.failures_left;
+    if (s.failures_left > 0 || time_ < s.deaf_until) {
+      s.failures_left = std::max(0, s.failures_left - 1);
       return refuse(m, "org.bluez.Error.Failed", "le-connection-abort-by-local");
     }
     s.connected = true;

@@ -16,6 +16,7 @@ namespace mvtp {
 struct Mishap {
   std::size_t cube = 0;
   double after = 0.0;
+  std::optional<double> lasts;  ///< [s]; none: for ever, if it is of the kind that lasts
 };
 
 /// The world of the emulator, and what goes wrong in it.
@@ -35,6 +36,7 @@ struct EmulatedWorld {
   double longest_stall = 5.0;
   std::optional<Mishap> disconnect;
   std::optional<Mishap> press;
+  std::optional<Mishap> bump;
   std::uint64_t seed = 0;
 };
 

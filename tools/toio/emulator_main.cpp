@@ -5,6 +5,7 @@
 #include <csignal>
 #include <nlohmann/json.hpp>
 #include <numbers>
+#include <sstream>
 
 #include "planner/problem/input_error.hpp"
 #include "tools/child_process.hpp"
@@ -25,21 +26,26 @@ struct EmulatorOptions {
   std::string stall = "0";
   std::string disconnect;
   std::string press;
+  std::string bump;
   double delay_ms = 60.0;
   double loss_percent = 0.0;
   bool no_adapter = false;
 };
 
-/// "2:1.5": the second cube, after 1.5 s.
+/// "2:1.5": the second cube, after 1.5 s; "2:1.5:3": for 3 s.
 std::optional<Mishap> parse_mishap(const std::string& option, const std::string& text) {
   if (text.empty()) return std::nullopt;
-  const std::size_t colon = text.find(':');
-  const std::string cube = text.substr(0, colon);
-  const std::string seconds = colon == std::string::npos ? "" : text.substr(colon + 1);
-  if (!whole_number_between(1, 100)(cube).empty() || !number_between(0, 1e6)(seconds).empty()) {
+  std::vector<std::string> words;
+  std::istringstream stream(text);
+  for (std::string word; std::getline(stream, word, ':');) words.push_back(word);
+  const auto is_time = number_between(0, 1e6);
+  if (words.size() < 2 || words.size() > 3 || !whole_number_between(1, 100)(words[0]).empty() ||
+      !is_time(words[1]).empty() || !is_time(words.back()).empty()) {
     throw InputError(option, fmt::format("is \"{}\"; give CUBE:SECONDS, e.g. 2:1.5", text));
   }
-  return Mishap{std::stoul(cube) - 1, std::stod(seconds)};
+  Mishap mishap{std::stoul(words[0]) - 1, std::stod(words[1]), std::nullopt};
+  if (words.size() == 3) mishap.lasts = std::stod(words[2]);
+  return mishap;
 }
 
 /// The cubes on the starts of a run, in another order than its robots.
@@ -78,6 +84,7 @@ EmulatedWorld world_of(const EmulatorOptions& options) {
   world.longest_stall = stalls.longest;
   world.disconnect = parse_mishap("--disconnect", options.disconnect);
   world.press = parse_mishap("--press", options.press);
+  world.bump = parse_mishap("--bump", options.bump);
   world.adapter = !options.no_adapter;
   return world;
 }
@@ -142,8 +149,10 @@ void declare(CLI::App& app, EmulatorOptions& options) {
                  "Of each cube, before it can be connected [0]")
       ->check(whole_number_between(0, 1000));
   app.add_option("--disconnect", options.disconnect,
-                 "CUBE:SECONDS: its link ends so long after it first was told to move [none]");
+                 "CUBE:SECONDS[:FOR]: its link ends so long after it first was told to move, for "
+                 "ever or so long [none]");
   app.add_option("--press", options.press, "CUBE:SECONDS: its button is pressed then [none]");
+  app.add_option("--bump", options.bump, "CUBE:SECONDS: it feels a collision then [none]");
   app.add_option("--battery", options.world.battery, "Of the cubes [%] [90]")
       ->check(whole_number_between(0, 100));
   app.add_option("--protocol", options.world.version, "Version of the cubes' protocol [2.4.0]");

@@ -157,6 +157,7 @@ class LiveRun {
     for (std::size_t i = 0; i < run_.robots.size(); ++i) {
       light(i, run_.robots[i].color[0], run_.robots[i].color[1], run_.robots[i].color[2]);
     }
+    lost_.assign(run_.robots.size(), false);
     std::vector<Fault> told(run_.robots.size(), Fault::kNone);
     double next = seconds_since(begin);
     while (!player.finished() && !player.stuck(seconds_since(begin))) {
@@ -165,9 +166,7 @@ class LiveRun {
       // After a hold-up of the computer: no burst of commands to catch up.
       next = std::max(next, seconds_since(begin) - run_.timing.control);
       take_pause(player);
-      for (std::size_t i = 0; i < run_.robots.size(); ++i) {
-        if (!bluetooth_.connected(cube(i).path)) player.lose(i);
-      }
+      look_after_links(player, begin);
       send(player.tick(seconds_since(begin)), seconds_since(begin));
       tell_faults(player, told);
     }
@@ -188,6 +187,19 @@ class LiveRun {
       if (const auto* button = std::get_if<Button>(&*event)) pressed_ = pressed_ || button->pressed;
       player.receive(robot->second, *event, now);
     });
+  }
+
+  /// Tells the player whose link is gone, and who is back; meanwhile tries to get them back.
+  void look_after_links(Player& player, Clock::time_point begin) {
+    for (std::size_t i = 0; i < lost_.size(); ++i) {
+      if (lost_[i] && session_.regain(cube(i))) {
+        lost_[i] = false;
+        player.regain(i, seconds_since(begin));
+      } else if (!lost_[i] && !bluetooth_.connected(cube(i).path)) {
+        lost_[i] = true;
+        player.lose(i);
+      }
+    }
   }
 
   void take_pause(Player& player) {
@@ -242,7 +254,8 @@ class LiveRun {
   const LiveOptions& options_;
   const LiveHooks& hooks_;
   std::vector<std::size_t> cube_of_;
-  bool pressed_ = false;  ///< a button, since the last look
+  std::vector<bool> lost_;  ///< by robot: is its cube's link?
+  bool pressed_ = false;    ///< a button, since the last look
 };
 
 }  // namespace

@@ -40,7 +40,8 @@ constexpr double kBeside = 0.015;
 constexpr double kSilence = 0.3;     // without a report [s]
 constexpr double kStray = 0.03;      // from the path [m]
 constexpr double kGiveUp = 20.0;     // without progress [s]
-constexpr double kGiveUpLost = 2.0;  // the same if a link is lost
+constexpr double kGiveUpLost = 8.0;  // the same if a link is lost
+constexpr double kBumpRest = 1.0;    // of a cube that felt a collision [s]
 
 constexpr double kMarch = 0.01;      // of the search for what was reached [s]
 constexpr double kLeastRate = 0.15;  // of a clock that may go on at all
@@ -69,6 +70,8 @@ const char* to_string(Fault fault) {
       return "is silent";
     case Fault::kOffMat:
       return "does not see the mat";
+    case Fault::kBumped:
+      return "bumped into something";
     case Fault::kOffPath:
       return "is off its path";
     case Fault::kLinkLost:
@@ -100,6 +103,8 @@ void Player::receive(std::size_t i, const CubeEvent& event, double now) {
     robot.predictor.measured(pose, now);
   } else if (std::holds_alternative<PositionMissed>(event)) {
     robot.off_mat = true;
+  } else if (const auto* motion = std::get_if<Motion>(&event)) {
+    if (motion->collision) robot.bumped_until = now + kBumpRest;
   } else if (const auto* done = std::get_if<TargetDone>(&event)) {
     const bool last = reached_[i] >= references_[i].end();
     robot.at_target = last && done->result == TargetResult::kReached;
@@ -107,6 +112,11 @@ void Player::receive(std::size_t i, const CubeEvent& event, double now) {
 }
 
 void Player::lose(std::size_t i) { robots_[i].lost = true; }
+
+void Player::regain(std::size_t i, double now) {
+  robots_[i].lost = false;
+  robots_[i].heard_at = now;
+}
 
 /// Marches along the path as far as the report shows that the cube has come, but not past its
 /// clock.
@@ -140,6 +150,7 @@ Fault Player::fault_of(std::size_t i, double now) const {
   const Robot& robot = robots_[i];
   if (robot.lost) return Fault::kLinkLost;
   if (robot.off_mat) return Fault::kOffMat;
+  if (now < robot.bumped_until) return Fault::kBumped;
   if (now - robot.heard_at > kSilence) return Fault::kSilent;
   if (robot.seen) {
     const Pose& on_path = references_[i].at(reached_[i]).pose;
@@ -233,7 +244,11 @@ std::vector<std::optional<Write>> Player::tick(double now) {
   for (std::size_t i = 0; i < robots_.size(); ++i) {
     Robot& robot = robots_[i];
     robot.outcome.fault = fault_of(i, now);
-    if (robot.lost) continue;
+    if (robot.lost) {
+      robot.rate = 0.0;
+      robot.predictor.sent({}, now);  // its last command ends by itself
+      continue;
+    }
     const bool stop = paused_ || robot.outcome.fault != Fault::kNone;
     if (stop || (robot.outcome.arrived && options_.mode == DriveMode::kTrack)) {
       robot.rate = 0.0;

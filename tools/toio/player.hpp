@@ -21,7 +21,7 @@ struct PlayerOptions {
 };
 
 /// Why a cube does not follow its path for now.
-enum class Fault { kNone, kSilent, kOffMat, kOffPath, kLinkLost };
+enum class Fault { kNone, kSilent, kOffMat, kBumped, kOffPath, kLinkLost };
 [[nodiscard]] const char* to_string(Fault fault);
 
 /// How one robot fared.
@@ -53,6 +53,8 @@ class Player {
   void receive(std::size_t i, const CubeEvent& event, double now);
   /// The link to robot i's cube is gone.
   void lose(std::size_t i);
+  /// It is there again.
+  void regain(std::size_t i, double now);
   void pause(bool paused) { paused_ = paused; }
   [[nodiscard]] bool paused() const { return paused_; }
 
@@ -75,7 +77,8 @@ class Player {
     std::optional<Pose> seen;  ///< as last reported
     double heard_at = 0.0;     ///< when
     bool off_mat = false;
-    bool at_target = false;  ///< the cube says that it came to the last target
+    double bumped_until = 0.0;  ///< stays where it is until then [s]
+    bool at_target = false;     ///< the cube says that it came to the last target
     bool lost = false;
     double rate = 0.0;         ///< of the clock, 0 ... 1
     double next_target = 0.0;  ///< when to send the next target [s]

@@ -36,4 +36,12 @@ inline Exported exported(const std::vector<PlannedRobot>& robots,
   return make_run(robots, 1.0, fit, fitting, options);
 }
 
+/// The crossing with margins as wide as targets need them.
+inline Exported exported_for_targets() {
+  const FitOptions fitting{.margins = {0.0205, 0.0205}};
+  const std::vector<PlannedRobot> robots = crossing(8);
+  const Fit fit = fit_to_mat(robots, 1.0, find_mat("collection-ring"), fitting);
+  return make_run(robots, 1.0, fit, fitting, {.mode = DriveMode::kTarget});
+}
+
 }  // namespace mvtp

@@ -137,11 +137,33 @@ TEST(ToioPlayer, ALostLinkEndsTheRunOfTheOthersInOrder) {
   Ideal ideal(exported(crossing()).run);
   ideal.tick(0.5, {true, true});
   ideal.player.lose(0);
-  ideal.tick(12.0, {false, true});
+  ideal.tick(20.0, {false, true});
   EXPECT_FALSE(ideal.writes[0]);
   EXPECT_EQ(ideal.speeds(1), (WheelUnits{}));
   EXPECT_TRUE(ideal.player.stuck(ideal.now));
   EXPECT_FALSE(ideal.player.finished());
+}
+
+TEST(ToioPlayer, ALinkThatIsBackGoesOn) {
+  Ideal ideal(exported(crossing()).run);
+  ideal.tick(0.5, {true, true});
+  ideal.player.lose(0);
+  ideal.tick(3.0, {false, true});
+  ideal.player.regain(0, ideal.now);
+  ideal.tick(30.0, {true, true});
+  EXPECT_TRUE(ideal.player.finished());
+}
+
+//   A second of rest, then it goes on.
+TEST(ToioPlayer, ACubeThatBumpsIntoSomethingStopsForAWhile) {
+  Ideal ideal(exported(crossing()).run);
+  ideal.tick(1.0, {true, true});
+  ideal.player.receive(0, Motion{.collision = true}, ideal.now);
+  ideal.tick(1.9, {true, true});
+  EXPECT_EQ(ideal.player.outcome(0).fault, Fault::kBumped);
+  EXPECT_EQ(ideal.speeds(0), (WheelUnits{}));
+  ideal.tick(30.0, {true, true});
+  EXPECT_TRUE(ideal.player.finished());
 }
 
 TEST(ToioPlayer, APauseStopsAllAndGoesOnAfterwards) {
@@ -200,11 +222,8 @@ TEST_F(ToioEmulateProgram, TargetsNeedWiderMargins) {
   (void)directory_.file("run.json", to_json(exported(crossing()).run));
   expect_refused("toio emulate run.json --mode target",
                  "run.json: has margins of 5.0 mm, but .* export with --margin-lateral 20.4 .*");
-  const FitOptions wide{.margins = {0.0205, 0.0205}};
-  const std::vector<PlannedRobot> robots = crossing(8);
-  const Fit fit = fit_to_mat(robots, 1.0, find_mat("collection-ring"), wide);
-  const Exported result = make_run(robots, 1.0, fit, wide, {.mode = DriveMode::kTarget});
-  ASSERT_THAT(fit.problem + result.problem, IsEmpty());
+  const Exported result = exported_for_targets();
+  ASSERT_THAT(result.problem, IsEmpty());
   (void)directory_.file("wide.json", to_json(result.run));
   const Outcome outcome = run("toio emulate wide.json --mode target --runs 5 --stall 4:1-5");
   EXPECT_EQ(outcome.exit_code, 0) << outcome.out;
@@ -212,7 +231,7 @@ TEST_F(ToioEmulateProgram, TargetsNeedWiderMargins) {
   EmulateOptions options;
   options.player.mode = DriveMode::kTarget;
   const EmulateReport report = emulate(result.run, options);
-  for (std::size_t i = 0; i < robots.size(); ++i) {
+  for (std::size_t i = 0; i < report.tracks.size(); ++i) {
     const Pose goal = result.run.desk.to_desk(result.run.robots[i].waypoints.back().pose);
     EXPECT_LT(distance(report.tracks[i].back(), goal), 0.0204);
     EXPECT_LT(std::abs(wrap_to_pi(report.tracks[i].back().theta - goal.theta)), 0.1);

@@ -90,6 +90,24 @@ TEST_F(ToioLive, NoSingleMessageIsNeeded) {
   expect_all_stopped();
 }
 
+//   The paper's way, over the bus: a cube promises to come within 15 dots of its goal.
+TEST_F(ToioLive, TargetsAreDrivenTo) {
+  const Exported wide = exported_for_targets();
+  ASSERT_EQ(wide.problem, "");
+  (void)directory_.file("run.json", to_json(wide.run));
+  const Outcome outcome =
+      live("--run run.json --loss 5", "mvtp toio run run.json --mode target --log log");
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.out;
+  EXPECT_THAT(content_of(directory_.path("log")), HasSubstr("\"to\": \"motor\", \"hex\": \"03"));
+  EXPECT_EQ(world()["touched"], false);
+  expect_all_stopped();
+  for (std::size_t i = 0; i < 2; ++i) {
+    const MatPose& goal = wide.run.robots[1 - i].waypoints.back().pose;  // in reverse order
+    EXPECT_NEAR(cubes()[i]["x"], goal.x, 15.0);
+    EXPECT_NEAR(cubes()[i]["y"], goal.y, 15.0);
+  }
+}
+
 //   a's link ends before the crossing; b, which has to wait for a to leave it, stops in time.
 TEST_F(ToioLive, ALostLinkStopsWhoNeedsThePlace) {
   (void)directory_.file("run.json", to_json(exported(crossing()).run));
@@ -102,6 +120,17 @@ TEST_F(ToioLive, ALostLinkStopsWhoNeedsThePlace) {
   EXPECT_EQ(world()["touched"], false);
   EXPECT_EQ(cubes()[0]["last_motor"], kStop);
   for (const json& cube : cubes()) EXPECT_EQ(cube["wheels_mm_s"], 0.0);
+}
+
+//   The same, but the cube is in reach again after a second.
+TEST_F(ToioLive, ALinkThatComesBackIsUsedAgain) {
+  (void)directory_.file("run.json", to_json(exported(crossing()).run));
+  const Outcome outcome = live("--run run.json --disconnect 2:2.5:1", "mvtp toio run run.json");
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.out;
+  EXPECT_THAT(outcome.out, HasSubstr("a (toio-E2a) lost its link\n"));
+  EXPECT_THAT(outcome.out, HasSubstr("a (toio-E2a) is back\n"));
+  EXPECT_EQ(world()["touched"], false);
+  expect_all_stopped();
 }
 
 /// Interrupts the run once `reached`, a command, succeeds.
@@ -134,6 +163,14 @@ TEST_F(ToioLive, AButtonPausesAll) {
   EXPECT_EQ(outcome.exit_code, 130) << outcome.out;
   EXPECT_THAT(outcome.out, HasSubstr("toio: paused: press Enter or a cube's button to go on\n"));
   EXPECT_EQ(cubes()[1]["wheels_mm_s"], 0.0);
+}
+
+TEST_F(ToioLive, ACollisionIsFeltAndStopsACubeForAWhile) {
+  (void)directory_.file("run.json", to_json(exported(crossing()).run));
+  const Outcome outcome =
+      live("--run run.json --bump 2:1", interrupt_when("grep -q 'is back' script.out"));
+  EXPECT_EQ(outcome.exit_code, 130) << outcome.out;
+  EXPECT_THAT(outcome.out, HasSubstr("a (toio-E2a) bumped into something\n"));
 }
 
 TEST_F(ToioLive, CubesThatAreElsewhereAreToldWhereTheyBelong) {
@@ -196,8 +233,9 @@ TEST_F(ToioLive, CalibrateFindsWhatTheCubesAre) {
     return at == std::string::npos ? -1.0 : std::stod(outcome.out.substr(at + text.size()));
   };
   EXPECT_NEAR(number_after("wheel axle "), 3.8, 0.6);
-  EXPECT_NEAR(number_after("of the wheels "), 2.814, 0.08);
-  EXPECT_NEAR(number_after("lag "), 120, 40);
+  EXPECT_NEAR(number_after("of the wheels "), 2.814, 0.15);
+  EXPECT_GT(number_after("lag "), 80);  // and no more than what the computer adds
+  EXPECT_LT(number_after("lag "), 300);
 }
 
 }  // namespace
