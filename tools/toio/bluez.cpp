@@ -1,5 +1,4 @@
 #include <fmt/format.h>
-#include <systemd/sd-bus.h>
 
 #include <algorithm>
 #include <chrono>
@@ -12,16 +11,20 @@
 #include <utility>
 
 #include "tools/toio/bluetooth.hpp"
+#include "tools/toio/dbus.hpp"
 
 namespace mvtp {
 namespace {
 
 using Clock = std::chrono::steady_clock;
+using dbus::check;
+using dbus::kAdapter;
+using dbus::kDevice;
+using dbus::kGatt;
+using dbus::Message;
+using dbus::Slot;
 
 constexpr const char* kBluez = "org.bluez";
-constexpr const char* kAdapter = "org.bluez.Adapter1";
-constexpr const char* kDevice = "org.bluez.Device1";
-constexpr const char* kGatt = "org.bluez.GattCharacteristic1";
 constexpr double kCallTime = 5.0;      // of calls but Connect [s]
 constexpr double kConnectTime = 20.0;  // [s]
 constexpr double kSlice = 0.01;        // between two looks whether to stop [s]
@@ -29,18 +32,6 @@ constexpr int kTries = 3;              // to connect, and
 constexpr double kRetryPause = 0.3;    // between them, and
 constexpr double kRetryLater = 1.0;    // between those that nobody waits for [s]
 constexpr int kLeastMtu = 23;
-
-struct FreeMessage {
-  void operator()(sd_bus_message* message) const { sd_bus_message_unref(message); }
-};
-struct CloseBus {
-  void operator()(sd_bus* bus) const { sd_bus_flush_close_unref(bus); }
-};
-struct FreeSlot {
-  void operator()(sd_bus_slot* slot) const { sd_bus_slot_unref(slot); }
-};
-using Slot = std::unique_ptr<sd_bus_slot, FreeSlot>;
-using Message = std::unique_ptr<sd_bus_message, FreeMessage>;
 
 /// What is known of one object of BlueZ; which fields count depends on its interface.
 struct Object {
@@ -57,10 +48,6 @@ struct Object {
   int rssi = 0;
   int mtu = kLeastMtu;
 };
-
-void check(int result, const char* what) {
-  if (result < 0) throw BluetoothError(fmt::format("D-Bus: {}: {}", what, strerror(-result)));
-}
 
 /// The value of a variant if it is of this type; else it is skipped.
 template <class Value>
@@ -392,7 +379,7 @@ class Bluetooth::Bus {
     if (from && cube != std::string::npos) handler(path.substr(0, cube), {*from, value});
   }
 
-  std::unique_ptr<sd_bus, CloseBus> bus_;
+  dbus::Bus bus_;
   std::function<bool()> interrupted_;
   std::map<std::string, Object> objects_;
   std::string adapter_;

@@ -6,7 +6,9 @@
 #include <cmath>
 #include <optional>
 
+#include "planner/problem/input_error.hpp"
 #include "planner/problem/referee_geometry.hpp"
+#include "tools/toio/player.hpp"
 #include "tools/toio/reference.hpp"
 
 namespace mvtp {
@@ -211,6 +213,14 @@ std::vector<std::string> find_problems(const ToioRun& run) {
     }
   }
   return problems;
+}
+
+ToioRun read_drivable_run(const std::string& path, DriveMode mode) {
+  ToioRun run = read_run(path);
+  require_mode(run, mode, path);
+  const std::vector<std::string> problems = find_problems(run);
+  if (!problems.empty()) throw InputError(path, problems.front() + "; see mvtp toio check");
+  return run;
 }
 
 }  // namespace mvtp

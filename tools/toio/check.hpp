@@ -15,4 +15,9 @@ namespace mvtp {
 /// and only for what is earlier in the plan (acyclic); the frames decode to what the waypoints say.
 [[nodiscard]] std::vector<std::string> find_problems(const ToioRun& run);
 
+/// Reads a run for driving it in `mode`.
+/// @throws InputError if the file is bad, cubes may not drive it, or its margins are too small for
+/// `mode`.
+[[nodiscard]] ToioRun read_drivable_run(const std::string& path, DriveMode mode);
+
 }  // namespace mvtp

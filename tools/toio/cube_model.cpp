@@ -60,7 +60,7 @@ void CubeModel::run(const GoThrough& c) {
 /// Without the ramp: the speed is there at once.
 void CubeModel::run(const Accelerate& c) {
   interrupt();
-  const double turn = c.turn_deg_s * (c.counter_clockwise ? 1.0 : -1.0) * std::acos(-1.0) / 180.0;
+  const double turn = c.turn_deg_s * (c.counter_clockwise ? 1.0 : -1.0) / kDegreesPerRadian;
   const double speed = (c.backwards ? -1.0 : 1.0) * c.speed * desk_.cube.speed_per_unit;
   units_ = wheel_units(desk_.cube, Facing::kNoseFirst, {speed, turn});
   units_until_ = end_of(time_, c.tens_of_ms);
@@ -167,7 +167,7 @@ void CubeModel::drive_to_targets() {
     return;
   }
 
-  double bearing = turn_between(here.degrees, std::atan2(dy, dx) * 180.0 / std::acos(-1.0));
+  double bearing = turn_between(here.degrees, std::atan2(dy, dx) * kDegreesPerRadian);
   double forward = 1.0;
   if (targets.mode.movement == TargetMovement::kCurve && std::abs(bearing) > 90.0) {
     forward = -1.0;
@@ -175,7 +175,7 @@ void CubeModel::drive_to_targets() {
   }
   const bool on_the_spot =
       targets.mode.movement == TargetMovement::kTurnThenMove && std::abs(bearing) > kAimDegrees;
-  const double ahead = on_the_spot ? 0.0 : forward * most * std::cos(bearing * 0.0174533);
+  const double ahead = on_the_spot ? 0.0 : forward * most * std::cos(bearing / kDegreesPerRadian);
   const double turn = std::clamp(0.6 * bearing, -0.5 * most, 0.5 * most);
   units_ = {whole_units(desk_.cube, ahead + turn), whole_units(desk_.cube, ahead - turn)};
 }

@@ -27,12 +27,6 @@ AirQuality air_of(const EmulateOptions& options) {
   return {options.delay / 2.0, options.jitter, options.loss};
 }
 
-/// A pose of the planned car as one of a cube with its own nose, and back.
-Pose own_heading(Facing facing, const Pose& pose) {
-  if (facing == Facing::kNoseFirst) return pose;
-  return {pose.x, pose.y, wrap_to_pi(pose.theta + std::acos(-1.0))};
-}
-
 std::vector<Station> place_cubes(const ToioRun& run, const EmulateOptions& options,
                                  WorldDice& dice) {
   std::vector<Station> stations;
@@ -42,7 +36,7 @@ std::vector<Station> place_cubes(const ToioRun& run, const EmulateOptions& optio
         run.desk.to_desk(robot.waypoints.front().pose),
         {error(options.placement), error(options.placement), error(options.placement_turn)});
     const CubeFlaws flaws{1.0 + error(options.wheel_error), 1.0 + error(options.wheel_error)};
-    CubeModel cube(run.desk.mat, run.desk.cube, own_heading(run.desk.facing, start), flaws);
+    CubeModel cube(run.desk.mat, run.desk.cube, run.desk.own_heading(start), flaws);
     const Write always = encode(NotifyId{1, NotifyWhen::kAlways});
     cube.write(always.to, always.bytes);
     stations.push_back({std::move(cube), {}, {}});
@@ -132,7 +126,7 @@ EmulateReport emulate(const ToioRun& run, const EmulateOptions& options) {
     if (n % steps_per_tick != 0) continue;
     const std::vector<std::optional<Write>> writes = player.tick(now);
     for (std::size_t i = 0; i < stations.size(); ++i) {
-      report.tracks[i].push_back(own_heading(run.desk.facing, stations[i].cube.pose()));
+      report.tracks[i].push_back(run.desk.own_heading(stations[i].cube.pose()));
       if (writes[i]) stations[i].to_cube.send(*writes[i], now, air_of(options), dice);
     }
   }

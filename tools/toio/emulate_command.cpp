@@ -5,7 +5,6 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "planner/problem/input_error.hpp"
 #include "planner/problem/text_file.hpp"
 #include "tools/option_types.hpp"
 #include "tools/toio/check.hpp"
@@ -27,8 +26,6 @@ struct EmulateCommand {
   std::string report;
 };
 
-double mm(double metres) { return metres * 1000.0; }
-
 nlohmann::ordered_json json_of(const std::string& file, std::uint64_t seed, const ToioRun& run,
                                const EmulateReport& report) {
   nlohmann::ordered_json robots = nlohmann::ordered_json::array();
@@ -44,8 +41,8 @@ nlohmann::ordered_json json_of(const std::string& file, std::uint64_t seed, cons
                       {"arrival_s", robot.arrival},
                       {"waited_s", robot.waited},
                       {"held_s", robot.held},
-                      {"lateral_mm", mm(robot.most_lateral)},
-                      {"along_mm", mm(robot.most_along)},
+                      {"lateral_mm", in_mm(robot.most_lateral)},
+                      {"along_mm", in_mm(robot.most_along)},
                       {"track_mm", track}});
   }
   return {{"run", file},
@@ -53,7 +50,7 @@ nlohmann::ordered_json json_of(const std::string& file, std::uint64_t seed, cons
           {"finished", report.finished},
           {"duration_s", report.duration},
           {"clearance_least_mm", std::isfinite(report.least_clearance)
-                                     ? nlohmann::ordered_json(mm(report.least_clearance))
+                                     ? nlohmann::ordered_json(in_mm(report.least_clearance))
                                      : nlohmann::ordered_json()},
           {"touching", report.touching},
           {"stalls", report.stalls},
@@ -65,8 +62,8 @@ void print_report(const std::string& name, std::uint64_t seed, const EmulateRepo
       "{}seed {}: {} in {:.1f} s, {} stalls, bodies {:.1f} mm apart at least, waited {:.1f} s, "
       "beside {:.1f} mm, along {:.1f} mm{}\n",
       name, seed, report.finished ? "finished" : "NOT FINISHED", report.duration, report.stalls,
-      std::isfinite(report.least_clearance) ? mm(report.least_clearance) : 0.0, report.waited(),
-      mm(report.most_lateral()), mm(report.most_along()),
+      std::isfinite(report.least_clearance) ? in_mm(report.least_clearance) : 0.0, report.waited(),
+      in_mm(report.most_lateral()), in_mm(report.most_along()),
       report.touching.empty() ? "" : "; TOUCHING: " + report.touching.front());
 }
 
@@ -90,8 +87,8 @@ class Summary {
     fmt::print(
         "{} of {} runs finished untouched; {} touching, {} not finished; {:.2f} s in the mean; "
         "beside the path at most {:.1f} mm in 95 % of the runs, {:.1f} mm in all\n",
-        good_, n, touching_, unfinished_, duration_ / double(n), mm(beside_[(n - 1) * 95 / 100]),
-        mm(beside_.back()));
+        good_, n, touching_, unfinished_, duration_ / double(n), in_mm(beside_[(n - 1) * 95 / 100]),
+        in_mm(beside_.back()));
   }
 
  private:
@@ -101,15 +98,6 @@ class Summary {
   double duration_ = 0.0;       ///< of all together [s]
   std::vector<double> beside_;  ///< the most of each run [m]
 };
-
-/// @throws InputError unless it can be driven so.
-ToioRun read_drivable(const std::string& file, DriveMode mode) {
-  ToioRun run = read_run(file);
-  require_mode(run, mode, file);
-  const std::vector<std::string> problems = find_problems(run);
-  if (!problems.empty()) throw InputError(file, problems.front() + "; see mvtp toio check");
-  return run;
-}
 
 int emulate_runs(EmulateCommand command) {
   const Stalls stalls = parse_stalls(command.stall);
@@ -122,7 +110,7 @@ int emulate_runs(EmulateCommand command) {
   if (!command.report.empty()) check_writable(command.report);
   std::vector<ToioRun> runs;
   for (const std::string& file : command.runs) {
-    runs.push_back(read_drivable(file, command.options.player.mode));
+    runs.push_back(read_drivable_run(file, command.options.player.mode));
   }
 
   Summary summary;

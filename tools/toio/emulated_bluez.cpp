@@ -1,41 +1,30 @@
 #include "tools/toio/emulated_bluez.hpp"
 
 #include <fmt/format.h>
-#include <systemd/sd-bus.h>
 
 #include <algorithm>
 #include <chrono>
-#include <cstring>
 #include <limits>
 #include <set>
 
 #include "planner/problem/referee_geometry.hpp"
 #include "tools/toio/bluetooth.hpp"
+#include "tools/toio/dbus.hpp"
 
 namespace mvtp {
 namespace {
 
 using Clock = std::chrono::steady_clock;
+using dbus::check;
+using dbus::kAdapter;
+using dbus::kDevice;
+using dbus::kGatt;
+using dbus::Message;
 
 constexpr double kStep = 0.005;       // of the physics [s]
 constexpr double kFindTime = 0.2;     // until a cube shows in a scan [s]
 constexpr double kResolveTime = 0.1;  // until its characteristics show [s]
 constexpr const char* kAdapterPath = "/org/bluez/hci0";
-constexpr const char* kAdapter = "org.bluez.Adapter1";
-constexpr const char* kDevice = "org.bluez.Device1";
-constexpr const char* kGatt = "org.bluez.GattCharacteristic1";
-
-void check(int result, const char* what) {
-  if (result < 0) throw BluetoothError(fmt::format("D-Bus: {}: {}", what, strerror(-result)));
-}
-
-struct CloseBus {
-  void operator()(sd_bus* bus) const { sd_bus_flush_close_unref(bus); }
-};
-struct FreeMessage {
-  void operator()(sd_bus_message* message) const { sd_bus_message_unref(message); }
-};
-using Message = std::unique_ptr<sd_bus_message, FreeMessage>;
 
 // Entries of "a{sv}".
 void append_text(sd_bus_message* m, const char* key, const std::string& value,
@@ -470,7 +459,7 @@ class EmulatedBluez::Service {
 
   EmulatedWorld world_;
   WorldDice dice_;
-  std::unique_ptr<sd_bus, CloseBus> bus_;
+  dbus::Bus bus_;
   std::vector<Station> stations_;
   Clock::time_point begin_ = Clock::now();
   double time_ = 0.0;

@@ -54,10 +54,8 @@ void place_for_run(const std::string& path, EmulatedWorld& world) {
   world.mat = run.desk.mat;
   world.cube = run.desk.cube;
   for (auto robot = run.robots.rbegin(); robot != run.robots.rend(); ++robot) {
-    Pose pose = run.desk.to_desk(robot->waypoints.front().pose);
-    if (run.desk.facing == Facing::kTailFirst)
-      pose.theta = wrap_to_pi(pose.theta + std::numbers::pi);
-    world.starts.push_back(pose);
+    const Pose start = run.desk.to_desk(robot->waypoints.front().pose);
+    world.starts.push_back(run.desk.own_heading(start));
   }
 }
 

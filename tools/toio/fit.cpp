@@ -122,15 +122,14 @@ std::string smallest_mat(const Need& need) {
   return "";
 }
 
-double mm(double metres) { return metres * 1000.0; }
-
 std::string too_large(const Fit& fit, const Need& need) {
   return fmt::format(
       "at {:.1f} mm per metre of the plan, the {}, the bodies with their margins cover {:.0f} x "
       "{:.0f} mm; {} has {:.0f} x {:.0f} mm",
-      mm(need.scale), need.scale > fit.least_scale ? "scale asked for" : "least for the true body",
-      mm(fit.needs_width), mm(fit.needs_height), fit.mat.name, mm(fit.mat.width()),
-      mm(fit.mat.height()));
+      in_mm(need.scale),
+      need.scale > fit.least_scale ? "scale asked for" : "least for the true body",
+      in_mm(fit.needs_width), in_mm(fit.needs_height), fit.mat.name, in_mm(fit.mat.width()),
+      in_mm(fit.mat.height()));
 }
 
 /// Puts what the bodies cover into the middle of the mat.
@@ -149,7 +148,7 @@ void choose_speed(const std::vector<PlannedRobot>& robots, double dt, const FitO
     fit.problem = fmt::format(
         "at {:.0f} mm/s the inner wheel stands in the tightest arc; give "
         "--speed {:.0f} or more",
-        mm(options.speed), std::ceil(mm(fit.least_speed)));
+        in_mm(options.speed), std::ceil(in_mm(fit.least_speed)));
   }
 }
 

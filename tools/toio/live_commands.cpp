@@ -6,13 +6,13 @@
 #include <functional>
 #include <memory>
 
-#include "planner/problem/input_error.hpp"
 #include "planner/problem/text_file.hpp"
 #include "tools/child_process.hpp"
 #include "tools/option_types.hpp"
 #include "tools/toio/check.hpp"
 #include "tools/toio/commands.hpp"
 #include "tools/toio/live_run.hpp"
+#include "tools/toio/options.hpp"
 
 namespace mvtp {
 namespace {
@@ -24,8 +24,6 @@ struct RunCommand {
   double lag_ms = 130.0;
   std::string log;
 };
-
-double mm(double metres) { return metres * 1000.0; }
 
 void say(const std::string& line) { fmt::print(stderr, "toio: {}\n", line); }
 
@@ -59,17 +57,8 @@ bool enter_pressed() {
 }
 
 ToioRun load(const RunCommand& command) {
-  ToioRun run = read_run(command.run);
-  require_mode(run, command.options.player.mode, command.run);
-  const std::vector<std::string> problems = find_problems(run);
-  if (!problems.empty()) {
-    throw InputError(command.run, problems.front() + "; see mvtp toio check");
-  }
-  if (!command.cubes.empty() && command.cubes.size() != run.robots.size()) {
-    throw InputError("--cube", fmt::format("names {} cubes for {} robots; name one for each robot, "
-                                           "in the order of the run",
-                                           command.cubes.size(), run.robots.size()));
-  }
+  ToioRun run = read_drivable_run(command.run, command.options.player.mode);
+  check_cube_names(command.cubes, run.robots.size());
   for (std::size_t i = 0; i < command.cubes.size(); ++i) run.robots[i].cube = command.cubes[i];
   return run;
 }
@@ -79,7 +68,7 @@ int report(const ToioRun& run, const LiveOutcome& outcome) {
     const RobotOutcome& robot = outcome.robots[i];
     fmt::print("{}: {}, waited {:.1f} s, late {:.1f} s, beside {:.1f} mm\n", run.robots[i].id,
                robot.arrived ? fmt::format("arrived after {:.1f} s", robot.arrival) : "NOT ARRIVED",
-               robot.waited, robot.held, mm(robot.most_lateral));
+               robot.waited, robot.held, in_mm(robot.most_lateral));
   }
   if (outcome.finished) return kDone;
   fmt::print(stderr, "mvtp: stopped: {}\n", outcome.reason);
@@ -124,8 +113,8 @@ int measure(const std::string& mat_name, const std::string& cube) {
         "lag {:.0f} ms\n"
         "give: mvtp toio export ... --center-to-axle {:.1f} --speed-per-unit {:.3f}\n"
         "      mvtp toio run ... --lag {:.0f}\n",
-        mm(found.center_to_axle), mm(found.speed_per_unit), mm(found.lag), mm(found.center_to_axle),
-        mm(found.speed_per_unit), mm(found.lag));
+        in_mm(found.center_to_axle), in_mm(found.speed_per_unit), found.lag * 1000,
+        in_mm(found.center_to_axle), in_mm(found.speed_per_unit), found.lag * 1000);
     return int(kDone);
   });
 }
@@ -178,7 +167,7 @@ ToioCommand declare_toio_scan(CLI::App& toio) {
   CLI::App* app = toio.add_subcommand("scan", "List the cubes in reach");
   const auto seconds = std::make_shared<double>(5.0);
   app->footer("Exit code: 0 some found, 1 none, or no Bluetooth, 2 bad usage, 130 interrupted.");
-  app->add_option("--scan-time", *seconds, "[s] [5]")
+  app->add_option("--scan-time", *seconds, "To listen for them [s] [5]")
       ->check(number_between(0.1, 600))
       ->type_name("S");
   return {app, [seconds] { return scan(*seconds); }};

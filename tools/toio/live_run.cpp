@@ -76,7 +76,7 @@ std::string hint(const ToioRun& run, std::size_t i, const std::optional<MatPose>
   return fmt::format(
       "is {:.0f} mm and {:.0f} degrees off; it belongs at x {:.0f}, y {:.0f}, {:.0f} "
       "degrees on the mat",
-      away * 1000, turn * 57.29578, there.x, there.y, there.degrees);
+      away * 1000, turn * kDegreesPerRadian, there.x, there.y, there.degrees);
 }
 
 /// One live run, from the cubes in hand to the last stop.

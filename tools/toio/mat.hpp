@@ -5,6 +5,8 @@
 
 namespace mvtp {
 
+[[nodiscard]] inline double in_mm(double metres) { return metres * 1000.0; }
+
 /// A mat printed with the pattern by which cubes know where they are.
 ///
 /// The range is that of the coordinates on it, in dots, x right and y down. Sources: toio Core Cube

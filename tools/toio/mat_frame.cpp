@@ -6,8 +6,6 @@
 namespace mvtp {
 namespace {
 
-constexpr double kDegrees = 180.0 / std::numbers::pi;
-
 double wrap_to_360(double degrees) {
   const double wrapped = std::fmod(degrees, 360.0);
   return wrapped < 0.0 ? wrapped + 360.0 : wrapped;
@@ -48,7 +46,7 @@ Pose DeskFrame::own_heading(const Pose& desk) const {
 
 MatPose DeskFrame::dots(const Pose& point) const {
   return {mat.min_x + point.x / mat.metres_per_dot, mat.max_y - point.y / mat.metres_per_dot,
-          wrap_to_360(-point.theta * kDegrees)};
+          wrap_to_360(-point.theta * kDegreesPerRadian)};
 }
 
 MatPose DeskFrame::to_mat(const Pose& desk) const {
@@ -58,7 +56,7 @@ MatPose DeskFrame::to_mat(const Pose& desk) const {
 Pose DeskFrame::to_desk(const MatPose& mat_pose) const {
   const Pose centre{(mat_pose.x - mat.min_x) * mat.metres_per_dot,
                     (mat.max_y - mat_pose.y) * mat.metres_per_dot,
-                    wrap_to_pi(-mat_pose.degrees / kDegrees)};
+                    wrap_to_pi(-mat_pose.degrees / kDegreesPerRadian)};
   return own_heading(compose(centre, {cube.center_to_axle, 0.0, 0.0}));
 }
 

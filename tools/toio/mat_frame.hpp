@@ -1,5 +1,7 @@
 #pragma once
 
+#include <numbers>
+
 #include "planner/problem/pose.hpp"
 #include "tools/toio/cube.hpp"
 #include "tools/toio/mat.hpp"
@@ -11,6 +13,8 @@
 ///   cube's wheel axle move alike, along their heading, so the one stands for the other;
 /// - the mat's: dots, y down, degrees clockwise; a pose is the one that the cube reports.
 namespace mvtp {
+
+inline constexpr double kDegreesPerRadian = 180.0 / std::numbers::pi;
 
 /// From the plan to the desk: scaled, turned by quarters, shifted.
 struct PlanFrame {
@@ -45,8 +49,10 @@ struct DeskFrame {
   /// Where on the mat the sensor is when the axle is at `desk`; the angle is the cube's.
   [[nodiscard]] MatPose sensor(const Pose& desk) const;
 
- private:
+  /// The same place with the heading of the cube's own nose; the inverse of itself.
   [[nodiscard]] Pose own_heading(const Pose& desk) const;
+
+ private:
   [[nodiscard]] MatPose dots(const Pose& point) const;
 };
 

@@ -1,5 +1,10 @@
 #include "tools/toio/options.hpp"
 
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "planner/problem/input_error.hpp"
 #include "tools/instance_options.hpp"
 #include "tools/option_types.hpp"
 
@@ -54,6 +59,20 @@ void add_fit_options(CLI::App& app, std::string& mat, FitOptions& options) {
          "From the reported centre forwards to the wheel axle [mm] [3.8]", "Cube");
   add_mm(app, "--speed-per-unit", options.cube.speed_per_unit, 0.5, 10,
          "Of the wheels per unit of their commands [mm/s] [2.814]", "Cube");
+}
+
+void check_cube_names(const std::vector<std::string>& cubes, std::size_t robots) {
+  if (cubes.empty()) return;
+  if (cubes.size() != robots) {
+    throw InputError("--cube", fmt::format("names {} cubes for {} robots; name one for each robot, "
+                                           "in their order, or none",
+                                           cubes.size(), robots));
+  }
+  for (auto name = cubes.begin(); name != cubes.end(); ++name) {
+    if (std::find(cubes.begin(), name, *name) == name) continue;
+    throw InputError("--cube",
+                     fmt::format("names \"{}\" twice; name another cube for each robot", *name));
+  }
 }
 
 }  // namespace mvtp

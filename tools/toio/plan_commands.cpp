@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <memory>
 
-#include "planner/problem/input_error.hpp"
 #include "planner/problem/text_file.hpp"
 #include "tools/option_types.hpp"
 #include "tools/toio/check.hpp"
@@ -24,8 +23,6 @@ struct PlanCommand {
   bool quiet = false;
 };
 
-double mm(double metres) { return metres * 1000.0; }
-
 /// What both commands find out: how the plan lies on the mat, and the run.
 struct Outcome {
   Fit fit;
@@ -35,11 +32,7 @@ struct Outcome {
 
 Outcome lay_out(const PlanCommand& command) {
   const LoadedPlan plan = load_plan(command.plan);
-  if (!command.exporting.cubes.empty() && command.exporting.cubes.size() != plan.robots.size()) {
-    throw InputError("--cube", fmt::format("names {} cubes for {} robots; name one for each robot, "
-                                           "in the order of the plan, or none",
-                                           command.exporting.cubes.size(), plan.robots.size()));
-  }
+  check_cube_names(command.exporting.cubes, plan.robots.size());
   Outcome outcome;
   outcome.fit = fit_to_mat(plan.robots, plan.dt, find_mat(command.mat), command.fitting);
   if (!outcome.fit.problem.empty()) {
@@ -75,14 +68,14 @@ void print_fit(const PlanCommand& command, const Outcome& outcome) {
   const Fit& fit = outcome.fit;
   const ToioRun& run = outcome.exported.run;
   fmt::print("fits {}: {:.1f} mm per metre of the plan (true body from {:.1f}, mat up to {:.1f})\n",
-             fit.mat.name, mm(fit.frame.scale), mm(fit.least_scale), mm(fit.most_scale));
+             fit.mat.name, in_mm(fit.frame.scale), in_mm(fit.least_scale), in_mm(fit.most_scale));
   fmt::print("{} cubes, {}{}, {:.1f} s at {:.0f} mm/s (at least {:.0f}): {:.2f} times the plan\n",
              run.robots.size(), fit.facing == Facing::kTailFirst ? "tail first" : "nose first",
              fit.frame.quarter_turns == 1 ? ", turned by a quarter" : "", duration(run),
-             mm(command.fitting.speed), mm(fit.least_speed), fit.speedup);
+             in_mm(command.fitting.speed), in_mm(fit.least_speed), fit.speedup);
   if (run.robots.size() < 2) return;
   fmt::print("bodies pass {:.1f} mm apart at least; {} places where one waits for another\n",
-             mm(run.clearance), requirement_count(run));
+             in_mm(run.clearance), requirement_count(run));
 }
 
 int fit_plan(const PlanCommand& command) {

@@ -117,8 +117,8 @@ std::string lines(const std::string& key, const Json& list, const char* indent) 
 double number_between(const Value& value, double low, double high, std::string_view unit) {
   const double number = value.number(unit);
   if (number >= low && number <= high) return number;
-  throw InputError(value.where(),
-                   fmt::format("is {} {}; give a number from {} to {}", number, unit, low, high));
+  throw InputError(value.where(), fmt::format("is {}{}{}; give a number from {} to {}", number,
+                                              unit.empty() ? "" : " ", unit, low, high));
 }
 
 int whole_between(const Value& value, int low, int high) {
@@ -127,8 +127,10 @@ int whole_between(const Value& value, int low, int high) {
   throw InputError(value.where(), fmt::format("is {}; give a whole number", number));
 }
 
-double from_mm(const Value& map, std::string_view key, double low, double high) {
-  return number_between(map.at(key), low, high, "mm") / 1000.0;
+/// A value in thousandths of our unit.
+double from_milli(const Value& map, std::string_view key, double low, double high,
+                  std::string_view unit = "mm") {
+  return number_between(map.at(key), low, high, unit) / 1000.0;
 }
 
 Mat mat_of(const Value& value) {
@@ -137,7 +139,7 @@ Mat mat_of(const Value& value) {
   range.require_list(4, 4, "[98, 142, 402, 358]");
   Mat mat{value.at("name").text(),           whole_between(range[0], 0, 65534),
           whole_between(range[1], 0, 65534), whole_between(range[2], 0, 65534),
-          whole_between(range[3], 0, 65534), from_mm(value, "mm_per_dot", 0.5, 5.0)};
+          whole_between(range[3], 0, 65534), from_milli(value, "mm_per_dot", 0.5, 5.0)};
   if (mat.max_x > mat.min_x && mat.max_y > mat.min_y) return mat;
   throw InputError(range.where(), "is empty; give [least x, least y, largest x, largest y]");
 }
@@ -162,12 +164,12 @@ void read_transform(const Value& value, ToioRun& run) {
 Cube cube_of(const Value& value) {
   value.require_map("{front_mm: 12.1, rear_mm: 19.7, width_mm: 31.8}");
   Cube cube;
-  cube.front = from_mm(value, "front_mm", 1, 100);
-  cube.rear = from_mm(value, "rear_mm", 1, 100);
-  cube.width = from_mm(value, "width_mm", 1, 100);
-  cube.track = from_mm(value, "track_mm", 1, 100);
-  cube.center_to_axle = from_mm(value, "center_to_axle_mm", -20, 20);
-  cube.speed_per_unit = from_mm(value, "mm_s_per_unit", 0.1, 20);
+  cube.front = from_milli(value, "front_mm", 1, 100);
+  cube.rear = from_milli(value, "rear_mm", 1, 100);
+  cube.width = from_milli(value, "width_mm", 1, 100);
+  cube.track = from_milli(value, "track_mm", 1, 100);
+  cube.center_to_axle = from_milli(value, "center_to_axle_mm", -20, 20);
+  cube.speed_per_unit = from_milli(value, "mm_s_per_unit", 0.1, 20, "mm/s");
   cube.dead_zone = whole_between(value.at("dead_zone"), 0, 100);
   cube.max_unit = whole_between(value.at("max_unit"), 1, 255);
   return cube;
@@ -177,9 +179,9 @@ RunTiming timing_of(const Value& value) {
   value.require_map("{speedup: 2.5, control_ms: 50}");
   RunTiming timing;
   timing.speedup = number_between(value.at("speedup"), 1e-3, 1e4, "times");
-  timing.control = from_mm(value, "control_ms", 45, 1000);
-  timing.dead_man = from_mm(value, "deadman_ms", 50, 2550);
-  timing.accel = from_mm(value, "accel_mm_s2", 1, 10000);
+  timing.control = from_milli(value, "control_ms", 45, 1000, "ms");
+  timing.dead_man = from_milli(value, "deadman_ms", 50, 2550, "ms");
+  timing.accel = from_milli(value, "accel_mm_s2", 1, 10000, "mm/s^2");
   timing.segment = number_between(value.at("segment_s"), 1e-4, 1e4, "s");
   return timing;
 }
@@ -290,6 +292,20 @@ void read_requirements(const Value& list, ToioRun& run, std::size_t robot) {
   }
 }
 
+/// Robots go by their ids, and cubes by their names.
+void require_distinct(const Value& robots, const ToioRun& run) {
+  for (std::size_t i = 0; i < run.robots.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      const bool same_id = run.robots[i].id == run.robots[j].id;
+      const std::string& cube = run.robots[i].cube;
+      if (!same_id && (cube.empty() || cube != run.robots[j].cube)) continue;
+      throw InputError(robots[i].at(same_id ? "id" : "cube").where(),
+                       fmt::format("is \"{}\", as robots[{}]'s; give each robot its own",
+                                   same_id ? run.robots[i].id : cube, j));
+    }
+  }
+}
+
 }  // namespace
 
 const char* to_string(DriveMode mode) {
@@ -349,12 +365,14 @@ ToioRun read_run(const std::string& path) {
   run.desk.cube = cube_of(root.at("cube"));
   run.timing = timing_of(root.at("timing"));
   const Value margins = root.at("margins");
-  run.margins = {from_mm(margins, "lateral_mm", 0, 1000), from_mm(margins, "along_mm", 0, 1000)};
-  run.clearance = from_mm(margins, "clearance_least_mm", -1e6, 1e6);
+  run.margins = {from_milli(margins, "lateral_mm", 0, 1000),
+                 from_milli(margins, "along_mm", 0, 1000)};
+  run.clearance = from_milli(margins, "clearance_least_mm", -1e6, 1e6);
   run.mode = mode_of(root.at("mode"));
   const Value robots = root.at("robots");
   robots.require_list(1, 100, "[{id: agent0, waypoints: [...]}]");
   for (std::size_t i = 0; i < robots.size(); ++i) run.robots.push_back(robot_of(robots[i]));
+  require_distinct(robots, run);
   for (std::size_t i = 0; i < robots.size(); ++i) {
     read_requirements(robots[i].at("requires"), run, i);
   }

@@ -218,6 +218,19 @@ TEST_F(ToioExportProgram, CheckTellsWhatIsWrong) {
   EXPECT_THAT(outcome.out, MatchesRegex("b could meet a: [^\n]*\n"));
 }
 
+TEST_F(ToioExportProgram, EachRobotNeedsACubeOfItsOwn) {
+  const std::string instance = std::string(MVTP_SCENARIOS) + "/toio/four.yaml";
+  ASSERT_EQ(run("solve -i " + instance + " -o plan.yaml -q").exit_code, 0);
+  expect_refused(
+      "toio export plan.yaml -i " + instance + " --mat simple -o run.json --cube a,b,a,c",
+      "--cube: names \"a\" twice; name another cube for each robot");
+  ToioRun twice = exported(crossing()).run;
+  twice.robots[0].cube = twice.robots[1].cube = "toio-E1a";
+  (void)directory_.file("run.json", to_json(twice));
+  expect_refused("toio check run.json",
+                 "run.json: robots.1..cube: is \"toio-E1a\", as robots.0.'s; give each robot .*");
+}
+
 TEST_F(ToioExportProgram, BadRunFilesAreNamed) {
   const std::string good = to_json(exported(crossing()).run);
   const auto refuse = [&](const std::string& what, const std::string& by, const std::string& why) {
@@ -236,7 +249,8 @@ TEST_F(ToioExportProgram, BadRunFilesAreNamed) {
   refuse("\"robot\":\"a\"", "\"robot\":\"c\"", ".*requires.0..robot: is \"c\"; no robot has .*");
   refuse("\"quarter_turns\":0", "\"quarter_turns\":0.5", ".*quarter_turns: is 0.5; .*");
   refuse("\"mode\": \"track\"", "\"mode\": \"fly\"", "mode: is \"fly\"; choose track.*");
-  refuse("\"control_ms\":50", "\"control_ms\":1", "timing.control_ms: is 1 mm; .*");
+  refuse("\"control_ms\":50", "\"control_ms\":1", "timing.control_ms: is 1 ms; .*");
+  refuse("\"id\": \"b\"", "\"id\": \"a\"", "robots.1..id: is \"a\", as robots.0.'s; .*");
   (void)directory_.file("run.json", good.substr(0, good.size() / 2));
   expect_refused("toio check run.json", "run.json: .*");
   expect_refused("toio check .", "[.]: is a directory; give a file");
