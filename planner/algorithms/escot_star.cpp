@@ -7,7 +7,6 @@
 #include <numeric>
 #include <thread>
 
-#include "planner/algorithms/bucket_steps.hpp"
 #include "planner/algorithms/exchange.hpp"
 #include "planner/algorithms/joint_motion.hpp"
 #include "planner/algorithms/repair.hpp"
@@ -21,9 +20,12 @@ constexpr int kAloneExpansions = 500;
 constexpr double kSoloWeight = 1.1;  ///< the longest of them is looked for again, better
 constexpr int kSoloExpansions = 20'000;
 constexpr int kFirstExpansions = 500;
-/// So many robots without obstacles, and with one conflict for each, are begun with PBCR; it brings
-/// fewer than nine of ten home elsewhere, or takes longer than the repair.
-constexpr int kStepsFrom = 250;
+/// If robots on their ways alone have so many conflicts each, the first plan is found window by
+/// window of time: what comes later changes too often to be worth the work.
+constexpr double kCrowded = 1.0;
+constexpr double kCrowdedLimit = 1.25;  ///< as kFirstLimit
+constexpr int kWindow = 16;             ///< [buckets]
+constexpr int kSight = 20;              ///< searches see so much further than the window [buckets]
 /// The first plan is looked for within so much of the longest way alone; a deadline does not make
 /// it harder to find, but much better. It is put off by kRelax whenever the repair comes to a halt.
 constexpr double kFirstLimit = 1.2;
@@ -123,8 +125,9 @@ class Searcher {
 
  private:
   void find_first_plan();
-  void begin_by_steps();
   [[nodiscard]] bool place_one_by_one();
+  [[nodiscard]] bool resolve(double& limit);
+  [[nodiscard]] bool resolve_by_windows(double limit);
   [[nodiscard]] int longest_way_alone() const;
   void improve();
   void straighten_longest_ways();
@@ -182,31 +185,36 @@ bool Searcher::place_one_by_one() {
   return true;
 }
 
-/// Conflicts that all robots would have on their ways alone.
-std::size_t conflicts_alone(const Scene& scene) {
-  JointMotion motion(scene.robots, scene.time);
-  motion.place_all(scene.alone);
-  return motion.conflicts().size();
+void Searcher::find_first_plan() {
+  motion_.place_all(alone_);
+  const bool crowded = double(motion_.conflicts().size()) > kCrowded * motion_.size();
+  motion_.clear();
+  double limit = (crowded ? kCrowdedLimit : kFirstLimit) * longest_way_alone();
+  repair_.set_limit(int(limit));
+  if (crowded ? resolve_by_windows(limit) : place_one_by_one() && resolve(limit)) keep();
 }
 
-void Searcher::find_first_plan() {
-  if (motion_.size() >= kStepsFrom && scene_.obstacles.empty() &&
-      conflicts_alone(scene_) > scene_.robots.size()) {
-    begin_by_steps();
-  }
-  double limit = kFirstLimit * longest_way_alone();
-  if (deadline_.expired() || best_.makespan <= limit) return;
-  repair_.set_limit(int(limit));
-  motion_.clear();
-  if (!place_one_by_one()) return;
+/// Repairs until nobody overlaps before the horizon; `limit`, the deadline of all, is put off
+/// whenever the repair comes to a halt. False if the time ran out.
+bool Searcher::resolve(double& limit) {
   const std::int64_t patience = kPatiencePerRobot * motion_.size();
   while (!repair_.run(patience, [this] { return interrupted(); })) {
-    if (deadline_.expired() || ended_ || adopted_) return;
+    if (deadline_.expired() || ended_ || adopted_) return false;
     limit = std::min(kRelax * limit, kNoLimit);
-    if (limit >= best_.makespan) return;
     repair_.set_limit(int(limit));
   }
-  keep();
+  return true;
+}
+
+/// From the ways alone on: conflicts are resolved up to a horizon that is moved on.
+bool Searcher::resolve_by_windows(double limit) {
+  motion_.set_horizon(kWindow, kWindow + kSight);
+  for (int i = 0; i < motion_.size(); ++i) motion_.place(i, alone_[std::size_t(i)]);
+  for (int end = kWindow; resolve(limit); end += kWindow) {
+    if (end * scene_.time.bucket > motion_.makespan()) return true;
+    motion_.set_horizon(end + kWindow, end + kWindow + kSight);
+  }
+  return false;
 }
 
 /// The arrival of the last robot if each were alone [instants].
@@ -214,27 +222,6 @@ int Searcher::longest_way_alone() const {
   int longest = scene_.lower_bound;
   for (const TimedTrack& track : alone_) longest = std::max(longest, track.arrival());
   return longest;
-}
-
-/// A first plan by PBCR; the few robots that it does not bring home are planned afterwards.
-void Searcher::begin_by_steps() {
-  StepsOptions options;
-  options.seed = seed_;
-  const StepsResult steps =
-      plan_by_steps(scene_.robots, alone_, repair_.search(), options, deadline_);
-  if (10 * std::ranges::count(steps.at_goal, 1) < 9 * motion_.size()) return;
-  for (int i = 0; i < motion_.size(); ++i) {
-    motion_.place(
-        i, TimedTrack(scene_.cars[std::size_t(i)].vehicle(), scene_.robots[std::size_t(i)].start,
-                      steps.steps[std::size_t(i)], scene_.time.bucket));
-  }
-  const int end = int(steps.steps.front().size()) / scene_.time.bucket;
-  for (int i = 0; i < motion_.size(); ++i) {
-    if (steps.at_goal[std::size_t(i)]) continue;
-    const TimedTrack old = motion_.remove(i);
-    if (!repair_.plan(i, 20 * kFirstExpansions, &old, end)) return;
-  }
-  if (repair_.run(kPatiencePerRobot * motion_.size(), [this] { return interrupted(); })) keep();
 }
 
 /// Looks for better ways alone for the robots that would be too late even so.

@@ -19,7 +19,7 @@ struct EscotStarOptions {
 /// 1. Every robot alone, then one after the other, those with the longest way first, by a search
 ///    that may drive through others at a price (SoftAstar).
 /// 2. What overlaps is repaired in large neighbourhoods (Repair), under a deadline for all from the
-///    start. Where very many robots overlap, PBCR finds the first plan (plan_by_steps).
+///    start. Where very many robots overlap, this is done window by window of time.
 /// 3. A deadline for all robots is lowered towards the lower bound; whoever is late is planned anew
 ///    and the rest repaired.
 /// 4. At the makespan found, robots arrive earlier where they can: the sum of costs.

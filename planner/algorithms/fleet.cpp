@@ -30,14 +30,14 @@ double longest_reach(const Instance& instance) {
 
 }  // namespace
 
-Fleet::Fleet(const Instance& instance, CollisionRule rule)
+Fleet::Fleet(const Instance& instance, CollisionRule rule, const Deadline& deadline)
     : instance_(instance), rule_(rule), obstacles_(instance.map, longest_reach(instance)) {
   cars_.reserve(instance.agents.size());
   costs_to_go_.reserve(instance.agents.size());
   for (const Agent& agent : instance.agents) {
     cars_.emplace_back(agent.vehicle, instance.dt, rule, instance.map, obstacles_);
     std::shared_ptr<const ObstacleGrid> grid;
-    if (!obstacles_.empty()) {
+    if (!obstacles_.empty() && !deadline.expired()) {
       std::shared_ptr<const ObstacleGrid>& shared = grids_[agent.vehicle.width];
       if (!shared) {
         shared = std::make_shared<ObstacleGrid>(instance.map, kInflation * agent.vehicle.width / 2);

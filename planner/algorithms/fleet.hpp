@@ -9,6 +9,7 @@
 #include "planner/motion/obstacles.hpp"
 #include "planner/motion/reeds_shepp.hpp"
 #include "planner/motion/stepped_car.hpp"
+#include "planner/problem/deadline.hpp"
 #include "planner/problem/instance.hpp"
 
 namespace mvtp {
@@ -22,7 +23,9 @@ using Configuration = std::vector<Pose>;  ///< one pose per robot, one step
 class Fleet {
  public:
   /// @param instance  outlives this object.
-  Fleet(const Instance& instance, CollisionRule rule);
+  /// @param deadline  robots that are left when it expires know no way around obstacles: so large
+  ///                  a fleet is ready soon, but good for nothing any more
+  Fleet(const Instance& instance, CollisionRule rule, const Deadline& deadline = Deadline::never());
   Fleet(const Fleet&) = delete;
   Fleet& operator=(const Fleet&) = delete;
 

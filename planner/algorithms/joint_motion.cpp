@@ -18,11 +18,11 @@ JointMotion::JointMotion(std::vector<MacroRobot> robots, TimeGrid time)
 }
 
 template <class Visit>
-void JointMotion::for_each_contact(int i, const TimedTrack& track, Visit&& visit) {
+void JointMotion::for_each_contact(int i, const TimedTrack& track, int from, Visit&& visit) {
   const MacroCar& own = *robot(i).car;
   const int buckets =
       std::max(occupancy_.horizon(), (track.arrival() + time_.bucket - 1) / time_.bucket);
-  for (int k = 0; k <= buckets; ++k) {
+  for (int k = from; k <= buckets && k < horizon_; ++k) {
     const int t = k * time_.bucket;
     const BoxPose* boxes = track.boxes(t);
     const bool rests = track.arrival() <= t;
@@ -31,10 +31,14 @@ void JointMotion::for_each_contact(int i, const TimedTrack& track, Visit&& visit
     if (rests) shape.travel = 0.0F;
     const float radius = rests ? shape.half_diagonal() : own.reach();
     const int n = occupancy_.near(k, middle.x, middle.y, radius, found_.data());
+    if (n == 0) continue;
+    const SweptBox swept = swept_box(boxes, shape, time_.bucket);
     for (int f = 0; f < n; ++f) {
       const int j = found_[std::size_t(f)];
+      const Occupancy::Motion& motion = occupancy_.motion(k, j);
+      if (apart(swept, motion.swept)) continue;
       BoxShape other = shapes_[std::size_t(j)];
-      other.travel = occupancy_.travel(k, j);
+      other.travel = motion.travel;
       if (!meet(boxes, shape, tracks_[std::size_t(j)].boxes(t), other, time_.bucket)) continue;
       if (!visit(j, k)) return;
     }
@@ -42,7 +46,7 @@ void JointMotion::for_each_contact(int i, const TimedTrack& track, Visit&& visit
 }
 
 void JointMotion::place(int i, TimedTrack track) {
-  for_each_contact(i, track, [&](int j, int) {
+  for_each_contact(i, track, 0, [&](int j, int) {
     if (!in_conflict(i, j)) add_conflict(i, j);
     return true;
   });
@@ -61,6 +65,20 @@ TimedTrack JointMotion::remove(int i) {
 void JointMotion::clear() {
   for (int i = 0; i < size(); ++i) {
     if (present(i)) remove(i);
+  }
+  horizon_ = sight_ = kNoHorizon;
+}
+
+void JointMotion::set_horizon(int conflicts, int sight) {
+  const int before = std::min(horizon_, conflicts);
+  horizon_ = conflicts;
+  sight_ = sight;
+  for (int i = 0; i < size(); ++i) {
+    if (!present(i)) continue;
+    for_each_contact(i, track(i), before, [&](int j, int) {
+      if (j != i && !in_conflict(i, j)) add_conflict(i, j);
+      return true;
+    });
   }
 }
 
@@ -95,7 +113,7 @@ std::vector<int> JointMotion::conflicts_of(int i) const {
 
 int JointMotion::first_conflict(int i) {
   int first = -1;
-  for_each_contact(i, track(i), [&](int j, int k) {
+  for_each_contact(i, track(i), 0, [&](int j, int k) {
     if (j == i) return true;
     first = k;
     return false;
@@ -112,7 +130,7 @@ OtherRobots JointMotion::others(int i, double price) {
   for (int j = 0; j < size(); ++j) {
     prices_[std::size_t(j)] = float(price) * weights_[at(i, j)];
   }
-  return {&occupancy_, tracks_, shapes_, prices_};
+  return {&occupancy_, tracks_, shapes_, prices_, sight_};
 }
 
 int JointMotion::makespan() const {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <utility>
 #include <vector>
@@ -25,6 +26,7 @@ struct MacroRobot {
 class JointMotion {
  public:
   using Pair = std::pair<int, int>;  ///< first < second
+  static constexpr int kNoHorizon = std::numeric_limits<int>::max();
 
   /// All robots are absent.
   explicit JointMotion(std::vector<MacroRobot> robots, TimeGrid time);
@@ -40,8 +42,11 @@ class JointMotion {
   /// Takes robot i and its conflicts away. @return its track
   TimedTrack remove(int i);
   [[nodiscard]] const std::vector<TimedTrack>& tracks() const { return tracks_; }
-  /// Everyone is absent again.
+  /// Everyone is absent again, and no horizon.
   void clear();
+  /// Overlaps from bucket `conflicts` on do not count yet; searches see others until bucket
+  /// `sight`. @pre neither is lower than before, or everyone is absent
+  void set_horizon(int conflicts, int sight);
   /// Everyone moves along the given tracks, one per robot.
   void place_all(const std::vector<TimedTrack>& tracks);
 
@@ -71,13 +76,16 @@ class JointMotion {
   }
   void add_conflict(int i, int j);
   void drop_conflict(int i, int j);
-  /// Calls visit(j, bucket) for robots that `track` overlaps, until it returns false.
+  /// Calls visit(j, bucket) for robots that `track` overlaps from bucket `from` to the horizon,
+  /// until it returns false.
   template <class Visit>
-  void for_each_contact(int i, const TimedTrack& track, Visit&& visit);
+  void for_each_contact(int i, const TimedTrack& track, int from, Visit&& visit);
 
   std::vector<MacroRobot> robots_;
   TimeGrid time_;
   Occupancy occupancy_;
+  int horizon_ = kNoHorizon;  ///< of conflicts [buckets]
+  int sight_ = kNoHorizon;    ///< of searches [buckets]
   std::vector<TimedTrack> tracks_;
   std::vector<BoxShape> shapes_;
   std::vector<char> present_;

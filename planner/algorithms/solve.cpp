@@ -126,7 +126,7 @@ Plan solve(const Instance& instance, const SolveOptions& options, const Deadline
                                  fmt::join(algorithm_names(), ", ")));
   }
   const auto begin = std::chrono::steady_clock::now();
-  const Fleet fleet(instance, options.collision);
+  const Fleet fleet(instance, options.collision, deadline);
 
   Plan plan;
   StepPlan solution;

@@ -81,6 +81,7 @@ MacroCar::MacroCar(const Vehicle& vehicle, TimeGrid time, const Map& map,
       const Arc part{arcs[a].length * t / time.bucket, arcs[a].curvature};
       action.boxes.push_back(box_pose(vehicle, drive(Pose{}, part)));
     }
+    action.swept = swept_box(action.boxes.data(), shape_, time.bucket);
     const BoxPose& middle = action.boxes[std::size_t(time.bucket / 2)];
     for (const BoxPose& box : action.boxes) {
       action.radius = std::max(action.radius, std::hypot(box.x - middle.x, box.y - middle.y));

@@ -49,6 +49,7 @@ class MacroCar {
     float travel = 0;  ///< of any point of the body, per instant [m]
     float radius = 0;  ///< of a circle around the body's middle half way that contains all of it
     std::vector<BoxPose> boxes;  ///< in the frame of the rear axle at the start, bucket + 1
+    SweptBox swept;              ///< around all of it, in the same frame
   };
   static constexpr int kWait = 6;
 

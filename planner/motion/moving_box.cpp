@@ -71,6 +71,43 @@ BoxShape box_shape(const Vehicle& vehicle, double dt) {
           float(vehicle.max_speed * dt * reach)};
 }
 
+SweptBox swept_box(const BoxPose* boxes, const BoxShape& size, int steps) {
+  const BoxPose& middle = boxes[steps / 2];
+  float ahead = 0.0F;  // the farthest that any corner gets, in the frame of the middle
+  float behind = 0.0F;
+  float left = 0.0F;
+  float right = 0.0F;
+  float bulge = 0.0F;  // of a point's arc over its chord
+  for (int t = 0; t <= steps; ++t) {
+    const BoxPose& box = boxes[t];
+    const float dx = box.x - middle.x;
+    const float dy = box.y - middle.y;
+    const float along = dx * middle.ux + dy * middle.uy;
+    const float across = dy * middle.ux - dx * middle.uy;
+    const float c = std::abs(box.ux * middle.ux + box.uy * middle.uy);
+    const float s = std::abs(box.uy * middle.ux - box.ux * middle.uy);
+    const float half_length = size.half_length * c + size.half_width * s;
+    const float half_width = size.half_length * s + size.half_width * c;
+    ahead = std::max(ahead, along + half_length);
+    behind = std::min(behind, along - half_length);
+    left = std::max(left, across + half_width);
+    right = std::min(right, across - half_width);
+    if (t == steps) break;
+    const BoxPose& next = boxes[t + 1];
+    // An arc bulges by length * turn / 8; a seventh is more for turns of up to half a radian.
+    const float turn = std::abs(box.ux * next.uy - box.uy * next.ux);
+    const bool small = turn < 0.5F && box.ux * next.ux + box.uy * next.uy > 0.0F;
+    bulge = std::max(bulge, small ? turn / 7.0F : 0.5F);
+  }
+  bulge *= size.travel;
+  const float x = 0.5F * (ahead + behind);
+  const float y = 0.5F * (left + right);
+  return {{middle.x + x * middle.ux - y * middle.uy, middle.y + x * middle.uy + y * middle.ux,
+           middle.ux, middle.uy},
+          0.5F * (ahead - behind) + bulge,
+          0.5F * (left - right) + bulge};
+}
+
 bool meet(const BoxPose* a, const BoxShape& size_a, const BoxPose* b, const BoxShape& size_b,
           int steps) {
   const Bisection pair(a, size_a, b, size_b);

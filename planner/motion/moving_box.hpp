@@ -60,6 +60,22 @@ struct BoxShape {
   return std::max(std::max(along_a, across_a), std::max(along_b, across_b));
 }
 
+/// A box that contains a moving body for some time: quick proof that two bodies do not meet.
+struct SweptBox {
+  BoxPose pose;
+  float half_length = 0.0F;
+  float half_width = 0.0F;
+};
+
+/// A box around the body while it moves through `boxes[0] ... boxes[steps]`, one arc of a circle
+/// between two instants each, aligned with the body half way.
+[[nodiscard]] SweptBox swept_box(const BoxPose* boxes, const BoxShape& size, int steps);
+
+/// True only if the two have no point in common.
+[[nodiscard]] inline bool apart(const SweptBox& a, const SweptBox& b) {
+  return gap(a.pose, {a.half_length, a.half_width}, b.pose, {b.half_length, b.half_width}) > 0.0F;
+}
+
 /// Do two bodies overlap while each moves through `a[0] ... a[steps]` and `b[0] ... b[steps]`, one
 /// arc of a circle between two instants each?
 ///

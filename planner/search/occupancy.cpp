@@ -73,11 +73,15 @@ Occupancy::Occupancy(int robots, TimeGrid time)
 void Occupancy::extend(int rows) {
   const std::size_t size = std::size_t(rows) * std::size_t(stride_);
   const std::size_t old = x_.size();
-  for (std::vector<float>* values : {&x_, &y_, &radius_, &travel_}) {
-    values->resize(size, values == &x_ || values == &y_ ? kAway : 0.0F);
-    if (old == 0) continue;
-    for (std::size_t k = old; k < size; ++k) (*values)[k] = (*values)[k - std::size_t(stride_)];
-  }
+  const auto grow = [&](auto& values, const auto& absent) {
+    values.resize(size, absent);
+    if (old == 0) return;
+    for (std::size_t k = old; k < size; ++k) values[k] = values[k - std::size_t(stride_)];
+  };
+  grow(x_, kAway);
+  grow(y_, kAway);
+  grow(radius_, 0.0F);
+  grow(motions_, Motion{});
   rows_ = rows;
 }
 
@@ -92,11 +96,11 @@ void Occupancy::place(int i, const TimedTrack& track, const BoxShape& shape) {
     x_[here] = boxes[k < moving ? middle : 0].x;
     y_[here] = boxes[k < moving ? middle : 0].y;
     radius_[here] = half;
-    travel_[here] = 0.0F;
+    motions_[here] = {{*boxes, shape.half_length, shape.half_width}, 0.0F};
     if (k >= moving) continue;
     const MotionBounds bounds = bounds_of(boxes, time_.bucket, half);
     radius_[here] += bounds.excursion;
-    travel_[here] = bounds.travel;
+    motions_[here] = {swept_box(boxes, shape, time_.bucket), bounds.travel};
   }
 }
 

@@ -36,9 +36,13 @@ class Occupancy {
     const float reach = radius_[here] + radius;
     return dx * dx + dy * dy < reach * reach;
   }
-  /// No point of robot i moves further between two instants of the bucket [m].
-  [[nodiscard]] float travel(int bucket, int i) const {
-    return travel_[at(std::min(bucket, rows_ - 1), i)];
+  /// What robot i does during the bucket, more closely. @pre it is present
+  struct Motion {
+    SweptBox swept;
+    float travel = 0.0F;  ///< no point of it moves further between two instants [m]
+  };
+  [[nodiscard]] const Motion& motion(int bucket, int i) const {
+    return motions_[at(std::min(bucket, rows_ - 1), i)];
   }
 
   /// The number of buckets after which every robot rests.
@@ -56,7 +60,7 @@ class Occupancy {
   std::vector<float> x_;
   std::vector<float> y_;
   std::vector<float> radius_;
-  std::vector<float> travel_;
+  std::vector<Motion> motions_;
 };
 
 }  // namespace mvtp

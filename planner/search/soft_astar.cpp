@@ -32,6 +32,10 @@ BoxPose moved(const BoxPose& box, double x, double y, double ux, double uy) {
           float(ux) * box.ux - float(uy) * box.uy, float(uy) * box.ux + float(ux) * box.uy};
 }
 
+SweptBox moved(const SweptBox& box, double x, double y, double ux, double uy) {
+  return {moved(box.pose, x, y, ux, uy), box.half_length, box.half_width};
+}
+
 }  // namespace
 
 std::optional<SoftPath> SoftAstar::search(const SoftProblem& problem, const SoftOptions& options,
@@ -110,7 +114,8 @@ void SoftAstar::price_of_resting() {
   for (const Arc& arc : problem_->tail) end = drive(end, arc);
   const BoxPose goal = box_pose(car.vehicle(), end);
   boxes_.assign(boxes_.size(), goal);
-  const int horizon = problem_->others.occupancy->horizon();
+  const OtherRobots& others = problem_->others;
+  const int horizon = std::min(others.occupancy->horizon(), others.horizon);
   rest_price_.assign(std::size_t(horizon) + 2, 0.0F);
   rest_cost_.assign(std::size_t(horizon) + 2, 0.0F);
   for (int k = horizon; k >= 0 && !problem_->leaves; --k) {
@@ -125,17 +130,30 @@ void SoftAstar::price_of_resting() {
 }
 
 float SoftAstar::price(int bucket, const BoxPose* boxes, float travel, float radius) {
+  if (bucket >= problem_->others.horizon) return 0.0F;
   const BoxPose& middle = boxes[problem_->car->time().bucket / 2];
-  nearby_ = problem_->others.occupancy->near(bucket, middle.x, middle.y, radius, found_.data());
+  const Occupancy& occupancy = *problem_->others.occupancy;
+  const int near = occupancy.near(bucket, middle.x, middle.y, radius, found_.data());
+  if (near == 0) return 0.0F;
+  BoxShape own = problem_->car->shape();
+  own.travel = travel;
+  const SweptBox swept = swept_box(boxes, own, problem_->car->time().bucket);
+  nearby_ = 0;
+  for (int k = 0; k < near; ++k) {
+    const int j = found_[std::size_t(k)];
+    if (!apart(swept, occupancy.motion(bucket, j).swept)) found_[std::size_t(nearby_++)] = j;
+  }
   return price_of_nearby(bucket, boxes, travel);
 }
 
-bool SoftAstar::anyone_nearby(int bucket, float x, float y, float radius) {
+bool SoftAstar::anyone_nearby(int bucket, const BoxPose& halfway, float radius,
+                              const SweptBox& swept) {
   const Occupancy& occupancy = *problem_->others.occupancy;
   nearby_ = 0;
   for (int k = 0; k < around_; ++k) {
     const int j = around_list_[std::size_t(k)];
-    if (occupancy.overlaps(bucket, j, x, y, radius)) found_[std::size_t(nearby_++)] = j;
+    if (!occupancy.overlaps(bucket, j, halfway.x, halfway.y, radius)) continue;
+    if (!apart(swept, occupancy.motion(bucket, j).swept)) found_[std::size_t(nearby_++)] = j;
   }
   return nearby_ > 0;
 }
@@ -150,7 +168,7 @@ float SoftAstar::price_of_nearby(int bucket, const BoxPose* boxes, float travel)
   for (int k = 0; k < nearby_; ++k) {
     const std::size_t j = std::size_t(found_[std::size_t(k)]);
     BoxShape other = others.shapes[j];
-    other.travel = others.occupancy->travel(bucket, int(j));
+    other.travel = others.occupancy->motion(bucket, int(j)).travel;
     if (meet(boxes, own, others.tracks[j].boxes(t), other, instants)) sum += others.prices[j];
   }
   return sum;
@@ -194,9 +212,13 @@ void SoftAstar::expand(int node) {
   const MacroCar& car = *problem_->car;
   const Node& from = nodes_[std::size_t(node)];
   const double ahead = car.ahead();
-  around_ = problem_->others.occupancy->near(from.bucket, float(from.x + ahead * from.ux),
-                                             float(from.y + ahead * from.uy), car.reach_of_all(),
-                                             around_list_.data());
+  const OtherRobots& others = problem_->others;
+  around_ = 0;
+  if (from.bucket < others.horizon) {
+    around_ = others.occupancy->near(from.bucket, float(from.x + ahead * from.ux),
+                                     float(from.y + ahead * from.uy), car.reach_of_all(),
+                                     around_list_.data());
+  }
   for (int a = 0; a < int(problem_->car->actions().size()); ++a) try_action(node, a);
 }
 
@@ -225,7 +247,8 @@ void SoftAstar::try_action(int parent, int a) {
   const std::size_t middle = std::size_t(car.time().bucket / 2);
   const BoxPose halfway = moved(action.boxes[middle], from.x, from.y, from.ux, from.uy);
   if (a != MacroCar::kWait && !car.is_free(pose(from), action.arc, halfway)) return;
-  if (anyone_nearby(from.bucket, halfway.x, halfway.y, action.radius)) {
+  if (around_ > 0 && anyone_nearby(from.bucket, halfway, action.radius,
+                                   moved(action.swept, from.x, from.y, from.ux, from.uy))) {
     for (std::size_t t = 0; t < boxes_.size(); ++t) {
       boxes_[t] = moved(action.boxes[t], from.x, from.y, from.ux, from.uy);
     }

@@ -20,6 +20,7 @@ struct OtherRobots {
   std::span<const TimedTrack> tracks;
   std::span<const BoxShape> shapes;
   std::span<const float> prices;  ///< of overlapping robot j for one bucket of time [s]
+  int horizon = std::numeric_limits<int>::max();  ///< nobody is seen from this bucket on
 };
 
 /// One robot's way from a pose at a time to its goal.
@@ -100,7 +101,9 @@ class SoftAstar {
   void prepare();
   void price_of_resting();
   [[nodiscard]] float price(int bucket, const BoxPose* boxes, float travel, float radius);
-  [[nodiscard]] bool anyone_nearby(int bucket, float x, float y, float radius);
+  /// Keeps of those around whom a motion might touch. @return whether there is anyone
+  [[nodiscard]] bool anyone_nearby(int bucket, const BoxPose& halfway, float radius,
+                                   const SweptBox& swept);
   [[nodiscard]] float price_of_nearby(int bucket, const BoxPose* boxes, float travel);
   [[nodiscard]] double heading(int turns) const { return problem_->start.theta + turns * turn_; }
   [[nodiscard]] Pose pose(const Node& node) const { return {node.x, node.y, heading(node.turns)}; }

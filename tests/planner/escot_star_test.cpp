@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include "planner/algorithms/bucket_steps.hpp"
 #include "planner/algorithms/exchange.hpp"
 #include "planner/algorithms/repair.hpp"
 #include "planner/algorithms/solve.hpp"
@@ -62,6 +61,14 @@ TEST(EscotStar, ThreadsGiveTheSamePlanEachTime) {
   const Plan plan = star(instance, options);
   expect_valid(instance, plan);
   EXPECT_EQ(plan.trajectories, star(instance, options).trajectories);
+}
+
+//   More than one conflict per robot on their ways alone: found window by window.
+TEST(EscotStar, SolvesACrowd) {
+  const Instance instance = random_instance(4, 36, 3, 40);
+  const Plan plan = star(instance, {.gap = 0.4});
+  expect_valid(instance, plan);
+  EXPECT_LE(plan.statistics.makespan, 1.4 * plan.statistics.lower_bound);
 }
 
 TEST(EscotStar, SaysThatTheTimeRanOut) {
@@ -247,22 +254,34 @@ TEST_F(StarParts, ShorteningKeepsThePlanValidAndNeverDelays) {
   EXPECT_TRUE(find_violations(instance, plan_of(motion), CollisionRule::kContinuous).empty());
 }
 
-//   Steps never conflict, however far they get.
-TEST_F(StarParts, StepsAreFreeOfConflicts) {
+//   A horizon hides what comes later, and nothing else; moved on, it shows all.
+TEST_F(StarParts, ConflictsBehindTheHorizonDoNotCount) {
+  JointMotion all(robots, time);
+  Repair repair(all, {}, 1, never);
+  place_all_alone(all, repair);
+  const auto pairs = [](const JointMotion& motion) {
+    std::vector<JointMotion::Pair> result = motion.conflicts();
+    std::ranges::sort(result);
+    return result;
+  };
+  constexpr int kHorizon = 10;
   JointMotion motion(robots, time);
-  Repair repair(motion, {}, 1, never);
-  std::vector<TimedTrack> alone;
-  for (int i = 0; i < motion.size(); ++i) alone.push_back(*repair.plan_alone(i, 1.5, 5000));
-  const StepsResult steps = plan_by_steps(robots, alone, repair.search(), {}, never);
-  for (int i = 0; i < motion.size(); ++i) {
-    motion.place(i, TimedTrack(cars[std::size_t(i)].vehicle(), robots[std::size_t(i)].start,
-                               steps.steps[std::size_t(i)], time.bucket));
-    if (steps.at_goal[std::size_t(i)] != 0) {
-      EXPECT_LT(distance(motion.track(i).pose(1 << 20), fleet.goal(i)), 1e-6);
+  motion.set_horizon(kHorizon, kHorizon);
+  for (int i = 0; i < all.size(); ++i) motion.place(i, all.track(i));
+  std::vector<JointMotion::Pair> early;
+  for (const auto& [i, j] : pairs(all)) {
+    bool meeting = false;
+    for (int t = 0; t < kHorizon * time.bucket && !meeting; t += time.bucket) {
+      meeting = meet(all.track(i).boxes(t), robots[std::size_t(i)].car->shape(),
+                     all.track(j).boxes(t), robots[std::size_t(j)].car->shape(), time.bucket);
     }
+    if (meeting) early.emplace_back(i, j);
   }
-  EXPECT_TRUE(motion.conflicts().empty());
-  EXPECT_GT(std::ranges::count(steps.at_goal, 1), 20);
+  EXPECT_EQ(pairs(motion), early);
+  EXPECT_LT(motion.conflicts().size(), all.conflicts().size());
+  for (int end = kHorizon + 5; end < 100; end += 5) motion.set_horizon(end, end);
+  EXPECT_EQ(pairs(motion), pairs(all));
+  EXPECT_EQ(motion.cost(), all.cost());
 }
 
 TEST(Exchange, HandsTheBestPlanToEveryone) {

@@ -68,6 +68,18 @@ TEST(SoftAstar, DrivesTheShortestCurveIfAlone) {
   EXPECT_EQ(path->price, 0.0);
 }
 
+//   Behind the horizon of the search nobody is seen: straight through the one who stands there.
+TEST(SoftAstar, SeesOthersUntilTheHorizonOnly) {
+  const Pose start{10, 25, 0};
+  Scene scene(empty_map(50), {40, 25, 0});
+  scene.place_other({25, 25, 1.5}, {});
+  SoftProblem problem = scene.problem(start);
+  EXPECT_GT(search(problem)->steps.size(), 284U);
+  problem.others.horizon = 7;  // reached before the other one is
+  EXPECT_EQ(search(problem)->steps.size(), 284U);
+  EXPECT_EQ(search(problem)->price, 0.0);
+}
+
 //   Head on in the open: both the price and the referee-like check say that nobody is touched.
 TEST(SoftAstar, GivesWayToTheOther) {
   const Pose start{10, 25, 0};
