@@ -53,9 +53,9 @@ CubeSession::~CubeSession() {
   bluetooth_.on_notification(nullptr);
   for (const FoundCube& cube : cubes_) {
     try {
-      if (bluetooth_.connected(cube.path)) bluetooth_.disconnect(cube.path);
+      bluetooth_.disconnect(cube.path);  // ends attempts to connect it, too
     } catch (const BluetoothError&) {
-      // It will notice that nobody talks to it.
+      // Its link is gone already, or it will notice that nobody talks to it.
     }
   }
 }

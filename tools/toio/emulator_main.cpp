@@ -103,7 +103,8 @@ std::string json_of(const WorldReport& report) {
   const nlohmann::ordered_json json = {
       {"touched", report.touched},
       {"clearance_least_mm",
-       any ? nlohmann::ordered_json(report.least_clearance * 1000) : nlohmann::ordered_json()},
+       any ? nlohmann::ordered_json(std::round(report.least_clearance * 1e4) / 10)
+           : nlohmann::ordered_json()},
       {"cubes", cubes}};
   return json.dump(1);
 }

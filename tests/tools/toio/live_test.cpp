@@ -15,6 +15,8 @@ using testing::HasSubstr;
 using testing::MatchesRegex;
 using testing::Not;
 
+/// Wheels that were told to stop near 0 for ever; slower than any that turn, 22 mm/s [mm/s].
+constexpr double kStands = 2.0;
 constexpr const char* kStop = "01 01 01 00 02 01 00";
 
 /// `mvtp toio run` and its kin on a private bus, against the emulator in place of BlueZ.
@@ -56,7 +58,7 @@ class ToioLive : public Program {
   void expect_all_stopped() const {
     for (const json& cube : cubes()) {
       EXPECT_EQ(cube["last_motor"], kStop) << cube;
-      EXPECT_EQ(cube["wheels_mm_s"], 0.0) << cube;
+      EXPECT_LT(cube["wheels_mm_s"], kStands) << cube;
     }
   }
 };
@@ -119,7 +121,7 @@ TEST_F(ToioLive, ALostLinkStopsWhoNeedsThePlace) {
                         "not go on\n"));
   EXPECT_EQ(world()["touched"], false);
   EXPECT_EQ(cubes()[0]["last_motor"], kStop);
-  for (const json& cube : cubes()) EXPECT_EQ(cube["wheels_mm_s"], 0.0);
+  for (const json& cube : cubes()) EXPECT_LT(cube["wheels_mm_s"], kStands);
 }
 
 //   The same, but the cube is in reach again after a second.
@@ -162,7 +164,7 @@ TEST_F(ToioLive, AButtonPausesAll) {
                      "= 20 ] && grep -q paused script.out"));
   EXPECT_EQ(outcome.exit_code, 130) << outcome.out;
   EXPECT_THAT(outcome.out, HasSubstr("toio: paused: press Enter or a cube's button to go on\n"));
-  EXPECT_EQ(cubes()[1]["wheels_mm_s"], 0.0);
+  EXPECT_LT(cubes()[1]["wheels_mm_s"], kStands);
 }
 
 TEST_F(ToioLive, ACollisionIsFeltAndStopsACubeForAWhile) {
