@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "coordinator/statistics.hpp"
+#include "planner/problem/text_file.hpp"
 
 namespace mvtp {
 namespace {

@@ -24,11 +24,4 @@ double quantile(std::vector<double> values, double p) {
   return values[i] + (place - double(i)) * (values[j] - values[i]);
 }
 
-std::string csv_field(const std::string& text) {
-  if (text.find_first_of(",\"\n\r") == std::string::npos) return text;
-  std::string quoted = "\"";
-  for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return quoted + "\"";
-}
-
 }  // namespace mvtp

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <string>
 #include <vector>
 
 namespace mvtp {
@@ -11,8 +10,5 @@ namespace mvtp {
 [[nodiscard]] double largest(const std::vector<double>& values);
 /// The p-quantile of the values, 0 <= p <= 1, interpolated; 0 if there are none.
 [[nodiscard]] double quantile(std::vector<double> values, double p);
-
-/// A CSV field; quoted where its text demands it.
-[[nodiscard]] std::string csv_field(const std::string& text);
 
 }  // namespace mvtp

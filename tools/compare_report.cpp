@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "planner/problem/input_error.hpp"
+#include "planner/problem/text_file.hpp"
 
 namespace mvtp {
 namespace {
@@ -192,13 +193,6 @@ std::string aligned(const std::vector<Cells>& lines) {
     text += '\n';
   }
   return text;
-}
-
-std::string csv_field(const std::string& text) {
-  if (text.find_first_of(",\"\n\r") == std::string::npos) return text;
-  std::string quoted = "\"";
-  for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return quoted + "\"";
 }
 
 }  // namespace

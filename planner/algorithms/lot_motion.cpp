@@ -65,17 +65,6 @@ void LotMotion::set_order(std::int64_t first, std::int64_t second, Precedence or
   }
 }
 
-std::vector<std::int64_t> LotMotion::waits_for(std::int64_t key) const {
-  std::vector<std::int64_t> result;
-  for (const Link& link : links()) {
-    std::size_t hint = 0;
-    const bool waits = cars_[link.waiting].key == key &&
-                       std::isfinite(link.order->limit(cars_[link.first].s, hint));
-    if (waits) result.push_back(cars_[link.first].key);
-  }
-  return result;
-}
-
 void LotMotion::strand(std::int64_t key) {
   LotCar& car = cars_[std::size_t(find(key))];
   if (car.stranded) return;

@@ -76,8 +76,6 @@ class LotMotion {
   void remove(std::int64_t key);
   /// `first` waits for `second` as said.
   void set_order(std::int64_t first, std::int64_t second, Precedence order);
-  /// The keys of those whose turn comes before the car's, where it waits for them now or later.
-  [[nodiscard]] std::vector<std::int64_t> waits_for(std::int64_t key) const;
 
   /// The car brakes to rest and stays there: it broke down, or has no way any more.
   void strand(std::int64_t key);

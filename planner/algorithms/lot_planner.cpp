@@ -14,6 +14,7 @@ constexpr double kHardPrice = 1e4;      ///< [s] per bucket: overlaps are no way
 constexpr double kInstant = 0.05;       ///< [s]
 constexpr double kAction = 1.0;         ///< [m] driven in one bucket
 constexpr double kWallThickness = 0.2;  ///< [m], outside the ground
+constexpr double kReach = 5.0;          ///< [m] of sweeps that are looked up quickly
 constexpr double kRoom = 2.0;           ///< [m] around the ground
 constexpr double kSpareRadius = 1.02;   ///< times the turning radius: no bend is the tightest
 constexpr double kInflation = 0.8;      ///< of half the width, on the grid of the cost-to-go
@@ -94,6 +95,12 @@ Map walls_of(const ParkingLot& lot) {
   return map;
 }
 
+Map entry_strips(const ParkingLot& lot, const Map& walls) {
+  Map map{.width = walls.width, .height = walls.height};
+  for (const LotLane& lane : lot.entries) map.polygons.push_back(entry_strip(lane));
+  return map;
+}
+
 }  // namespace
 
 /// One decision under way: everyone's motion from `ahead` seconds from now on.
@@ -114,10 +121,8 @@ class LotPlanner::Draft {
   /// The robot, absent so far, gets a way that touches nobody present.
   /// @param alone  its way as if nobody else moved
   [[nodiscard]] bool plan(int robot, const TimedTrack& alone);
-  void put_back(int robot, TimedTrack track) { joint_->place(robot, std::move(track)); }
   [[nodiscard]] TimedTrack take(int robot) { return joint_->remove(robot); }
   [[nodiscard]] const TimedTrack& track(int robot) const { return joint_->track(robot); }
-  [[nodiscard]] bool present(int robot) const { return joint_->present(robot); }
   /// The cars under way that stand in the way of a robot that moves like this.
   [[nodiscard]] std::vector<int> in_the_way(int robot, const TimedTrack& track);
 
@@ -534,16 +539,16 @@ LotMotion LotPlanner::Draft::result(std::span<const int> changed) const {
 }
 
 LotPlanner::LotPlanner(const ParkingLot& lot, const LotPlannerOptions& options)
-    : lot_(lot), options_(options), walls_(walls_of(lot)) {
+    : lot_(lot),
+      options_(options),
+      walls_(walls_of(lot)),
+      entries_(entry_strips(lot, walls_), kReach) {
   time_.dt = kInstant;
   time_.bucket = std::max(2, int(kAction / (options.limits.speed * kInstant)));
   set_standing({});
 }
 
-void LotPlanner::Ground::refresh() {
-  constexpr double kReach = 5.0;  // [m]
-  obstacles = std::make_unique<Obstacles>(map, kReach);
-}
+void LotPlanner::Ground::refresh() { obstacles = std::make_unique<Obstacles>(map, kReach); }
 
 void LotPlanner::set_standing(std::vector<StandingCar> standing) {
   open_.map = walls_;
@@ -576,19 +581,7 @@ const CostToGo& LotPlanner::cost_to_go(const Vehicle& body, const Pose& goal) {
 }
 
 bool LotPlanner::in_entry(const Vehicle& body, const Pose& pose) const {
-  for (const LotLane& lane : lot_.entries) {
-    const Obstacles obstacles({.width = walls_.width,
-                               .height = walls_.height,
-                               .circles = {},
-                               .polygons = {entry_strip(lane)}},
-                              10.0);
-    if (obstacles.hit(Sweep(grown(body, options_), pose, {}))) return true;
-  }
-  return false;
-}
-
-bool LotPlanner::is_free(const Vehicle& body, const Pose& pose) const {
-  return !open_.obstacles->hit(Sweep(body, pose, {}));
+  return entries_.hit(Sweep(grown(body, options_), pose, {}));
 }
 
 double LotPlanner::distance(const Vehicle& body, const Pose& from, const Pose& goal) {

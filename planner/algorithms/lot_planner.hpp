@@ -82,15 +82,11 @@ class LotPlanner {
   /// Looks for an order in which the car that loses most gets on earlier. @return cars replanned
   int improve(LotMotion& motion, std::span<const StandingCar> waiting);
 
-  /// May a car stand here, as far as ground, obstacles and standing cars go?
-  [[nodiscard]] bool is_free(const Vehicle& body, const Pose& pose) const;
   /// How far it is to a goal, about [m].
   [[nodiscard]] double distance(const Vehicle& body, const Pose& from, const Pose& goal);
 
   /// How far a car that comes in at this speed drives on before its way can turn [m].
   [[nodiscard]] double prefix_length(double speed) const;
-
-  [[nodiscard]] std::int64_t expansions() const { return search_.expansions(); }
 
  private:
   class Draft;
@@ -114,9 +110,10 @@ class LotPlanner {
   TimeGrid time_;
   Clearance clearance_ = Clearance::unknown();
   Map walls_;
-  Ground open_;     ///< for cars in an entry lane
-  Ground closed_;   ///< for all others: the entry lanes are closed, as exit lanes are for both
-  Ground leaving_;  ///< for those who leave: the entry lanes are closed
+  Obstacles entries_;  ///< the strips of the entry lanes
+  Ground open_;        ///< for cars in an entry lane
+  Ground closed_;      ///< for all others: the entry lanes are closed, as exit lanes are for both
+  Ground leaving_;     ///< for those who leave: the entry lanes are closed
   std::map<double, std::shared_ptr<const ObstacleGrid>> grids_;
   std::map<GoalKey, CostToGo> costs_to_go_;
   SoftAstar search_{kMostRobots};

@@ -97,14 +97,6 @@ Json robot_json(const ToioRun& run, const RunRobot& robot) {
           {"frames", frames}};
 }
 
-/// A CSV field; quoted where its text demands it.
-std::string csv_field(const std::string& text) {
-  if (text.find_first_of(",\"\n\r") == std::string::npos) return text;
-  std::string quoted = "\"";
-  for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return quoted + "\"";
-}
-
 /// One element per line: readable, and small.
 std::string lines(const std::string& key, const Json& list, const char* indent) {
   std::string text = fmt::format("{}\"{}\": [", indent, key);
