@@ -20,7 +20,7 @@ constexpr double kSpareRadius = 1.02;   ///< times the turning radius: no bend i
 constexpr double kInflation = 0.8;      ///< of half the width, on the grid of the cost-to-go
 constexpr double kNever = 1e9;
 constexpr double kMouth = 0.5;         ///< [m] of an exit lane's begin that all may use
-constexpr double kBehindGoal = 12.0;   ///< [m] of it that those who leave may use
+constexpr double kBeforeGoal = 0.4;    ///< [m] of it ahead of those who are at their goal there
 constexpr float kNow = -1.0F;          ///< when a car is where it is: before all that is planned
 constexpr int kEffortAmongOthers = 4;  ///< the same among others
 constexpr int kMoreEffort = 8;         ///< times the expansions, where a way alone is not found
@@ -211,7 +211,7 @@ LotPlanner::Draft::Draft(LotPlanner& planner, const LotMotion& motion, const Lot
 
 void LotPlanner::Draft::add(Robot robot, const Pose& start, bool in_entry) {
   const Ground& ground = in_entry       ? planner_.open_
-                         : robot.leaves ? planner_.leaving_
+                         : robot.leaves ? planner_.ground_of_leaving(robot.body, robot.goal)
                                         : planner_.closed_;
   // Who stands needs no margin of its own, no more than those that are solid.
   const Vehicle body = robot.stands ? robot.body : grown(robot.body, planner_.options_);
@@ -553,18 +553,33 @@ void LotPlanner::Ground::refresh() { obstacles = std::make_unique<Obstacles>(map
 void LotPlanner::set_standing(std::vector<StandingCar> standing) {
   open_.map = walls_;
   for (const StandingCar& car : standing) open_.map.polygons.push_back(outline(car));
-  leaving_.map = open_.map;
+  exits_open_ = open_.map;
+  for (const LotLane& lane : lot_.entries) exits_open_.polygons.push_back(entry_strip(lane));
   for (const LotLane& lane : lot_.exits) {
     open_.map.polygons.push_back(strip(lane, kMouth, lane.length));
-    if (lane.length <= kBehindGoal) continue;
-    leaving_.map.polygons.push_back(strip(lane, kBehindGoal, lane.length));
   }
   closed_.map = open_.map;
-  for (const LotLane& lane : lot_.entries) {
-    closed_.map.polygons.push_back(entry_strip(lane));
-    leaving_.map.polygons.push_back(entry_strip(lane));
+  for (const LotLane& lane : lot_.entries) closed_.map.polygons.push_back(entry_strip(lane));
+  open_.refresh();
+  closed_.refresh();
+  leaving_.clear();
+}
+
+/// Nobody drives past its goal in an exit lane and comes back: others have left there already, and
+/// have their own drivers.
+const LotPlanner::Ground& LotPlanner::ground_of_leaving(const Vehicle& body, const Pose& goal) {
+  const auto [place, is_new] = leaving_.try_emplace({body.front, goal.x, goal.y});
+  Ground& ground = place->second;
+  if (!is_new) return ground;
+  ground.map = exits_open_;
+  for (const LotLane& lane : lot_.exits) {
+    const Pose local = relative(lane.begin, goal);
+    const bool its_own = std::abs(local.y) < kMouth && local.x > 0.0 && local.x < lane.length;
+    const double end = its_own ? local.x + body.front + kBeforeGoal : kMouth;
+    if (end < lane.length) ground.map.polygons.push_back(strip(lane, end, lane.length));
   }
-  for (Ground* ground : {&open_, &closed_, &leaving_}) ground->refresh();
+  ground.refresh();
+  return ground;
 }
 
 CostToGo LotPlanner::make_cost_to_go(const Vehicle& body, const Pose& goal) {

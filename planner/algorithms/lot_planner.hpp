@@ -103,6 +103,7 @@ class LotPlanner {
 
   [[nodiscard]] CostToGo make_cost_to_go(const Vehicle& body, const Pose& goal);
   [[nodiscard]] const CostToGo& cost_to_go(const Vehicle& body, const Pose& goal);
+  [[nodiscard]] const Ground& ground_of_leaving(const Vehicle& body, const Pose& goal);
   [[nodiscard]] bool in_entry(const Vehicle& body, const Pose& pose) const;
 
   ParkingLot lot_;
@@ -113,7 +114,8 @@ class LotPlanner {
   Obstacles entries_;  ///< the strips of the entry lanes
   Ground open_;        ///< for cars in an entry lane
   Ground closed_;      ///< for all others: the entry lanes are closed, as exit lanes are for both
-  Ground leaving_;     ///< for those who leave: the entry lanes are closed
+  Map exits_open_;     ///< for those who leave: the entry lanes are closed;
+  std::map<std::tuple<double, double, double>, Ground> leaving_;  ///< by front overhang and goal
   std::map<double, std::shared_ptr<const ObstacleGrid>> grids_;
   std::map<GoalKey, CostToGo> costs_to_go_;
   SoftAstar search_{kMostRobots};

@@ -4,6 +4,11 @@
 #include <cmath>
 
 namespace mvtp {
+namespace {
+
+constexpr double kOut = 0.01;  ///< [m] beyond a cell: there a car has left it
+
+}  // namespace
 
 PathCells::PathCells(const ArcPath& path, const Vehicle& body, double margin) {
   const double length = path.length();
@@ -70,7 +75,8 @@ std::pair<Precedence, Precedence> precedence(const PlannedWay& first, const Plan
   std::pair<Precedence, Precedence> result;
   std::vector<double> need_of_first(std::size_t(first.cells->size()), 0.0);
   std::vector<double> need_of_second(std::size_t(second.cells->size()), 0.0);
-  const auto beyond = [](int cell) { return (cell + 1) * PathCells::kLength; };
+  // Where two cells meet a car is in both: who waits there has not left the one behind it.
+  const auto beyond = [](int cell) { return (cell + 1) * PathCells::kLength + kOut; };
   first.cells->for_each_contact(first.first, *second.cells, second.first, [&](int a, int b) {
     const auto i = std::size_t(a);
     const auto j = std::size_t(b);

@@ -115,8 +115,7 @@ TEST(LotCoordinator, ParksACarAndBringsItBack) {
 
 class LotControllers : public testing::TestWithParam<LotController> {};
 
-// Disabled because they fail: two cars come to touch by up to 2 cm.
-TEST_P(LotControllers, DISABLED_ServeABusyLotWithoutContact) {
+TEST_P(LotControllers, ServeABusyLotWithoutContact) {
   LotOptions options;
   options.controller = GetParam();
   LotRun run(busy(), options);
@@ -142,7 +141,7 @@ double mean_time(const LotRun& run) {
   return sum / n;
 }
 
-TEST(LotCoordinator, DISABLED_IsQuickerThanOneAtATime) {
+TEST(LotCoordinator, IsQuickerThanOneAtATime) {
   LotRun together(busy());
   LotOptions options;
   options.controller = LotController::kOneAtATime;
