@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -29,6 +30,8 @@ class Controller {
   /// One step of the traffic; a decision before it where one is due.
   virtual void step() = 0;
   [[nodiscard]] virtual bool drives(const std::string& id) const = 0;
+  /// Does the vehicle stand because it is parked and its stay is not over?
+  [[nodiscard]] virtual bool rests(const std::string& /*id*/) const { return false; }
   [[nodiscard]] virtual const std::vector<Replan>& replans() const = 0;
 };
 
@@ -39,6 +42,10 @@ class OwnDrivers : public Controller {
 
   void step() override { traffic_.step(); }
   [[nodiscard]] bool drives(const std::string& /*id*/) const override { return false; }
+  [[nodiscard]] bool rests(const std::string& id) const override {
+    const std::optional<ParkingStop> stop = traffic_.parking_stop(id);
+    return stop && stop->parked;
+  }
   [[nodiscard]] const std::vector<Replan>& replans() const override { return replans_; }
 
  private:

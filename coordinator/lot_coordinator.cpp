@@ -25,13 +25,15 @@ constexpr int kMostDoublings = 5;          ///< each time twice as late, at most
 constexpr double kBarWidth = 0.3;          ///< [m] of what closes a free slot, and
 constexpr double kBarInset = 0.5;          ///< [m] by which it is shorter at both ends
 constexpr double kSettle = 5.0;            ///< [s]
-constexpr double kPatience = 15.0;         ///< [s] at a footpath
+constexpr double kGateGap = 1.0;           ///< [m] behind a vehicle that comes in, for the next,
+constexpr double kGateBraking = 2.0;       ///< [m/s^2] of that
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 Pose moved(const Pose& pose, const Point& by) { return {pose.x - by.x, pose.y - by.y, pose.theta}; }
 Point moved(const Point& point, const Point& by) { return {point.x - by.x, point.y - by.y}; }
 
 Point corner_of(const Polygon& ground) {
-  Point low{std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
+  Point low{kInfinity, kInfinity};
   for (const Point& p : ground) low = {std::min(low.x, p.x), std::min(low.y, p.y)};
   return {low.x - kRoom, low.y - kRoom};
 }
@@ -75,8 +77,7 @@ LotCoordinator::LotCoordinator(Traffic& traffic, const ParkingLot& lot, const Lo
       lot_(moved(lot, origin_)),
       options_(options),
       planner_(lot_, planner_options(options)),
-      motion_(options.planner.limits),
-      lookout_(lot_) {
+      motion_(options.planner.limits) {
   steps_per_decision_ = std::max(1, int(std::lround(options.decision / traffic.step_length())));
 }
 
@@ -88,6 +89,12 @@ Pose LotCoordinator::from_lot(const Pose& pose) const {
 bool LotCoordinator::drives(const std::string& id) const {
   const auto guest = guests_.find(id);
   return guest != guests_.end() && guest->second.taken_over;
+}
+
+bool LotCoordinator::rests(const std::string& id) const {
+  const auto guest = guests_.find(id);
+  return guest != guests_.end() && guest->second.phase == Phase::kParked &&
+         !guest->second.wants_out;
 }
 
 Occupied LotCoordinator::occupied(double time) const {
@@ -205,6 +212,7 @@ void LotCoordinator::watch_the_gates() {
     if (!front[e]) continue;
     Guest& guest = guests_.at(front[e]->id);
     const LotLane& lane = lot_.entries[e];
+    traffic_.cap_speed(front[e]->id, speed_behind_the_last(lane, guest));
     const double behind = front[e]->lane_position - guest.body.length() - lane.offset;
     if (behind < kInside) continue;
     const double room = lane.offset + lane.length - front[e]->lane_position - kBeforeLaneEnd;
@@ -213,6 +221,24 @@ void LotCoordinator::watch_the_gates() {
     LotVisit& visit = visits_[front[e]->id];
     if (!visit.asked_in) visit.asked_in = traffic_.time();
   }
+}
+
+/// A car that comes in leaves its lane front first, and its driver's follower no longer sees it.
+double LotCoordinator::speed_behind_the_last(const LotLane& lane, const Guest& guest) const {
+  double free = kInfinity;  // [m] of lane
+  for (const auto& [id, other] : guests_) {
+    if (other.phase != Phase::kUnderWay && other.phase != Phase::kStranded) continue;
+    const BoxPose box = box_pose(other.body, relative(lane.begin, other.pose));
+    const double half_length = other.body.length() / 2;
+    const double half_width = other.body.width / 2;
+    const double reach_x = std::abs(box.ux) * half_length + std::abs(box.uy) * half_width;
+    const double reach_y = std::abs(box.uy) * half_length + std::abs(box.ux) * half_width;
+    const bool aside = std::abs(box.y) > reach_y + guest.body.width / 2;
+    if (aside || box.x - reach_x > lane.length + kGateGap) continue;
+    free = std::min(free, box.x - reach_x);
+  }
+  const double front = relative(lane.begin, guest.pose).x + guest.body.front;
+  return std::sqrt(2 * kGateBraking * std::max(0.0, free - front - kGateGap));
 }
 
 /// Cars parked at the start keep their places in the traffic's own books until all are there.
@@ -363,7 +389,7 @@ std::vector<int> LotCoordinator::slots_for(const Guest& guest) {
   std::vector<SlotOffer> offers;
   for (std::size_t s = 0; s < lot_.slots.size(); ++s) {
     if (taken[s] || !fits(guest.body, lot_.slots[s])) continue;
-    SlotOffer offer{s, std::numeric_limits<double>::infinity()};
+    SlotOffer offer{s, kInfinity};
     for (const Pose& place : places(guest.body, lot_.slots[s])) {
       offer.distance = std::min(offer.distance, planner_.distance(guest.body, guest.pose, place));
     }
@@ -419,6 +445,7 @@ std::optional<LotAdmission> LotCoordinator::ask(const std::string& id, Guest& gu
   }
   if (!guest.taken_over) {  // at the gate
     traffic_.hold(id, false);
+    traffic_.cap_speed(id, kInfinity);
     take_over(id, guest);
   }
   guest.phase = Phase::kUnderWay;
@@ -430,21 +457,16 @@ std::optional<LotAdmission> LotCoordinator::ask(const std::string& id, Guest& gu
 std::vector<double> LotCoordinator::halts() {
   std::vector<Pedestrian> people(traffic_.pedestrians().begin(), traffic_.pedestrians().end());
   for (Pedestrian& person : people) person.position = moved(person.position, origin_);
-  people_seen_ = people_seen_ || !people.empty();
   std::vector<StandingCar> strangers;
   for (const VehicleState& v : traffic_.vehicles()) {
     const bool leaving =
         std::ranges::any_of(lot_.exits, [&](const LotLane& lane) { return lane.lane == v.lane; });
     if (leaving && !drives(v.id)) strangers.push_back({to_lot(v.pose), type_of(v.type).body});
   }
+  const std::vector<double> turns = motion_.turns();
   std::vector<double> result;
-  for (std::size_t i = 0; i < motion_.cars().size(); ++i) {
-    const LotCar& car = motion_.cars()[i];
-    const bool patient =
-        traffic_.time() - waiting_since_.try_emplace(car.key, traffic_.time()).first->second <
-        kPatience;
-    result.push_back(lookout_.halt(car, motion_.turn_ends(i), motion_.limits(),
-                                   {people, strangers, people_seen_}, patient));
+  for (std::size_t i = 0; i < turns.size(); ++i) {
+    result.push_back(LotLookout::halt(motion_, motion_.cars()[i], turns[i], {people, strangers}));
   }
   return result;
 }
@@ -458,11 +480,7 @@ void LotCoordinator::advance() {
     LotVisit& visit = visits_[ids_.at(car.key)];
     visit.distance += car.s - before[i];
     leave_slot(guests_.at(ids_.at(car.key)), car);
-    if (car.v > kStanding) {
-      waiting_since_.erase(car.key);
-    } else {
-      visit.waited += traffic_.step_length();
-    }
+    if (car.v <= kStanding) visit.waited += traffic_.step_length();
   }
 }
 
@@ -509,7 +527,6 @@ void LotCoordinator::arrive() {
     const bool leaves = !car.stops();
     guest.phase = car.stranded ? Phase::kStranded : Phase::kParked;
     motion_.remove(key);
-    waiting_since_.erase(key);
     if (leaves) {
       visit.handed_back = traffic_.time();
       traffic_.hand_back(id);

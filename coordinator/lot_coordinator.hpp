@@ -97,6 +97,7 @@ class LotCoordinator : public Controller {
   void step() override;
 
   [[nodiscard]] bool drives(const std::string& id) const override;
+  [[nodiscard]] bool rests(const std::string& id) const override;
   [[nodiscard]] const std::vector<Replan>& replans() const override { return replans_; }
   [[nodiscard]] const std::map<std::string, LotVisit>& visits() const { return visits_; }
   [[nodiscard]] const LotMotion& motion() const { return motion_; }
@@ -132,6 +133,7 @@ class LotCoordinator : public Controller {
   void check_size(const std::string& id, const Vehicle& body) const;
   void adopt_parked(const std::string& id, Guest& guest);
   void watch_the_gates();
+  [[nodiscard]] double speed_behind_the_last(const LotLane& lane, const Guest& guest) const;
   void decide();
   void take_over_the_parked();
   void end_stays();
@@ -164,7 +166,6 @@ class LotCoordinator : public Controller {
   LotOptions options_;
   LotPlanner planner_;
   LotMotion motion_;
-  LotLookout lookout_;
   std::int64_t step_ = 0;
   std::int64_t decisions_ = 0;
   int steps_per_decision_ = 5;
@@ -174,9 +175,7 @@ class LotCoordinator : public Controller {
   std::map<std::int64_t, std::string> ids_;
   std::map<std::string, LotVisit> visits_;
   std::map<std::string, VehicleType> types_;
-  std::map<std::int64_t, double> waiting_since_;  ///< at a footpath, by key
   std::vector<Replan> replans_;
-  bool people_seen_ = false;
 };
 
 }  // namespace mvtp

@@ -12,12 +12,10 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kSight = 4.0;          ///< [m] beyond the braking distance
 constexpr double kDistance = 0.6;       ///< [m] kept from people
-constexpr double kHorizon = 8.0;        ///< [s] for which people are expected to walk on
 constexpr double kInstant = 0.25;       ///< [s]
 constexpr double kSlackOutside = 1.2;   ///< [s] between a car and a person at one place, and
 constexpr double kSlackInside = 0.3;    ///< [s] where a car is on a footpath already
 constexpr double kRoomAhead = 0.3;      ///< [m] between a halt and what it is for
-constexpr double kReversal = 3.0;       ///< [s] that a change of direction takes, about
 constexpr double kFromStrangers = 0.5;  ///< [m]
 
 /// [s] to drive `distance` from speed `v`, at best.
@@ -53,51 +51,32 @@ double before(int cell) { return cell * PathCells::kLength - kRoomAhead; }
 
 /// One car's view of what is ahead.
 struct LotLookout::Look {
+  const LotMotion& motion;
   const LotCar& car;
-  const LotLimits& limits;
+  double turn;
   const View& view;
   int here;
-  int last;  ///< cell
-  bool inside;
+  int last;     ///< cell
+  bool inside;  ///< of a footpath
 
   [[nodiscard]] double time_to(int cell) const {
-    return fastest(std::max(0.0, cell * PathCells::kLength - car.s), car.v, limits);
+    const double distance = std::max(0.0, cell * PathCells::kLength - car.s);
+    return fastest(distance, car.v, motion.limits());
   }
 };
 
-LotLookout::LotLookout(const ParkingLot& lot) {
-  for (const Footpath& path : lot.footpaths) {
-    for (std::size_t k = 1; k < path.line.size(); ++k) {
-      const Point& a = path.line[k - 1];
-      const Point& b = path.line[k];
-      const double length = std::hypot(b.x - a.x, b.y - a.y);
-      if (length == 0.0) continue;
-      strips_.push_back({{float((a.x + b.x) / 2), float((a.y + b.y) / 2),
-                          float((b.x - a.x) / length), float((b.y - a.y) / length)},
-                         {float(length / 2), float(path.width / 2), 0.0F}});
-    }
-  }
-}
-
-bool LotLookout::on_footpath(const LotCar& car, int cell) const {
-  return std::ranges::any_of(strips_, [&](const Strip& strip) {
-    return gap(car.cells.box(cell), car.cells.shape(cell), strip.pose, strip.shape) < 0.0F;
-  });
-}
-
-double LotLookout::halt(const LotCar& car, double turn_ends, const LotLimits& limits,
-                        const View& view, bool patient) const {
+double LotLookout::halt(const LotMotion& motion, const LotCar& car, double turn, const View& view) {
   if (car.at_end()) return kInfinity;
-  const double sight = car.s + stopping_distance(car.v, limits.braking) + kSight;
+  const double sight = car.s + stopping_distance(car.v, motion.limits().braking) + kSight;
   const int here = car.cells.cell_at(car.s);
-  const Look look{
-      car, limits, view, here, car.cells.cell_at(sight), view.footpaths && on_footpath(car, here)};
-  double halt = std::min(before_people(look), before_strangers(look));
-  if (view.footpaths) halt = std::min(halt, before_footpath(look, turn_ends, patient));
-  return halt;
+  const bool inside = std::ranges::any_of(car.cells.stretches(), [here](const auto& stretch) {
+    return stretch.first <= here && here <= stretch.last;
+  });
+  const Look look{motion, car, turn, view, here, car.cells.cell_at(sight), inside};
+  return std::min({before_people(look), before_footpath(look), before_strangers(look)});
 }
 
-double LotLookout::before_people(const Look& look) const {
+double LotLookout::before_people(const Look& look) {
   const double slack = look.inside ? kSlackInside : kSlackOutside;
   double halt = kInfinity;
   for (const Pedestrian& person : look.view.people) {
@@ -115,23 +94,19 @@ double LotLookout::before_people(const Look& look) const {
   return halt;
 }
 
-double LotLookout::before_footpath(const Look& look, double turn_ends, bool patient) const {
+double LotLookout::before_footpath(const Look& look) {
   const LotCar& car = look.car;
-  int first = look.here;
-  while (first <= look.last && !on_footpath(car, first)) ++first;
-  if (first > look.last || first == look.here) return kInfinity;
-  int last = first;
-  double time = 0.0;
-  while (last + 1 < car.cells.size() && on_footpath(car, last + 1)) ++last;
-  const double end = (last + 1) * PathCells::kLength;
-  if (patient && turn_ends < std::min(end, car.path.length())) return before(first);
-  for (double s = car.path.stop_after(car.s); s < end && s < car.path.length();
-       s = car.path.stop_after(s + 1e-6)) {
-    time += kReversal;
-  }
-  time += look.time_to(last + 1) + kSlackOutside;
+  const auto next = std::ranges::find_if(
+      car.cells.stretches(), [&](const auto& stretch) { return stretch.first > look.here; });
+  if (look.view.people.empty() || next == car.cells.stretches().end()) return kInfinity;
+  if (next->first > look.last) return kInfinity;
+  const auto [first, last] = *next;
+  const double enters = look.motion.time_until(car, first * PathCells::kLength, look.turn);
+  const double leaves = look.motion.time_until(car, (last + 1) * PathCells::kLength, look.turn);
+  if (!std::isfinite(leaves)) return before(first);
   for (const Pedestrian& person : look.view.people) {
-    for (double t = 0.0; t <= std::min(time, 2 * kHorizon); t += kInstant) {
+    for (double t = std::max(0.0, enters - kSlackOutside); t <= leaves + kSlackOutside;
+         t += kInstant) {
       const Point place = after(person, t);
       for (int cell = first; cell <= last; ++cell) {
         if (near(car, cell, place, person.radius + kDistance)) return before(first);

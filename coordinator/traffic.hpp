@@ -22,12 +22,12 @@ struct VehicleType {
 /// One vehicle on the road after a step.
 struct VehicleState {
   std::string id;
-  std::string type;           ///< VehicleType::id
-  Pose pose;                  ///< rear axle
-  double speed = 0.0;         ///< [m/s]
-  double speed_factor = 1.0;  ///< its own multiple of every speed limit
-  std::string lane;           ///< empty while off every lane
-  double lane_position = 0.0; ///< of the front bumper from the start of the lane [m]
+  std::string type;            ///< VehicleType::id
+  Pose pose;                   ///< rear axle
+  double speed = 0.0;          ///< [m/s]
+  double speed_factor = 1.0;   ///< its own multiple of every speed limit
+  std::string lane;            ///< empty while off every lane
+  double lane_position = 0.0;  ///< of the front bumper from the start of the lane [m]
 };
 
 /// The next stop of a vehicle in a parking area.
@@ -83,6 +83,8 @@ class Traffic {
   virtual void place(const std::string& id, const Pose& pose, double speed) = 0;
   /// Makes a vehicle that is not taken over stop before the end of its lane (true), or go on.
   virtual void hold(const std::string& id, bool stop) = 0;
+  /// Keeps a vehicle that is not taken over from driving faster [m/s]; infinity: no matter.
+  virtual void cap_speed(const std::string& /*id*/, double /*speed*/) {}
   /// Lowers the limit of a lane for every driver [m/s].
   virtual void limit_speed(const std::string& lane, double speed) = 0;
 

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <csignal>
 #include <filesystem>
@@ -181,11 +182,16 @@ class Run {
       if (ours) coordinated_.insert(v.id);
       moving = moving || v.speed > 0.1;
     }
-    if (moving || sightings.empty()) last_motion_ = traffic_->time();
+    if (moving || all_rest()) last_motion_ = traffic_->time();
     audit_->observe(traffic_->time(), sightings, traffic_->pedestrians());
     if (lot_recorder_) lot_recorder_->observe(traffic_->time());
     recorder_->observe(traffic_->time(), sightings, *audit_);
     report_.sumo_collisions += traffic_->collisions();
+  }
+
+  [[nodiscard]] bool all_rest() const {
+    return std::ranges::all_of(traffic_->vehicles(),
+                               [this](const VehicleState& v) { return controller_->rests(v.id); });
   }
 
   void write_files() {

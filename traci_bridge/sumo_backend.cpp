@@ -41,6 +41,7 @@ constexpr int kObey = 0;
 constexpr double kNoLaneChange = 1.0;
 constexpr double kHoldGap = 1.0;     // from a held vehicle's front to the end of its lane [m]
 constexpr double kForever = 1.0e6;   // [s]
+constexpr double kOwnSpeed = -1.0;   // TraCI: the driver's choice again
 constexpr int kStoppedBit = 1;       // of getStopState()
 constexpr int kParkedBits = 129;     // of getStopState(): stopped, in a parking area
 constexpr int kParkingAreaBit = 64;  // of TraCINextStopData::stopFlags
@@ -216,6 +217,18 @@ class Backend final : public SumoTraffic {
       } else {
         go_on(id, found->second);
         held_.erase(found);
+      }
+    });
+  }
+
+  void cap_speed(const std::string& id, double speed) override {
+    ask([&] {
+      const bool slower = speed < api::Vehicle::getAllowedSpeed(id);
+      if (slower) {
+        api::Vehicle::setSpeed(id, speed);
+        capped_.insert(id);
+      } else if (capped_.erase(id) > 0) {
+        api::Vehicle::setSpeed(id, kOwnSpeed);
       }
     });
   }
@@ -545,6 +558,7 @@ class Backend final : public SumoTraffic {
 
   std::map<std::string, Characteristics> characteristics_;
   std::map<std::string, Controlled> controlled_;
+  std::set<std::string> capped_;
   std::map<std::string, Stop> held_;
   std::set<std::string> leaving_;  ///< parked, without a stop from the next step on
   std::map<std::string, Resumption> lane_changes_;

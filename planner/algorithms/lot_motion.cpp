@@ -96,13 +96,26 @@ std::vector<LotMotion::Link> LotMotion::links() const {
   return result;
 }
 
-double LotMotion::turn_ends(std::size_t i) const {
-  double end = kInfinity;
+std::vector<double> LotMotion::turns() const {
+  std::vector<double> ends(cars_.size(), kInfinity);
   for (Link& link : links()) {
-    if (link.waiting != i) continue;
+    double& end = ends[link.waiting];
     end = std::min(end, link.order->limit(cars_[link.first].s, link.hint));
   }
-  return end;
+  return ends;
+}
+
+double LotMotion::time_until(const LotCar& car, double s, double stop) const {
+  constexpr double kInstant = 0.1;   // [s]
+  constexpr double kLongest = 60.0;  // [s]
+  double time = 0.0;
+  for (State now{car.s, car.v}; now.s < s; time += kInstant) {
+    const State next = advance(car, now, stop, kInstant);
+    const bool stands = next.s <= now.s + kStandstill && next.v <= now.v;
+    if (stands || time > kLongest) return kInfinity;
+    now = next;
+  }
+  return time;
 }
 
 double LotMotion::speed_limit(const ArcPath::Piece& piece) const {
@@ -142,14 +155,10 @@ LotMotion::State LotMotion::advance(const LotCar& car, State now, double stop, d
 }
 
 void LotMotion::step(double dt, std::span<const double> halts) {
-  std::vector<double> stops(halts.begin(), halts.end());
-  for (Link& link : links()) {
-    double& stop = stops[link.waiting];
-    stop = std::min(stop, link.order->limit(cars_[link.first].s, link.hint));
-  }
+  const std::vector<double> turns = this->turns();
   for (std::size_t i = 0; i < cars_.size(); ++i) {
     LotCar& car = cars_[i];
-    const State next = advance(car, {car.s, car.v}, stops[i], dt);
+    const State next = advance(car, {car.s, car.v}, std::min(halts[i], turns[i]), dt);
     car.s = next.s;
     car.v = next.v;
   }

@@ -85,8 +85,11 @@ class LotMotion {
   /// Everyone drives for `dt` [s].
   /// @param halts  per car: it must stop before it has driven so far [m]; infinity: no matter
   void step(double dt, std::span<const double> halts);
-  /// How far the car may drive for now, as far as the others go [m].
-  [[nodiscard]] double turn_ends(std::size_t i) const;
+  /// How far each car may drive for now, as far as the others go [m].
+  [[nodiscard]] std::vector<double> turns() const;
+  /// When the car has driven `s` [m] if nothing but `stop` [m] holds it up; [s] from now, infinity
+  /// if that takes more than a minute.
+  [[nodiscard]] double time_until(const LotCar& car, double s, double stop) const;
 
   /// @param longest  [s] after which a forecast is given up
   [[nodiscard]] LotForecast forecast(double dt = 0.1, double longest = 600.0) const;

@@ -80,6 +80,41 @@ Polygon entry_strip(const LotLane& lane) {
   return strip(lane, 0.0, lane.length + kBeyond);
 }
 
+bool in_a_slot(const ParkingLot& lot, const Point& p) {
+  constexpr double kAround = 0.3;  // [m]
+  return std::ranges::any_of(lot.slots, [&](const ParkingSlot& slot) {
+    const Pose local = relative(slot.middle, {p.x, p.y, 0.0});
+    return std::abs(local.x) < slot.length / 2 + kAround &&
+           std::abs(local.y) < slot.width / 2 + kAround;
+  });
+}
+
+/// Where a footpath leads between two rows of slots no car drives: bars along its middle.
+std::vector<Polygon> bars_between_slots(const ParkingLot& lot, const Footpath& path) {
+  constexpr double kPiece = 0.5;    // [m]
+  constexpr double kBeside = 0.5;   // [m]
+  constexpr double kHalfBar = 0.1;  // [m]
+  std::vector<Polygon> bars;
+  for (std::size_t k = 1; k < path.line.size(); ++k) {
+    const Point& a = path.line[k - 1];
+    const Point& b = path.line[k];
+    const double length = std::hypot(b.x - a.x, b.y - a.y);
+    const Pose begin{a.x, a.y, std::atan2(b.y - a.y, b.x - a.x)};
+    for (double s = 0.0; s + kPiece <= length; s += kPiece) {
+      const auto beside = [&](double side) {
+        const double away = side * (path.width / 2 + kBeside);
+        const Pose p = compose(begin, {s + kPiece / 2, away, 0.0});
+        return in_a_slot(lot, {p.x, p.y});
+      };
+      if (!beside(1.0) || !beside(-1.0)) continue;
+      const Pose from = compose(begin, {s, 0.0, 0.0});
+      const Pose to = compose(begin, {s + kPiece, 0.0, 0.0});
+      bars.push_back(quad({from.x, from.y}, {to.x, to.y}, kHalfBar, kHalfBar));
+    }
+  }
+  return bars;
+}
+
 Map walls_of(const ParkingLot& lot) {
   Map map;
   const bool turns_left = area(lot.ground) > 0.0;
@@ -92,6 +127,10 @@ Map walls_of(const ParkingLot& lot) {
         quad(a, b, turns_left ? 0.0 : kWallThickness, turns_left ? kWallThickness : 0.0));
   }
   map.polygons.insert(map.polygons.end(), lot.obstacles.begin(), lot.obstacles.end());
+  for (const Footpath& path : lot.footpaths) {
+    const std::vector<Polygon> bars = bars_between_slots(lot, path);
+    map.polygons.insert(map.polygons.end(), bars.begin(), bars.end());
+  }
   return map;
 }
 
@@ -520,6 +559,7 @@ LotMotion LotPlanner::Draft::result(std::span<const int> changed) const {
   for (const int i : changed) {
     LotCar now = car(i, track(i));
     now.cells = PathCells(now.path, now.body, planner_.options_.gap);
+    now.cells.keep_clear(planner_.footpaths_);
     ways.push_back({now.key, times_of_planned(now, i), true});
     result.put(std::move(now));
   }
@@ -542,7 +582,8 @@ LotPlanner::LotPlanner(const ParkingLot& lot, const LotPlannerOptions& options)
     : lot_(lot),
       options_(options),
       walls_(walls_of(lot)),
-      entries_(entry_strips(lot, walls_), kReach) {
+      entries_(entry_strips(lot, walls_), kReach),
+      footpaths_(lot.footpaths) {
   time_.dt = kInstant;
   time_.bucket = std::max(2, int(kAction / (options.limits.speed * kInstant)));
   set_standing({});

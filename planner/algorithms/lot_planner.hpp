@@ -116,6 +116,7 @@ class LotPlanner {
   Ground closed_;      ///< for all others: the entry lanes are closed, as exit lanes are for both
   Map exits_open_;     ///< for those who leave: the entry lanes are closed;
   std::map<std::tuple<double, double, double>, Ground> leaving_;  ///< by front overhang and goal
+  KeepClear footpaths_;
   std::map<double, std::shared_ptr<const ObstacleGrid>> grids_;
   std::map<GoalKey, CostToGo> costs_to_go_;
   SoftAstar search_{kMostRobots};

@@ -58,6 +58,24 @@ void PathCells::bound_blocks() {
   }
 }
 
+void PathCells::keep_clear(const KeepClear& ground) {
+  stretches_.clear();
+  for (int cell = 0; cell < size(); ++cell) {
+    if (!ground.touches(box(cell), shape(cell))) continue;
+    if (stretches_.empty() || stretches_.back().last < cell - 1) stretches_.push_back({cell, cell});
+    stretches_.back().last = cell;
+  }
+  if (!stretches_.empty() && stretches_.back().last == size() - 1) stretches_.pop_back();
+}
+
+int PathCells::waits_before(int cell, int here) const {
+  for (auto stretch = stretches_.rbegin(); stretch != stretches_.rend(); ++stretch) {
+    const bool would_stand_there = cell > stretch->first && cell <= stretch->last + 1;
+    if (would_stand_there && here <= stretch->last) cell = std::max(stretch->first, here);
+  }
+  return cell;
+}
+
 void Precedence::add(double limit, double need) { steps_.push_back({limit, need}); }
 
 void Precedence::finish() {
@@ -86,14 +104,16 @@ std::pair<Precedence, Precedence> precedence(const PlannedWay& first, const Plan
       need_of_first[i] = std::max(need_of_first[i], beyond(b));
     }
   });
-  const auto collect = [](const std::vector<double>& needs, Precedence& precedence) {
+  const auto collect = [](const PlannedWay& way, const std::vector<double>& needs,
+                          Precedence& precedence) {
     for (std::size_t k = 0; k < needs.size(); ++k) {
-      if (needs[k] > 0.0) precedence.add(double(k) * PathCells::kLength, needs[k]);
+      if (needs[k] == 0.0) continue;
+      precedence.add(way.cells->waits_before(int(k), way.first) * PathCells::kLength, needs[k]);
     }
     precedence.finish();
   };
-  collect(need_of_first, result.first);
-  collect(need_of_second, result.second);
+  collect(first, need_of_first, result.first);
+  collect(second, need_of_second, result.second);
   return result;
 }
 

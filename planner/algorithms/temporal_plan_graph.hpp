@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "planner/algorithms/keep_clear.hpp"
 #include "planner/motion/arc_path.hpp"
 #include "planner/motion/moving_box.hpp"
 #include "planner/problem/vehicle.hpp"
@@ -17,8 +18,21 @@ class PathCells {
  public:
   static constexpr double kLength = 0.2;  ///< [m]
 
+  /// Cells in a row on ground that is to be kept clear.
+  struct Stretch {
+    int first;
+    int last;
+  };
+
   PathCells() = default;
   PathCells(const ArcPath& path, const Vehicle& body, double margin);
+
+  /// From now on the car may not wait on that ground, unless it is its goal.
+  void keep_clear(const KeepClear& ground);
+  [[nodiscard]] const std::vector<Stretch>& stretches() const { return stretches_; }
+  /// The cell before which a car in cell `here` waits that may not enter `cell` yet; `here` itself
+  /// if it is on ground to be kept clear already and would have to wait there: too late.
+  [[nodiscard]] int waits_before(int cell, int here) const;
 
   /// One for each begun cell, and one for the body at rest at the end.
   [[nodiscard]] int size() const { return int(boxes_.size()); }
@@ -49,6 +63,7 @@ class PathCells {
   std::vector<BoxPose> boxes_;
   std::vector<BoxShape> shapes_;
   std::vector<Circle> circles_;
+  std::vector<Stretch> stretches_;  ///< ascending
 };
 
 template <class Visit>

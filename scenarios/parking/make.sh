@@ -144,7 +144,7 @@ walkers() {
   echo '<routes>'
   echo '    <personFlow id="eastbound" begin="0" end="3600" period="exp(0.0166667)" departPos="0">'
   echo '        <walk edges="footpath"/></personFlow>'
-  echo '    <personFlow id="westbound" begin="0" end="3600" period="exp(0.0166667)" departPos="57">'
+  echo '    <personFlow id="westbound" begin="0" end="3600" period="exp(0.0166667)" departPos="91">'
   echo '        <walk edges="footpath" arrivalPos="0"/></personFlow>'
   echo '</routes>'
 }

@@ -71,7 +71,7 @@ void FakeLotTraffic::place(const std::string& id, const Pose& pose, double speed
 
 void FakeLotTraffic::drive_own(Car& car, double room) const {
   const double safe = std::sqrt(2 * kBraking * std::max(0.0, room - 0.1 * car.speed));
-  car.speed = std::clamp(std::min(kSpeed, safe), car.speed - 0.45, car.speed + 0.26);
+  car.speed = std::clamp(std::min({kSpeed, safe, car.cap}), car.speed - 0.45, car.speed + 0.26);
   car.speed = std::max(car.speed, 0.0);
   car.front += 0.1 * car.speed;
 }
@@ -88,7 +88,8 @@ void FakeLotTraffic::step() {
     const auto found = cars_.find(stay.id);
     if (found == cars_.end()) continue;
     Car& car = found->second;
-    const bool in_strip = car.pose.x - body_.rear < 0.0 && std::abs(car.pose.y - 6.5) < 2.0;
+    // As in SUMO: whose front has left the lane is gone for those who follow.
+    const bool in_strip = car.pose.x + body_.front < 0.0 && std::abs(car.pose.y - 6.5) < 2.0;
     if (car.placed && in_strip) leader = std::min(leader, car.pose.x - body_.rear + kLane);
     if (car.placed || (stay.slot >= 0 && !car.going)) continue;
     if (car.going) {

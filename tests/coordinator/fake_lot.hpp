@@ -52,6 +52,7 @@ class FakeLotTraffic : public Traffic {
   void hand_back(const std::string& id) override;
   void place(const std::string& id, const Pose& pose, double speed) override;
   void hold(const std::string& id, bool stop) override { cars_.at(id).held = stop; }
+  void cap_speed(const std::string& id, double speed) override { cars_.at(id).cap = speed; }
   void limit_speed(const std::string&, double) override {}
   [[nodiscard]] std::optional<ParkingStop> parking_stop(const std::string& id) const override;
   [[nodiscard]] std::span<const Pedestrian> pedestrians() const override { return people_; }
@@ -69,6 +70,7 @@ class FakeLotTraffic : public Traffic {
     Pose pose;
     double speed = 0.0;
     double front = 0.0;  ///< on its lane [m]
+    double cap = 1e9;    ///< [m/s]
     bool placed = false;
     bool held = false;
     bool going = false;  ///< on the exit lane

@@ -113,6 +113,16 @@ TEST(LotCoordinator, ParksACarAndBringsItBack) {
   expect_clean(run.audit);
 }
 
+TEST(LotCoordinator, WhoseStayIsNotOverRests) {
+  LotRun run(arrivals(1, 0.0));
+  const auto& visits = run.coordinator.visits();
+  EXPECT_FALSE(run.coordinator.rests("c0"));
+  while (visits.empty() || !visits.at("c0").parked) run.step();
+  EXPECT_TRUE(run.coordinator.rests("c0"));
+  while (!visits.at("c0").wished_out) run.step();
+  EXPECT_FALSE(run.coordinator.rests("c0"));
+}
+
 class LotControllers : public testing::TestWithParam<LotController> {};
 
 TEST_P(LotControllers, ServeABusyLotWithoutContact) {
