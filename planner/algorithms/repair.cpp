@@ -7,6 +7,12 @@ namespace {
 
 constexpr int kFinerLevels = 3;  ///< of the search for a way alone
 
+/// Tight places are found with smaller cells.
+void refine(SoftOptions& options) {
+  options.cell /= 2;
+  options.cell_heading /= 1.5;
+}
+
 }  // namespace
 
 Repair::Repair(JointMotion& motion, const RepairOptions& options, std::uint64_t seed,
@@ -35,10 +41,8 @@ std::optional<TimedTrack> Repair::plan_alone(int i, double weight, int expansion
   options.weight = weight;
   options.max_expansions = expansions;
   std::optional<SoftPath> path = search_.search(alone, options, deadline_);
-  // Tight places are found with smaller cells.
   for (int level = 0; level < kFinerLevels && !path && !deadline_.expired(); ++level) {
-    options.cell /= 2;
-    options.cell_heading /= 1.5;
+    refine(options);
     options.max_expansions *= 8;
     path = search_.search(alone, options, deadline_);
   }
@@ -47,7 +51,7 @@ std::optional<TimedTrack> Repair::plan_alone(int i, double weight, int expansion
                     motion_.time().bucket);
 }
 
-bool Repair::plan(int i, int expansions, const TimedTrack* old, int from) {
+bool Repair::plan(int i, int expansions, const TimedTrack* old, int from, bool finely) {
   SoftProblem among = problem(i);
   const Pose start = among.start;
   std::vector<Arc> steps;
@@ -61,6 +65,11 @@ bool Repair::plan(int i, int expansions, const TimedTrack* old, int from) {
   SoftOptions options;
   options.weight = options_.weight;
   options.max_expansions = expansions;
+  if (finely) {
+    refine(options);
+    options.cell_buckets = 1;
+    options.slowly = true;
+  }
   const std::optional<SoftPath> path = search_.search(among, options, deadline_);
   if (!path) return false;
   steps.insert(steps.end(), path->steps.begin(), path->steps.end());
@@ -74,6 +83,7 @@ bool Repair::run(std::int64_t patience, const Interrupt& interrupt) {
   std::size_t fewest = motion_.conflicts().size();
   while (!motion_.conflicts().empty()) {
     if (expansions() > end || deadline_.expired() || interrupt()) return false;
+    stalled_ = expansions() > end - patience + options_.stall;
     try_neighbourhood();
     if (motion_.conflicts().size() < fewest) {
       fewest = motion_.conflicts().size();
@@ -117,9 +127,10 @@ Repair::Neighbourhood Repair::choose() {
 bool Repair::plan_group(const Neighbourhood& chosen, const std::vector<TimedTrack>& old,
                         double most) {
   const bool larger = tried_ % options_.larger_every == 0;
+  const bool finely = stalled_ && tried_ % (2 * options_.larger_every) == 0;
   const int expansions = options_.expansions * (larger ? options_.larger_factor : 1);
   for (std::size_t k = 0; k < chosen.group.size(); ++k) {
-    if (!plan(chosen.group[k], expansions, &old[k], chosen.from[k])) return false;
+    if (!plan(chosen.group[k], expansions, &old[k], chosen.from[k], finely)) return false;
     if (motion_.cost() > most) return false;
   }
   return true;

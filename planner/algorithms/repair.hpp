@@ -43,6 +43,7 @@ struct RepairOptions {
   int max_group = 2;          ///< robots that are planned anew together ...
   double singly_above = 0.3;  ///< ... unless there are more conflicts than so many per robot
   float weight_step = 0.5F;   ///< a pair that stays in conflict becomes so much heavier
+  int stall = 10'000;         ///< expansions without progress after which some searches are finer
 };
 
 /// Plans robots anew, one or two at a time, until nobody overlaps anybody.
@@ -68,7 +69,9 @@ class Repair {
   [[nodiscard]] std::optional<TimedTrack> plan_alone(int i, double weight, int expansions);
   /// Plans robot i, absent so far, among the others and places it; or leaves it absent.
   /// @param old   nullptr, or the motion that is kept until bucket `from`
-  [[nodiscard]] bool plan(int i, int expansions, const TimedTrack* old = nullptr, int from = 0);
+  /// @param finely  with smaller cells and slow actions, for tight places
+  [[nodiscard]] bool plan(int i, int expansions, const TimedTrack* old = nullptr, int from = 0,
+                          bool finely = false);
 
   /// Until no pair is in conflict: true; false when interrupted, out of time, or when so many
   /// expansions have not brought the number of conflicts to a new minimum.
@@ -103,6 +106,7 @@ class Repair {
   RandomNumbers random_;
   int limit_ = std::numeric_limits<int>::max();
   int tried_ = 0;
+  bool stalled_ = false;
 };
 
 }  // namespace mvtp

@@ -3,6 +3,11 @@
 #include <limits>
 
 namespace mvtp {
+namespace {
+
+constexpr int kSlow = 3;  ///< slow actions get so many times less far
+
+}  // namespace
 
 Clearance::Clearance(const Map& map, const Obstacles& obstacles) {
   if (obstacles.empty()) return;
@@ -60,17 +65,18 @@ MacroCar::MacroCar(const Vehicle& vehicle, TimeGrid time, const Map& map,
       clearance_(&clearance),
       shape_(box_shape(vehicle, time.dt)),
       reach_(shape_.half_diagonal() + shape_.travel * float(time.bucket - time.bucket / 2)),
-      turn_(vehicle.max_speed * time.bucket_duration() * vehicle.max_curvature()) {
+      turn_(vehicle.max_speed * time.bucket_duration() * vehicle.max_curvature() / kSlow) {
   const double length = vehicle.max_speed * time.bucket_duration();
   const double k = vehicle.max_curvature();
-  const std::array<Arc, 7> arcs = {Arc{length, 0.0},  Arc{length, k},  Arc{length, -k},
-                                   Arc{-length, 0.0}, Arc{-length, k}, Arc{-length, -k},
-                                   Arc{0.0, 0.0}};
-  constexpr std::array<int, 7> kTurns = {0, 1, -1, 0, -1, 1, 0};
+  std::vector<Arc> arcs = {{length, 0.0}, {length, k},   {length, -k}, {-length, 0.0},
+                           {-length, k},  {-length, -k}, {0.0, 0.0}};
+  for (int a = 0; a < kWait; ++a) {
+    arcs.push_back({arcs[std::size_t(a)].length / kSlow, arcs[std::size_t(a)].curvature});
+  }
   for (std::size_t a = 0; a < arcs.size(); ++a) {
     Action& action = actions_[a];
     action.arc = arcs[a];
-    action.turn = kTurns[a];
+    action.turn = int(std::lround(arcs[a].length * arcs[a].curvature / turn_));
     const Pose end = drive(Pose{}, arcs[a]);
     action.dx = end.x;
     action.dy = end.y;

@@ -32,8 +32,9 @@ class Clearance {
   std::vector<float> distance_;  ///< empty without obstacles
 };
 
-/// A car that drives the seven actions of the search, one per bucket of time: straight, left,
-/// right, each forwards and in reverse, at full speed, and waiting.
+/// A car that drives the actions of the search, one per bucket of time: straight, left, right,
+/// each forwards and in reverse, at full speed, and waiting; then the first six again at a third of
+/// the speed, for tight places.
 ///
 /// The obstacles of the map are those of all cars; they and the map outlive this object.
 class MacroCar {
@@ -52,9 +53,10 @@ class MacroCar {
     SweptBox swept;              ///< around all of it, in the same frame
   };
   static constexpr int kWait = 6;
+  static constexpr int kQuick = 7;  ///< so many without the slow ones
 
-  [[nodiscard]] const std::array<Action, 7>& actions() const { return actions_; }
-  /// The change of heading of one turning action [rad].
+  [[nodiscard]] const std::array<Action, 13>& actions() const { return actions_; }
+  /// The change of heading of a slow turning action [rad].
   [[nodiscard]] double turn() const { return turn_; }
   [[nodiscard]] const Vehicle& vehicle() const { return vehicle_; }
   [[nodiscard]] const BoxShape& shape() const { return shape_; }
@@ -88,7 +90,7 @@ class MacroCar {
   float reach_;
   float reach_of_all_ = 0.0F;
   double turn_;
-  std::array<Action, 7> actions_;
+  std::array<Action, 13> actions_;
 };
 
 }  // namespace mvtp

@@ -96,8 +96,8 @@ void SoftAstar::prepare() {
   open_.clear();
   best_ = Shot{};
   // Room for all nodes that the expansions can make, half empty.
-  const std::size_t room =
-      std::bit_ceil(std::size_t(std::min(options_.max_expansions, 1 << 20)) * 10 + 64);
+  const std::size_t room = std::bit_ceil(
+      std::size_t(std::min(options_.max_expansions, 1 << 20)) * (options_.slowly ? 20 : 10) + 64);
   if (cells_.size() < room) {
     cells_.assign(room, {0, 0.0F, 0});
     stamp_ = 0;
@@ -219,7 +219,8 @@ void SoftAstar::expand(int node) {
                                      float(from.y + ahead * from.uy), car.reach_of_all(),
                                      around_list_.data());
   }
-  for (int a = 0; a < int(problem_->car->actions().size()); ++a) try_action(node, a);
+  const int actions = options_.slowly ? int(car.actions().size()) : MacroCar::kQuick;
+  for (int a = 0; a < actions; ++a) try_action(node, a);
 }
 
 void SoftAstar::try_action(int parent, int a) {

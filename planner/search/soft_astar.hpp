@@ -43,6 +43,7 @@ struct SoftOptions {
   double cell_heading = 0.35;  ///< [rad]
   int cell_buckets = 2;        ///< buckets of time that share a cell
   double reversal = 0.0;       ///< price of a change of direction [s]
+  bool slowly = false;         ///< slow actions, too: for tight places
 };
 
 struct SoftPath {

@@ -80,6 +80,24 @@ TEST(SoftAstar, SeesOthersUntilTheHorizonOnly) {
   EXPECT_EQ(search(problem)->price, 0.0);
 }
 
+//   Between two walls, one action ahead and one behind are too long: 0.6 m of room to turn round
+//   in.
+TEST(SoftAstar, SlowActionsLeadOutOfTightPlaces) {
+  Map map = empty_map(50);
+  map.polygons = {{{24.3, 20}, {25, 20}, {25, 30}, {24.3, 30}},
+                  {{16, 20}, {18.9, 20}, {18.9, 30}, {16, 30}}};
+  const Pose start{21.2, 25, 0};  // its body reaches from 20.2 to 23.2
+  const Scene scene(map, {21.5, 40, 1.5707963});
+  const SoftOptions quick{.max_expansions = 20'000, .cell = 0.5, .cell_heading = 0.1};
+  EXPECT_FALSE(search(scene.problem(start), quick));
+  SoftOptions slow = quick;
+  slow.slowly = true;
+  const std::optional<SoftPath> path = search(scene.problem(start), slow);
+  ASSERT_TRUE(path);
+  EXPECT_LT(distance(drive(start, path->steps), {21.5, 40, 1.5707963}), 1e-8);
+  for (const Arc& step : path->steps) EXPECT_LE(std::abs(step.length), kTime.dt + 1e-9);
+}
+
 //   Head on in the open: both the price and the referee-like check say that nobody is touched.
 TEST(SoftAstar, GivesWayToTheOther) {
   const Pose start{10, 25, 0};
