@@ -43,6 +43,7 @@ std::optional<TimedTrack> Repair::plan_alone(int i, double weight, int expansion
   std::optional<SoftPath> path = search_.search(alone, options, deadline_);
   for (int level = 0; level < kFinerLevels && !path && !deadline_.expired(); ++level) {
     refine(options);
+    options.slowly = true;
     options.max_expansions *= 8;
     path = search_.search(alone, options, deadline_);
   }
@@ -83,7 +84,7 @@ bool Repair::run(std::int64_t patience, const Interrupt& interrupt) {
   std::size_t fewest = motion_.conflicts().size();
   while (!motion_.conflicts().empty()) {
     if (expansions() > end || deadline_.expired() || interrupt()) return false;
-    stalled_ = expansions() > end - patience + options_.stall;
+    stalled_ = expansions() > end - patience + options_.stall * motion_.size();
     try_neighbourhood();
     if (motion_.conflicts().size() < fewest) {
       fewest = motion_.conflicts().size();

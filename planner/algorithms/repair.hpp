@@ -43,7 +43,7 @@ struct RepairOptions {
   int max_group = 2;          ///< robots that are planned anew together ...
   double singly_above = 0.3;  ///< ... unless there are more conflicts than so many per robot
   float weight_step = 0.5F;   ///< a pair that stays in conflict becomes so much heavier
-  int stall = 10'000;         ///< expansions without progress after which some searches are finer
+  int stall = 120;            ///< expansions per robot without progress: some searches are finer
 };
 
 /// Plans robots anew, one or two at a time, until nobody overlaps anybody.

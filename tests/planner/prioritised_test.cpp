@@ -74,6 +74,15 @@ TEST(Prioritised, TriesOtherOrdersWhenARobotFindsNoWay) {
   (void)judged(instance);
 }
 
+//   The seed acts where an order comes back, here because searches are kept small.
+TEST(Prioritised, ADifferentSeedTriesOtherOrders) {
+  const Instance instance = random_instance(3, 10, 4, 24);
+  PrioritisedOptions options{.max_expansions = 150, .max_orders = 300, .seed = 1};
+  EXPECT_EQ(plan_for(instance, options).status, Status::kSolved);
+  options.seed = 2;
+  EXPECT_EQ(plan_for(instance, options).status, Status::kExhausted);
+}
+
 TEST(Prioritised, GivesUpAfterSoManyOrders) {
   Instance instance = circle(2);
   instance.map.polygons = {{{24.5, 0}, {25.5, 0}, {25.5, 50}, {24.5, 50}}};  // a wall between them

@@ -54,6 +54,13 @@ TEST(Pbcr, RobotsHeadOnGiveWayInTime) {
   EXPECT_LE(judged(circle(8), {.algorithm = "pbcr"}).statistics.makespan_steps, 100U);
 }
 
+//   Robots that groups do not help wait off their guides, and there the seed acts.
+TEST(Escot, ADifferentSeedTriesOtherWays) {
+  const Plan a = judged(circle(12), {.algorithm = "escot", .seed = 1});
+  const Plan b = judged(circle(12), {.algorithm = "escot", .seed = 2});
+  EXPECT_NE(a.trajectories, b.trajectories);
+}
+
 TEST(Pbcr, ADifferentSeedTriesOtherWays) {
   const Plan a = judged(circle(8), {.algorithm = "pbcr", .seed = 1});
   const Plan b = judged(circle(8), {.algorithm = "pbcr", .seed = 2});
