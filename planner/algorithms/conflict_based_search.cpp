@@ -125,8 +125,8 @@ class ConflictTree {
     for (int j = 0; j < int(motions.size()); ++j) {
       if (j != i) members.push_back(&motions[std::size_t(j)]);
     }
-    const Traffic group(members);
-    const std::array<const Traffic*, 2> to_avoid = {&group, &others_};
+    const TimedObstacles group(members);
+    const std::array<const TimedObstacles*, 2> to_avoid = {&group, &others_};
     const CbsRobot& robot = robots_[std::size_t(i)];
     return low_level_.search({.car = robot.car,
                               .cost_to_go = robot.cost_to_go,
@@ -181,7 +181,7 @@ class ConflictTree {
   }
 
   std::span<const CbsRobot> robots_;
-  Traffic others_;
+  TimedObstacles others_;
   const SpacetimeHybridAstar& low_level_;
   const CbsOptions& options_;
   const Deadline& deadline_;

@@ -91,7 +91,7 @@ class Prioritised {
                                               const Order& order) const {
     std::vector<const MovingObstacle*> others;
     for (const MovingObstacle& other : planned) others.push_back(&other);
-    const Traffic traffic(others);
+    const TimedObstacles traffic(others);
     std::vector<Constraint> constraints;
     for (std::size_t later = planned.size() + 1; later < order.size(); ++later) {
       const int j = order[later];

@@ -62,13 +62,13 @@ class Search {
         open_(options.w) {
     for (const Constraint& c : problem.constraints) end_ = std::max(end_, c.last + 1);
     timed_ = !problem.constraints.empty();
-    const auto consider = [this](const Traffic* traffic) {
+    const auto consider = [this](const TimedObstacles* traffic) {
       if (traffic == nullptr || traffic->empty()) return;
       end_ = std::max(end_, traffic->end());
       timed_ = true;
     };
     consider(problem.to_keep_clear_of);
-    for (const Traffic* traffic : problem.to_avoid) consider(traffic);
+    for (const TimedObstacles* traffic : problem.to_avoid) consider(traffic);
     const double step = options.arc_scale * car_.step_length();
     cell_ = std::min(kMaxCell, kCellPerStep * step);
     const double turn = step * car_.vehicle().max_curvature();
@@ -135,7 +135,7 @@ class Search {
 
   /// May nobody drive `sweep` during step t, whatever the cost?
   [[nodiscard]] bool forbidden(const Sweep& sweep, int t) const {
-    const Traffic* hard = problem_.to_keep_clear_of;
+    const TimedObstacles* hard = problem_.to_keep_clear_of;
     if (hard != nullptr && hard->hit(sweep, t)) return true;
     return std::ranges::any_of(problem_.constraints, [&](const Constraint& c) {
       return c.first <= t && t <= c.last && collide(sweep, c.sweep);
@@ -144,7 +144,7 @@ class Search {
 
   [[nodiscard]] int conflicts(const Sweep& sweep, int t) const {
     int found = 0;
-    for (const Traffic* traffic : problem_.to_avoid) {
+    for (const TimedObstacles* traffic : problem_.to_avoid) {
       if (!traffic->empty()) found += traffic->count(sweep, t);
     }
     return found;

@@ -8,7 +8,7 @@
 #include "planner/motion/reeds_shepp.hpp"
 #include "planner/motion/stepped_car.hpp"
 #include "planner/problem/deadline.hpp"
-#include "planner/search/traffic.hpp"
+#include "planner/search/timed_obstacles.hpp"
 
 namespace mvtp {
 
@@ -24,9 +24,9 @@ struct SearchProblem {
   const SteppedCar* car = nullptr;
   const CostToGo* cost_to_go = nullptr;  ///< names the goal
   Pose start;
-  std::span<const Constraint> constraints;    ///< must be kept
-  const Traffic* to_keep_clear_of = nullptr;  ///< may not be touched; nullptr: nobody
-  std::span<const Traffic* const> to_avoid;   ///< collisions are counted, and kept few
+  std::span<const Constraint> constraints;           ///< must be kept
+  const TimedObstacles* to_keep_clear_of = nullptr;  ///< may not be touched; nullptr: nobody
+  std::span<const TimedObstacles* const> to_avoid;   ///< collisions are counted, and kept few
   /// Arriving earlier than this is worth nothing: no way costs less [steps]. The slowest robot's
   /// cost-to-go makes room for the quick ones to wait, or to leave their goals and come back.
   double least_cost = 0.0;

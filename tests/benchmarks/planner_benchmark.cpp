@@ -14,7 +14,7 @@
 #include "planner/algorithms/stepped_world.hpp"
 #include "planner/motion/oriented_box.hpp"
 #include "planner/search/spacetime_hybrid_astar.hpp"
-#include "planner/search/traffic.hpp"
+#include "planner/search/timed_obstacles.hpp"
 #include "tools/generate/random_instance.hpp"
 
 namespace mvtp {
@@ -117,7 +117,7 @@ void low_level_search(benchmark::State& state) {
   const Instance instance = scene(100, 50);
   const Fleet fleet(instance, CollisionRule::kContinuous);
   const SpacetimeHybridAstar planner(fleet.curves());
-  const auto search = [&](int i, const Traffic* others) {
+  const auto search = [&](int i, const TimedObstacles* others) {
     SearchProblem problem;
     problem.car = &fleet.car(i);
     problem.cost_to_go = &fleet.cost_to_go(i);
@@ -132,7 +132,7 @@ void low_level_search(benchmark::State& state) {
   }
   std::vector<const MovingObstacle*> pointers;
   for (const MovingObstacle& other : others) pointers.push_back(&other);
-  const Traffic traffic(pointers);
+  const TimedObstacles traffic(pointers);
   for (auto _ : state) benchmark::DoNotOptimize(search(0, &traffic));
 }
 BENCHMARK(low_level_search)

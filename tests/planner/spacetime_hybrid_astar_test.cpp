@@ -81,8 +81,8 @@ TEST_F(SpacetimeSearch, KeepsClearOfARobotThatComesTowardsIt) {
   const MovingObstacle oncoming(fleet.car(1), fleet.starts()[1], straight->steps);
   const std::vector<const MovingObstacle*> others = {&oncoming};
   SearchProblem avoiding = problem(fleet, 0);
-  const Traffic traffic(others);
-  const std::vector<const Traffic*> to_avoid = {&traffic};
+  const TimedObstacles traffic(others);
+  const std::vector<const TimedObstacles*> to_avoid = {&traffic};
   avoiding.to_avoid = to_avoid;
   const auto path = planner.search(avoiding, {}, kNever);
   ASSERT_TRUE(path);
@@ -133,7 +133,7 @@ TEST_F(SpacetimeSearch, ArrivesWhenNobodyComesByTheGoalAnyMore) {
   late.resize(48, Arc{1, 0});
   const MovingObstacle passing(fleet.car(1), fleet.starts()[1], late);
   const std::vector<const MovingObstacle*> others = {&passing};
-  const Traffic traffic(others);
+  const TimedObstacles traffic(others);
   SearchProblem careful = problem(fleet, 0);
   careful.to_keep_clear_of = &traffic;
   const auto path = SpacetimeHybridAstar(fleet.curves()).search(careful, {.w = 1.0}, kNever);
@@ -151,7 +151,7 @@ TEST_F(SpacetimeSearch, FindsNoWayToAGoalThatAnotherRobotKeeps) {
   const Fleet fleet(instance, CollisionRule::kContinuous);
   const MovingObstacle standing(fleet.car(1), {30, 26, 0}, {});
   const std::vector<const MovingObstacle*> others = {&standing};
-  const Traffic traffic(others);
+  const TimedObstacles traffic(others);
   SearchProblem careful = problem(fleet, 0);
   careful.to_keep_clear_of = &traffic;
   EXPECT_FALSE(SpacetimeHybridAstar(fleet.curves()).search(careful, {}, kNever));
@@ -187,12 +187,12 @@ TEST(SteppedCar, PrimitivesAreItsStepsFromAnywhere) {
   }
 }
 
-TEST(Traffic, NobodyIsLookedAtFromTheGivenStepOn) {
+TEST(TimedObstacles, NobodyIsLookedAtFromTheGivenStepOn) {
   const Instance instance = circle(2);
   const Fleet fleet(instance, CollisionRule::kContinuous);
   const MovingObstacle parked(fleet.car(0), {}, std::vector<Arc>(5));
   const std::vector<const MovingObstacle*> pointers = {&parked};
-  const Traffic traffic(pointers, 3);
+  const TimedObstacles traffic(pointers, 3);
   const Sweep there = fleet.car(1).sweep({}, {});
   EXPECT_TRUE(traffic.hit(there, 2));
   EXPECT_FALSE(traffic.hit(there, 3));
@@ -200,7 +200,7 @@ TEST(Traffic, NobodyIsLookedAtFromTheGivenStepOn) {
   EXPECT_EQ(traffic.end(), 3);
 }
 
-TEST(Traffic, CountsWhoeverCollidesAtAStep) {
+TEST(TimedObstacles, CountsWhoeverCollidesAtAStep) {
   const Instance instance = random_instance(11, 12, 0, 30);
   const Fleet fleet(instance, CollisionRule::kContinuous);
   std::vector<MovingObstacle> robots;
@@ -210,7 +210,7 @@ TEST(Traffic, CountsWhoeverCollidesAtAStep) {
   }
   std::vector<const MovingObstacle*> pointers;
   for (const MovingObstacle& robot : robots) pointers.push_back(&robot);
-  const Traffic traffic(pointers);
+  const TimedObstacles traffic(pointers);
   EXPECT_EQ(traffic.end(), 22);
   int collisions = 0;
   for (int t = 0; t < 40; ++t) {

@@ -274,20 +274,20 @@ TEST_P(SumoParkingTest, TheTurningCircleIsThatOfTheSizeUnlessGiven) {
 TEST_P(SumoParkingTest, PeopleOnTheFootpathAreSeen) {
   const auto traffic = open(
       R"(<person id="p" depart="0"><walk edges="footpath"/></person>
-         <person id="q" depart="0" departPos="57"><walk edges="footpath" arrivalPos="0"/></person>)");
+         <person id="q" depart="0" departPos="91"><walk edges="footpath" arrivalPos="0"/></person>)");
   stand(*traffic, 10.0);
   ASSERT_EQ(traffic->pedestrians().size(), 2U);
   const Pedestrian& p = traffic->pedestrians()[0];
   const Pedestrian& q = traffic->pedestrians()[1];
   EXPECT_EQ(p.id, "p");
-  EXPECT_NEAR(p.position.x, -3.0 + 10.0 * p.speed, 2.0);
-  EXPECT_NEAR(q.position.x, 54.0 - 10.0 * q.speed, 2.0);
+  EXPECT_NEAR(p.position.x, -20.0 + 10.0 * p.speed, 2.0);
+  EXPECT_NEAR(q.position.x, 71.0 - 10.0 * q.speed, 2.0);
   EXPECT_NEAR(p.position.y, 20.0, 1.0);
   EXPECT_NEAR(p.theta, 0.0, 1e-6);
   EXPECT_NEAR(std::abs(q.theta), std::numbers::pi, 1e-6);
   EXPECT_GT(p.radius, 0.2);
   EXPECT_LT(p.radius, 0.4);
-  run_until_empty(*traffic, 100.0);
+  run_until_empty(*traffic, 150.0);
   EXPECT_TRUE(traffic->pedestrians().empty());
 }
 

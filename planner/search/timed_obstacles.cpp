@@ -1,11 +1,11 @@
-#include "planner/search/traffic.hpp"
+#include "planner/search/timed_obstacles.hpp"
 
 #include <algorithm>
 #include <utility>
 
 namespace mvtp {
 
-Traffic::Traffic(std::span<const MovingObstacle* const> robots, int until)
+TimedObstacles::TimedObstacles(std::span<const MovingObstacle* const> robots, int until)
     : robots_(robots.begin(), robots.end()), until_(until) {
   for (const MovingObstacle* robot : robots_) end_ = std::max(end_, robot->makespan());
   end_ = std::min(end_, until_);
@@ -24,7 +24,7 @@ Traffic::Traffic(std::span<const MovingObstacle* const> robots, int until)
 }
 
 template <class Visit>
-void Traffic::for_each_near(const Sweep& sweep, int t, const Visit& visit) const {
+void TimedObstacles::for_each_near(const Sweep& sweep, int t, const Visit& visit) const {
   if (t >= until_) return;
   const Point centre = sweep.centre();
   const double strip = sweep.radius() + largest_;
@@ -40,7 +40,7 @@ void Traffic::for_each_near(const Sweep& sweep, int t, const Visit& visit) const
   }
 }
 
-bool Traffic::hit(const Sweep& sweep, int t) const {
+bool TimedObstacles::hit(const Sweep& sweep, int t) const {
   bool found = false;
   for_each_near(sweep, t, [&](const Sweep& other) {
     found = collide(sweep, other);
@@ -49,7 +49,7 @@ bool Traffic::hit(const Sweep& sweep, int t) const {
   return found;
 }
 
-int Traffic::count(const Sweep& sweep, int t) const {
+int TimedObstacles::count(const Sweep& sweep, int t) const {
   int found = 0;
   for_each_near(sweep, t, [&](const Sweep& other) {
     found += collide(sweep, other) ? 1 : 0;

@@ -13,14 +13,14 @@ namespace mvtp {
 ///
 /// The circles around all sweeps of one step are sorted by x, so that only robots in a strip of the
 /// map are looked at.
-class Traffic {
+class TimedObstacles {
  public:
   static constexpr int kForEver = std::numeric_limits<int>::max();
 
-  Traffic() = default;
+  TimedObstacles() = default;
   /// @param robots  outlive this object.
   /// @param until   nobody is looked at from this step on.
-  explicit Traffic(std::span<const MovingObstacle* const> robots, int until = kForEver);
+  explicit TimedObstacles(std::span<const MovingObstacle* const> robots, int until = kForEver);
 
   [[nodiscard]] bool empty() const { return robots_.empty(); }
   /// From this step on everybody rests, or is not looked at.
