@@ -47,7 +47,8 @@ TEST(ReadParkingLots, TheShippedLotHasSlotsLanesAndAFootpath) {
 }
 
 TEST(ReadParkingLots, SlotsPointAwayFromTheirAisle) {
-  for (const ParkingSlot& slot : shipped("parking").front().slots) {
+  const std::vector<ParkingLot> lots = shipped("parking");
+  for (const ParkingSlot& slot : lots.front().slots) {
     const bool to_the_east = slot.middle.x > 40.0 ||
                              (slot.middle.x > 24.0 && slot.middle.x < 32.0) ||
                              (slot.middle.x > 8.0 && slot.middle.x < 16.0);
