@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "planner/problem/referee_geometry.hpp"
+
 namespace mvtp {
 namespace {
 
@@ -16,19 +18,6 @@ double distance_to_segment(const Point& p, const Point& a, const Point& b) {
   const double f =
       squared > 0.0 ? std::clamp(((p.x - a.x) * dx + (p.y - a.y) * dy) / squared, 0.0, 1.0) : 0.0;
   return std::hypot(p.x - a.x - f * dx, p.y - a.y - f * dy);
-}
-
-/// Even-odd rule.
-bool inside(const Point& p, const Polygon& polygon) {
-  bool odd = false;
-  for (std::size_t i = 0, j = polygon.size() - 1; i < polygon.size(); j = i++) {
-    const Point& a = polygon[i];
-    const Point& b = polygon[j];
-    if ((a.y > p.y) != (b.y > p.y) && p.x < (b.x - a.x) * (p.y - a.y) / (b.y - a.y) + a.x) {
-      odd = !odd;
-    }
-  }
-  return odd;
 }
 
 bool near_border(const Point& p, const Polygon& polygon, double tolerance) {
@@ -96,7 +85,7 @@ bool DrivableArea::contains(const Point& p, double tolerance) const {
       return distance_to_segment(p, s.a, s.b) <= s.half_width + tolerance;
     }
     const Polygon& polygon = polygons_[std::size_t(-1 - item)];
-    return inside(p, polygon) || near_border(p, polygon, tolerance);
+    return referee::contains(polygon, p) || near_border(p, polygon, tolerance);
   });
 }
 

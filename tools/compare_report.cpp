@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <nlohmann/json.hpp>
 
 #include "planner/problem/input_error.hpp"
@@ -61,10 +62,9 @@ bool is_parking(std::span<const ComparedRun> runs) {
       runs, [](const auto& run) { return run.figures.contains(kParkingFigures.front().name); });
 }
 
-/// The columns of a comparison.
-std::vector<ComparedFigure> figures_of(std::span<const ComparedRun> runs) {
+std::vector<ComparedFigure> all_figures(bool parking) {
   std::vector<ComparedFigure> figures(kFigures.begin(), kFigures.end());
-  if (is_parking(runs)) {
+  if (parking) {
     figures.insert(figures.end(), kParkingFigures.begin(), kParkingFigures.end());
   }
   return figures;
@@ -132,45 +132,53 @@ std::string arrived_cell(const Row& row) {
 
 using Cells = std::vector<std::string>;
 
-const Cells kParkingHeader = {"control",    "runs",          "gate to parked [s]",
-                              "95 % [s]",   "alone [s]",     "slot to exit [s]",
-                              "95 % [s]",   "alone [s]",     "arrived",
-                              "overlaps",   "longest queue", "replan 95 % [ms]",
-                              "x real time"};
+/// A column of the table: its title, and what it says of the runs of one control.
+struct Column {
+  const char* title;
+  std::function<std::string(const Row&)> cell;
+};
 
-Cells parking_cells_of(const Row& row) {
-  return {row.control,
-          fmt::format("{}/{}", row.runs.size(), row.planned),
-          spread_cell(row, "gate_to_parked_mean_s", 1),
-          mean_cell(row, "gate_to_parked_p95_s", 1),
-          mean_cell(row, "gate_to_parked_alone_s", 1),
-          spread_cell(row, "slot_to_exit_mean_s", 1),
-          mean_cell(row, "slot_to_exit_p95_s", 1),
-          mean_cell(row, "slot_to_exit_alone_s", 1),
-          arrived_cell(row),
-          sum_cell(row, "overlap_pairs"),
-          mean_cell(row, "at_gate_max", 0),
-          mean_cell(row, "replan_p95_ms", 1),
-          mean_cell(row, "real_time_factor", 0)};
+Column spread_column(const char* title, const char* figure, int digits) {
+  return {title, [=](const Row& row) { return spread_cell(row, figure, digits); }};
 }
 
-const Cells kHeader = {
-    "control", "runs",     "delay [s]",   "95 % [s]",         "throughput [veh/h]",
-    "arrived", "overlaps", "waiting [s]", "replan 95 % [ms]", "x real time"};
+Column mean_column(const char* title, const char* figure, int digits) {
+  return {title, [=](const Row& row) { return mean_cell(row, figure, digits); }};
+}
 
-Cells cells_of(const Row& row) {
+std::string runs_cell(const Row& row) { return fmt::format("{}/{}", row.runs.size(), row.planned); }
+
+std::string overlaps_cell(const Row& row) { return sum_cell(row, "overlap_pairs"); }
+
+std::string replan_cell(const Row& row) {
   const bool coordinated = sum(values_of(row, "replans")) > 0.0;
-  return {row.control,
-          fmt::format("{}/{}", row.runs.size(), row.planned),
-          spread_cell(row, "delay_mean_s", 2),
-          mean_cell(row, "delay_p95_s", 1),
-          spread_cell(row, "throughput_veh_h", 0),
-          arrived_cell(row),
-          sum_cell(row, "overlap_pairs"),
-          mean_cell(row, "waiting_time_s", 1),
-          coordinated ? mean_cell(row, "replan_p95_ms", 1) : "-",
-          mean_cell(row, "real_time_factor", 0)};
+  return coordinated ? mean_cell(row, "replan_p95_ms", 1) : "-";
 }
+
+const std::array kColumns = {Column{"control", &Row::control},
+                             Column{"runs", runs_cell},
+                             spread_column("delay [s]", "delay_mean_s", 2),
+                             mean_column("95 % [s]", "delay_p95_s", 1),
+                             spread_column("throughput [veh/h]", "throughput_veh_h", 0),
+                             Column{"arrived", arrived_cell},
+                             Column{"overlaps", overlaps_cell},
+                             mean_column("waiting [s]", "waiting_time_s", 1),
+                             Column{"replan 95 % [ms]", replan_cell},
+                             mean_column("x real time", "real_time_factor", 0)};
+
+const std::array kParkingColumns = {Column{"control", &Row::control},
+                                    Column{"runs", runs_cell},
+                                    spread_column("gate to parked [s]", "gate_to_parked_mean_s", 1),
+                                    mean_column("95 % [s]", "gate_to_parked_p95_s", 1),
+                                    mean_column("alone [s]", "gate_to_parked_alone_s", 1),
+                                    spread_column("slot to exit [s]", "slot_to_exit_mean_s", 1),
+                                    mean_column("95 % [s]", "slot_to_exit_p95_s", 1),
+                                    mean_column("alone [s]", "slot_to_exit_alone_s", 1),
+                                    Column{"arrived", arrived_cell},
+                                    Column{"overlaps", overlaps_cell},
+                                    mean_column("longest queue", "at_gate_max", 0),
+                                    mean_column("replan 95 % [ms]", "replan_p95_ms", 1),
+                                    mean_column("x real time", "real_time_factor", 0)};
 
 std::size_t display_width(const std::string& text) {
   return static_cast<std::size_t>(
@@ -198,7 +206,6 @@ std::string aligned(const std::vector<Cells>& lines) {
 }  // namespace
 
 std::span<const ComparedFigure> compared_figures() { return kFigures; }
-std::span<const ComparedFigure> parking_figures() { return kParkingFigures; }
 
 void read_summary(const std::string& text, const std::string& where, ComparedRun& run) {
   const Json summary = Json::parse(text, nullptr, false);
@@ -206,11 +213,7 @@ void read_summary(const std::string& text, const std::string& where, ComparedRun
     throw InputError(where, "is no summary of a run");
   }
   run.status = summary["status"];
-  std::vector<ComparedFigure> figures(kFigures.begin(), kFigures.end());
-  if (summary.contains("parking")) {
-    figures.insert(figures.end(), kParkingFigures.begin(), kParkingFigures.end());
-  }
-  for (const ComparedFigure& figure : figures) {
+  for (const ComparedFigure& figure : all_figures(summary.contains("parking"))) {
     const Json::json_pointer pointer(figure.pointer);
     if (!summary.contains(pointer)) {
       throw InputError(where, fmt::format("lacks the figure {}", figure.pointer));
@@ -240,10 +243,13 @@ MeanAndDeviation mean_and_deviation(std::span<const double> values) {
 }
 
 std::string comparison_table(std::span<const ComparedRun> runs) {
-  const bool parking = is_parking(runs);
-  std::vector<Cells> lines = {parking ? kParkingHeader : kHeader};
+  const std::span<const Column> columns =
+      is_parking(runs) ? std::span<const Column>(kParkingColumns) : kColumns;
+  std::vector<Cells> lines(1);
+  for (const Column& column : columns) lines.front().push_back(column.title);
   for (const Row& row : rows_of(runs)) {
-    lines.push_back(parking ? parking_cells_of(row) : cells_of(row));
+    Cells& cells = lines.emplace_back();
+    for (const Column& column : columns) cells.push_back(column.cell(row));
   }
   std::string text = aligned(lines);
   for (const ComparedRun& run : runs) {
@@ -259,7 +265,7 @@ std::string comparison_table(std::span<const ComparedRun> runs) {
 
 std::string comparison_csv(std::span<const ComparedRun> runs) {
   std::string text = "control,seed,status,failure,folder";
-  const std::vector<ComparedFigure> figures = figures_of(runs);
+  const std::vector<ComparedFigure> figures = all_figures(is_parking(runs));
   for (const ComparedFigure& figure : figures) text += fmt::format(",{}", figure.name);
   text += '\n';
   for (const ComparedRun& run : runs) {
@@ -276,7 +282,7 @@ std::string comparison_csv(std::span<const ComparedRun> runs) {
 
 std::string comparison_json(std::span<const ComparedRun> runs, const std::string& scenario,
                             const std::string& version, const std::string& command) {
-  const std::vector<ComparedFigure> figures = figures_of(runs);
+  const std::vector<ComparedFigure> figures = all_figures(is_parking(runs));
   Json controls = Json::array();
   for (const Row& row : rows_of(runs)) {
     Json control = {{"control", row.control},

@@ -19,8 +19,8 @@ struct ComparedRun {
   /// Why there are no figures, e.g. "crashed (Segmentation fault)"; empty: there are.
   std::string failure = "did not run";
   std::string status;  ///< "finished", "end reached", "stuck", "interrupted"
-  /// By the names of compared_figures() and parking_figures(); one that the summary leaves open is
-  /// missing.
+  /// By the names of compared_figures(), and of more on a parking lot; one that the summary leaves
+  /// open is missing.
   std::map<std::string, double> figures;
 };
 
@@ -29,9 +29,8 @@ struct ComparedFigure {
   const char* name;     ///< column of compare.csv and key of compare.json
   const char* pointer;  ///< where summary.json has it (JSON pointer)
 };
+/// Those that all runs have.
 [[nodiscard]] std::span<const ComparedFigure> compared_figures();
-/// Those that only runs on a parking lot have.
-[[nodiscard]] std::span<const ComparedFigure> parking_figures();
 
 /// Takes the figures from the text of a summary.json.
 /// @param where  name of the file in messages

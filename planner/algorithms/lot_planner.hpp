@@ -92,6 +92,8 @@ class LotPlanner {
   class Draft;
   using GoalKey = std::tuple<double, double, double, double, double>;
 
+  static constexpr double kInstant = 0.05;  ///< [s]
+  static constexpr double kAction = 1.0;    ///< [m] driven in one bucket
   static constexpr int kMostRobots = 1000;  ///< in one search: cars, goals and those who wait
 
   /// The obstacles of those who drive on the lot, or in an entry lane.
@@ -104,6 +106,8 @@ class LotPlanner {
   [[nodiscard]] CostToGo make_cost_to_go(const Vehicle& body, const Pose& goal);
   [[nodiscard]] const CostToGo& cost_to_go(const Vehicle& body, const Pose& goal);
   [[nodiscard]] const Ground& ground_of_leaving(const Vehicle& body, const Pose& goal);
+  /// The body with its margin, and the curves and speed that it is planned with.
+  [[nodiscard]] Vehicle grown(Vehicle body) const;
   [[nodiscard]] bool in_entry(const Vehicle& body, const Pose& pose) const;
 
   ParkingLot lot_;
