@@ -37,10 +37,11 @@ class ToioLive : public Program {
     Outcome outcome = shell(
         "timeout -k 5 110 dbus-run-session -- bash -c '\n"
         "export DBUS_SYSTEM_BUS_ADDRESS=$DBUS_SESSION_BUS_ADDRESS\n"
+        "rm -f emulator.err\n"  // the one before said that it serves, too
         "\"" MVTP_TOIO_EMULATOR "\" " +
         emulator +
         " >world.json 2>emulator.err & emulator=$!\n"
-        "until grep -q serving emulator.err || ! kill -0 $emulator; do sleep 0.05; done\n"
+        "until grep -qs serving emulator.err || ! kill -0 $emulator; do sleep 0.05; done\n"
         "(. ./script) >script.out 2>&1; code=$?\n"
         "kill $emulator; wait $emulator\n"
         "exit $code'");
