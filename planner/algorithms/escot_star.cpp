@@ -8,29 +8,17 @@
 #include <thread>
 
 #include "planner/algorithms/exchange.hpp"
+#include "planner/algorithms/first_plan.hpp"
 #include "planner/algorithms/joint_motion.hpp"
 #include "planner/algorithms/repair.hpp"
+#include "planner/algorithms/ways_alone.hpp"
 
 namespace mvtp {
 namespace {
 
-constexpr double kInstant = 0.106;    ///< the fastest robot drives no further between instants [m]
-constexpr double kAloneWeight = 2.0;  ///< the first ways alone need only be good guides
-constexpr int kAloneExpansions = 500;
-constexpr double kSoloWeight = 1.1;  ///< the longest of them is looked for again, better
+constexpr double kInstant = 0.106;   ///< the fastest robot drives no further between instants [m]
+constexpr double kSoloWeight = 1.1;  ///< the longest ways alone are looked for again, better
 constexpr int kSoloExpansions = 20'000;
-constexpr int kFirstExpansions = 500;
-/// If robots on their ways alone have so many conflicts each, the first plan is found window by
-/// window of time: what comes later changes too often to be worth the work.
-constexpr double kCrowded = 1.0;
-constexpr double kCrowdedLimit = 1.25;  ///< as kFirstLimit
-constexpr int kWindow = 16;             ///< [buckets]
-constexpr int kSight = 20;              ///< searches see so much further than the window [buckets]
-/// The first plan is looked for within so much of the longest way alone; a deadline does not make
-/// it harder to find, but much better. It is put off by kRelax whenever the repair comes to a halt.
-constexpr double kFirstLimit = 1.2;
-constexpr double kRelax = 1.25;
-constexpr double kNoLimit = 1e9;  ///< [instants]
 constexpr std::int64_t kPatience =
     50'000;  ///< expansions without progress of attempts to lower ...
 constexpr std::int64_t kPatiencePerRobot = 1'500;  ///< ... and so many more for each robot
@@ -99,10 +87,10 @@ class Searcher {
         number_(number),
         seed_(seed + 0x9e3779b97f4a7c15U * std::uint64_t(number)),
         deadline_(deadline),
-        motion_(scene.robots, scene.time),
-        repair_(motion_, {}, seed_, deadline),
-        exchange_(exchange),
         alone_(scene.alone),
+        motion_(scene.robots, scene.time),
+        repair_(motion_, alone_, {}, seed_, deadline),
+        exchange_(exchange),
         begin_(std::chrono::steady_clock::now()) {}
 
   /// Until the goal, the deadline, or nothing more to try.
@@ -125,10 +113,6 @@ class Searcher {
 
  private:
   void find_first_plan();
-  [[nodiscard]] bool place_one_by_one();
-  [[nodiscard]] bool resolve(double& limit);
-  [[nodiscard]] bool resolve_by_windows(double limit);
-  [[nodiscard]] int longest_way_alone() const;
   void improve();
   void straighten_longest_ways();
   void keep();
@@ -149,10 +133,10 @@ class Searcher {
   int number_;
   std::uint64_t seed_;
   const Deadline& deadline_;
+  std::vector<TimedTrack> alone_;  ///< as in the scene, the longest of them better
   JointMotion motion_;
   Repair repair_;
   Exchange& exchange_;
-  std::vector<TimedTrack> alone_;  ///< as in the scene, the longest of them better
   std::chrono::steady_clock::time_point begin_;
   Incumbent best_;
   double first_solution_ = std::numeric_limits<double>::infinity();
@@ -172,63 +156,17 @@ void Searcher::keep() {
   if (plan.better_than(best_)) best_ = std::move(plan);
 }
 
-/// False if the time ran out before everyone was placed.
-bool Searcher::place_one_by_one() {
-  std::vector<int> order(scene_.robots.size());
-  std::iota(order.begin(), order.end(), 0);
-  std::ranges::stable_sort(order, std::greater<>(),
-                           [&](int i) { return alone_[std::size_t(i)].arrival(); });
-  for (const int i : order) {
-    if (deadline_.expired()) return false;
-    if (!repair_.plan(i, kFirstExpansions)) motion_.place(i, alone_[std::size_t(i)]);
-  }
-  return true;
-}
-
 void Searcher::find_first_plan() {
-  motion_.place_all(alone_);
-  const bool crowded = double(motion_.conflicts().size()) > kCrowded * motion_.size();
-  motion_.clear();
-  double limit = (crowded ? kCrowdedLimit : kFirstLimit) * longest_way_alone();
-  repair_.set_limit(int(limit));
-  if (crowded ? resolve_by_windows(limit) : place_one_by_one() && resolve(limit)) keep();
-}
-
-/// Repairs until nobody overlaps before the horizon; `limit`, the deadline of all, is put off
-/// whenever the repair comes to a halt. False if the time ran out.
-bool Searcher::resolve(double& limit) {
-  const std::int64_t patience = kPatiencePerRobot * motion_.size();
-  while (!repair_.run(patience, [this] { return interrupted(); })) {
-    if (deadline_.expired() || ended_ || adopted_) return false;
-    limit = std::min(kRelax * limit, kNoLimit);
-    repair_.set_limit(int(limit));
-  }
-  return true;
-}
-
-/// From the ways alone on: conflicts are resolved up to a horizon that is moved on.
-bool Searcher::resolve_by_windows(double limit) {
-  motion_.set_horizon(kWindow, kWindow + kSight);
-  for (int i = 0; i < motion_.size(); ++i) motion_.place(i, alone_[std::size_t(i)]);
-  for (int end = kWindow; resolve(limit); end += kWindow) {
-    if (end * scene_.time.bucket > motion_.makespan()) return true;
-    motion_.set_horizon(end + kWindow, end + kWindow + kSight);
-  }
-  return false;
-}
-
-/// The arrival of the last robot if each were alone [instants].
-int Searcher::longest_way_alone() const {
-  int longest = scene_.lower_bound;
-  for (const TimedTrack& track : alone_) longest = std::max(longest, track.arrival());
-  return longest;
+  FirstPlan first(motion_, repair_, alone_, deadline_, [this] { return interrupted(); });
+  if (first.find()) keep();
 }
 
 /// Looks for better ways alone for the robots that would be too late even so.
 void Searcher::straighten_longest_ways() {
   for (std::size_t i = 0; i < alone_.size(); ++i) {
     if (alone_[i].arrival() <= scene_.goal || deadline_.expired()) continue;
-    std::optional<TimedTrack> better = repair_.plan_alone(int(i), kSoloWeight, kSoloExpansions);
+    std::optional<TimedTrack> better =
+        plan_alone(repair_.search(), scene_.robots[i], kSoloWeight, kSoloExpansions, 0, deadline_);
     if (better && better->arrival() < alone_[i].arrival()) alone_[i] = *std::move(better);
   }
 }
@@ -250,7 +188,7 @@ void Searcher::improve() {
     bool unreachable = false;
     motion_.place_all(best_.tracks);
     if (repair_.lower(
-            limit, patience << doublings, kLateExpansions << doublings, alone_,
+            limit, patience << doublings, kLateExpansions << doublings,
             [this] { return interrupted(); }, unreachable)) {
       keep();
       part /= 2;
@@ -291,19 +229,6 @@ double Searcher::solo_makespan() const {
   return longest * scene_.time.dt;
 }
 
-/// Every robot's way alone, by way of a searcher's tools; false if one was not found.
-bool find_ways_alone(Scene& scene, const Deadline& deadline) {
-  JointMotion motion(scene.robots, scene.time);
-  Repair repair(motion, {}, 0, deadline);
-  for (int i = 0; i < motion.size(); ++i) {
-    if (deadline.expired()) return false;
-    std::optional<TimedTrack> track = repair.plan_alone(i, kAloneWeight, kAloneExpansions);
-    if (!track) return false;
-    scene.alone.push_back(*std::move(track));
-  }
-  return true;
-}
-
 std::vector<Trajectory> trajectories(const Fleet& fleet, const Scene& scene,
                                      const Incumbent& plan) {
   std::vector<Trajectory> result;
@@ -332,7 +257,8 @@ StepPlan solve_escot_star(const Fleet& fleet, const EscotStarOptions& options,
   Scene scene(fleet);
   scene.goal =
       std::max(scene.lower_bound, int(fleet.lower_bound() * (1.0 + options.gap) / scene.time.dt));
-  if (!find_ways_alone(scene, deadline)) {
+  scene.alone = find_ways_alone(fleet, scene.robots, deadline);
+  if (scene.alone.empty()) {
     if (deadline.expired()) plan.status = Status::kTimeout;
     return plan;
   }

@@ -87,6 +87,12 @@ void JointMotion::place_all(const std::vector<TimedTrack>& tracks) {
   for (int i = 0; i < size(); ++i) place(i, tracks[std::size_t(i)]);
 }
 
+void JointMotion::restore(const State& state) {
+  clear();
+  set_horizon(state.horizon, state.sight);
+  for (int i = 0; i < size(); ++i) place(i, state.tracks[std::size_t(i)]);
+}
+
 void JointMotion::add_conflict(int i, int j) {
   position_[at(i, j)] = position_[at(j, i)] = int(conflicts_.size());
   conflicts_.emplace_back(std::min(i, j), std::max(i, j));

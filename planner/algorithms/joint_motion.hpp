@@ -47,8 +47,18 @@ class JointMotion {
   /// Overlaps from bucket `conflicts` on do not count yet; searches see others until bucket
   /// `sight`. @pre neither is lower than before, or everyone is absent
   void set_horizon(int conflicts, int sight);
-  /// Everyone moves along the given tracks, one per robot.
+  [[nodiscard]] bool has_horizon() const { return horizon_ != kNoHorizon; }
+  /// Everyone moves along the given tracks, one per robot, and no horizon.
   void place_all(const std::vector<TimedTrack>& tracks);
+
+  struct State {
+    std::vector<TimedTrack> tracks;
+    int horizon = kNoHorizon;
+    int sight = kNoHorizon;
+  };
+  /// To go back to. @pre everyone is present
+  [[nodiscard]] State state() const { return {tracks_, horizon_, sight_}; }
+  void restore(const State& state);
 
   [[nodiscard]] const std::vector<Pair>& conflicts() const { return conflicts_; }
   [[nodiscard]] bool in_conflict(int i, int j) const { return position_[at(i, j)] >= 0; }

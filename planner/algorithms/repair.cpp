@@ -3,21 +3,11 @@
 #include <algorithm>
 
 namespace mvtp {
-namespace {
 
-constexpr int kFinerLevels = 3;  ///< of the search for a way alone
-
-/// Tight places are found with smaller cells.
-void refine(SoftOptions& options) {
-  options.cell /= 2;
-  options.cell_heading /= 1.5;
-}
-
-}  // namespace
-
-Repair::Repair(JointMotion& motion, const RepairOptions& options, std::uint64_t seed,
-               const Deadline& deadline)
+Repair::Repair(JointMotion& motion, const std::vector<TimedTrack>& alone,
+               const RepairOptions& options, std::uint64_t seed, const Deadline& deadline)
     : motion_(motion),
+      alone_(alone),
       options_(options),
       deadline_(deadline),
       search_(motion.size()),
@@ -33,26 +23,19 @@ SoftProblem Repair::problem(int i) {
   return problem;
 }
 
-std::optional<TimedTrack> Repair::plan_alone(int i, double weight, int expansions) {
-  const Occupancy nobody(1, motion_.time());
-  SoftProblem alone = problem(i);
-  alone.others = {.occupancy = &nobody};
+SoftOptions Repair::soft_options(int expansions, bool finely) const {
   SoftOptions options;
-  options.weight = weight;
+  options.weight = options_.weight;
   options.max_expansions = expansions;
-  std::optional<SoftPath> path = search_.search(alone, options, deadline_);
-  for (int level = 0; level < kFinerLevels && !path && !deadline_.expired(); ++level) {
-    refine(options);
+  if (finely) {
+    options.refine();
+    options.cell_buckets = 1;
     options.slowly = true;
-    options.max_expansions *= 8;
-    path = search_.search(alone, options, deadline_);
   }
-  if (!path) return std::nullopt;
-  return TimedTrack(alone.car->vehicle(), alone.start, std::move(path->steps),
-                    motion_.time().bucket);
+  return options;
 }
 
-bool Repair::plan(int i, int expansions, const TimedTrack* old, int from, bool finely) {
+bool Repair::plan(int i, const SoftOptions& options, const TimedTrack* old, int from) {
   SoftProblem among = problem(i);
   const Pose start = among.start;
   std::vector<Arc> steps;
@@ -62,14 +45,6 @@ bool Repair::plan(int i, int expansions, const TimedTrack* old, int from, bool f
     among.start_bucket = from;
     steps.assign(old->steps().begin(), old->steps().begin() + std::min(t, old->arrival()));
     steps.resize(std::size_t(t));
-  }
-  SoftOptions options;
-  options.weight = options_.weight;
-  options.max_expansions = expansions;
-  if (finely) {
-    refine(options);
-    options.cell_buckets = 1;
-    options.slowly = true;
   }
   const std::optional<SoftPath> path = search_.search(among, options, deadline_);
   if (!path) return false;
@@ -129,11 +104,27 @@ bool Repair::plan_group(const Neighbourhood& chosen, const std::vector<TimedTrac
                         double most) {
   const bool larger = tried_ % options_.larger_every == 0;
   const bool finely = stalled_ && tried_ % (2 * options_.larger_every) == 0;
-  const int expansions = options_.expansions * (larger ? options_.larger_factor : 1);
+  const SoftOptions options =
+      soft_options(options_.expansions * (larger ? options_.larger_factor : 1), finely);
   for (std::size_t k = 0; k < chosen.group.size(); ++k) {
-    if (!plan(chosen.group[k], expansions, &old[k], chosen.from[k], finely)) return false;
+    const int i = chosen.group[k];
+    if (!plan(i, options, &old[k], chosen.from[k]) && !drive_alone(i)) return false;
     if (motion_.cost() > most) return false;
   }
+  return true;
+}
+
+/// For want of anything better robot i, absent so far, drives the way alone, begun at any time.
+/// This is all there is in places too tight for a small search. False if it would be late.
+bool Repair::drive_alone(int i) {
+  const TimedTrack& way = alone_[std::size_t(i)];
+  if (way.arrival() > limit_) return false;
+  const int bucket = motion_.time().bucket;
+  const int latest = std::min(limit_ - way.arrival(), motion_.makespan()) / bucket;
+  std::vector<Arc> steps(std::size_t(random_.below(latest + 1) * bucket), Arc{});
+  steps.insert(steps.end(), way.steps().begin(), way.steps().end());
+  motion_.place(i,
+                TimedTrack(motion_.robot(i).car->vehicle(), way.start(), std::move(steps), bucket));
   return true;
 }
 
@@ -161,8 +152,7 @@ void Repair::try_neighbourhood() {
   }
 }
 
-bool Repair::lower(int limit, std::int64_t patience, int expansions,
-                   const std::vector<TimedTrack>& alone, const Interrupt& interrupt,
+bool Repair::lower(int limit, std::int64_t patience, int expansions, const Interrupt& interrupt,
                    bool& unreachable) {
   limit_ = limit;
   unreachable = false;
@@ -173,8 +163,8 @@ bool Repair::lower(int limit, std::int64_t patience, int expansions,
   random_.shuffle(late);
   for (const int i : late) motion_.remove(i);
   for (const int i : late) {
-    if (plan(i, expansions)) continue;
-    const TimedTrack& track = alone[std::size_t(i)];
+    if (plan(i, soft_options(expansions))) continue;
+    const TimedTrack& track = alone_[std::size_t(i)];
     unreachable = track.arrival() > limit && !deadline_.expired();
     if (unreachable || deadline_.expired()) return false;
     motion_.place(i, track);
@@ -184,7 +174,7 @@ bool Repair::lower(int limit, std::int64_t patience, int expansions,
 
 bool Repair::shorten(int i, int expansions) {
   TimedTrack old = motion_.remove(i);
-  const bool planned = plan(i, expansions);
+  const bool planned = plan(i, soft_options(expansions));
   if (planned && motion_.conflicts().empty() && motion_.track(i).arrival() < old.arrival()) {
     return true;
   }

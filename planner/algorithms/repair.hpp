@@ -56,22 +56,23 @@ class Repair {
   /// Called now and then; true ends the work under way.
   using Interrupt = std::function<bool()>;
 
-  /// @param motion, robots  outlive this object.
-  Repair(JointMotion& motion, const RepairOptions& options, std::uint64_t seed,
-         const Deadline& deadline);
+  /// @param motion, alone, deadline  outlive this object
+  /// @param alone  the robots' ways if they were alone: of those that find no other
+  Repair(JointMotion& motion, const std::vector<TimedTrack>& alone, const RepairOptions& options,
+         std::uint64_t seed, const Deadline& deadline);
 
   /// Nobody may arrive later than at this instant.
   void set_limit(int instant) { limit_ = instant; }
   [[nodiscard]] std::int64_t expansions() const { return search_.expansions(); }
   [[nodiscard]] SoftAstar& search() { return search_; }
 
-  /// A way for robot i as if it were alone.
-  [[nodiscard]] std::optional<TimedTrack> plan_alone(int i, double weight, int expansions);
+  /// For a search among the others.
+  /// @param finely  with smaller cells and slow actions, for tight places
+  [[nodiscard]] SoftOptions soft_options(int expansions, bool finely = false) const;
   /// Plans robot i, absent so far, among the others and places it; or leaves it absent.
   /// @param old   nullptr, or the motion that is kept until bucket `from`
-  /// @param finely  with smaller cells and slow actions, for tight places
-  [[nodiscard]] bool plan(int i, int expansions, const TimedTrack* old = nullptr, int from = 0,
-                          bool finely = false);
+  [[nodiscard]] bool plan(int i, const SoftOptions& options, const TimedTrack* old = nullptr,
+                          int from = 0);
 
   /// Until no pair is in conflict: true; false when interrupted, out of time, or when so many
   /// expansions have not brought the number of conflicts to a new minimum.
@@ -79,11 +80,9 @@ class Repair {
   /// Everyone at the goal by `limit`, starting from a plan that takes longer. If false, robots may
   /// be absent or in conflict.
   /// @param expansions   of the search for each robot that would be late
-  /// @param alone        ways of the robots if they were alone: of those that find no other
   /// @param unreachable  set if a robot has no way in that time at all, as far as searched
   [[nodiscard]] bool lower(int limit, std::int64_t patience, int expansions,
-                           const std::vector<TimedTrack>& alone, const Interrupt& interrupt,
-                           bool& unreachable);
+                           const Interrupt& interrupt, bool& unreachable);
   /// Robot i arrives earlier, if it can without any conflict. @pre no conflicts
   bool shorten(int i, int expansions);
 
@@ -99,7 +98,10 @@ class Repair {
   [[nodiscard]] bool plan_group(const Neighbourhood& chosen, const std::vector<TimedTrack>& old,
                                 double most);
 
+  [[nodiscard]] bool drive_alone(int i);
+
   JointMotion& motion_;
+  const std::vector<TimedTrack>& alone_;
   RepairOptions options_;
   const Deadline& deadline_;
   SoftAstar search_;

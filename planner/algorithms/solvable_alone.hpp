@@ -1,14 +1,21 @@
 #pragma once
 
+#include <optional>
+#include <vector>
+
 #include "planner/algorithms/fleet.hpp"
 
 namespace mvtp {
 
-/// Was a motion found that takes robot i from its start to its goal among the obstacles, the other
-/// robots absent?
+/// A motion that takes robot i from its start to its goal among the obstacles, the other robots
+/// absent: arcs of a step or less.
 ///
-/// True is a proof; false says that hybrid A* found none within its budget, with steps of any of
-/// three lengths. The clock plays no part.
+/// @return nullopt if hybrid A* found none within its budget, with steps of any of three lengths,
+///         or until the deadline
+[[nodiscard]] std::optional<std::vector<Arc>> find_way_alone(const Fleet& fleet, int i,
+                                                             const Deadline& deadline);
+
+/// Was one found? True is a proof; false is none. The clock plays no part.
 [[nodiscard]] bool solvable_alone(const Fleet& fleet, int i);
 
 }  // namespace mvtp

@@ -257,6 +257,7 @@ void SoftAstar::try_action(int parent, int a) {
     child.price += more;
     child.f += more;
   }
+  if (double(child.price) > options_.most_price + kNoPrice) return;
   if (cell.f <= child.f || double(child.f) >= best_.cost) return;
   cell.f = child.f;
   if (action.turn != 0) {
@@ -285,11 +286,12 @@ void SoftAstar::try_shot(int node) {
       double(from.price) + reversals + arrival * car.time().dt + double(rest_price_[rest]);
   if (cost >= best_.cost) return;
   const double price = follow(start, from.bucket, arcs, best_.cost - cost);
-  if (cost + price >= best_.cost) return;
+  const double all = double(from.price) + reversals + double(rest_price_[rest]) + price;
+  if (cost + price >= best_.cost || all > options_.most_price + kNoPrice) return;
   best_.node = node;
   best_.arcs = shot;
   best_.cost = cost + price;
-  best_.price = double(from.price) + reversals + double(rest_price_[rest]) + price;
+  best_.price = all;
 }
 
 std::span<const Arc> SoftAstar::to_the_end(const ReedsSheppPath& shot) {

@@ -41,9 +41,18 @@ struct SoftOptions {
   int max_expansions = 1000;   ///< > 0
   double cell = 1.5;           ///< side of a cell in which one node is kept [m]
   double cell_heading = 0.35;  ///< [rad]
-  int cell_buckets = 2;        ///< buckets of time that share a cell
+  int cell_buckets = 2;        ///< buckets of time that share a cell; kAnyTime: all of them
   double reversal = 0.0;       ///< price of a change of direction [s]
   bool slowly = false;         ///< slow actions, too: for tight places
+  double most_price = std::numeric_limits<double>::infinity();  ///< of a way; 0: touches nobody
+
+  static constexpr int kAnyTime = 1 << 30;  ///< for ways among others that all rest
+
+  /// Smaller cells, for tight places.
+  void refine() {
+    cell /= 2;
+    cell_heading /= 1.5;
+  }
 };
 
 struct SoftPath {

@@ -6,6 +6,7 @@
 #include "planner/algorithms/repair.hpp"
 #include "planner/algorithms/solve.hpp"
 #include "planner/problem/validate.hpp"
+#include "tests/planner/joint_scene.hpp"
 #include "tests/planner/scenes.hpp"
 
 namespace mvtp {
@@ -87,63 +88,19 @@ TEST(EscotStar, SolvesNothingAndStandingStill) {
 }
 
 /// A crowd, made ready for the parts of the algorithm.
-class StarParts : public testing::Test {
+class StarParts : public testing::Test, protected JointScene {
  protected:
-  StarParts()
-      : instance(random_instance(11, 30, 5, 45)),
-        fleet(instance, CollisionRule::kContinuous),
-        obstacles(instance.map, 6.0),
-        clearance(instance.map, obstacles) {
-    cars.reserve(instance.agents.size());
-    for (int i = 0; i < fleet.size(); ++i) {
-      const Agent& a = instance.agents[std::size_t(i)];
-      cars.emplace_back(a.vehicle, time, instance.map, obstacles, clearance);
-      robots.push_back({&cars.back(), &fleet.cost_to_go(i), a.start});
-    }
-  }
+  StarParts() : JointScene(random_instance(11, 30, 5, 45)) {}
 
   /// Everybody along its way alone, conflicts and all.
-  void place_all_alone(JointMotion& motion, Repair& repair) {
-    for (int i = 0; i < motion.size(); ++i) {
-      std::optional<TimedTrack> track = repair.plan_alone(i, 1.5, 5000);
-      ASSERT_TRUE(track);
-      motion.place(i, *std::move(track));
-    }
-  }
-
-  /// The plan of these tracks, without the robots in `left_out`.
-  Plan plan_of(const JointMotion& motion) const {
-    Plan plan;
-    plan.statistics.dt = time.dt;
-    for (int i = 0; i < motion.size(); ++i) {
-      Trajectory trajectory(motion.track(i).start());
-      Pose pose = motion.track(i).start();
-      for (const Arc& arc : motion.track(i).steps()) {
-        pose = fleet.after(i, pose, arc);
-        trajectory.push_back({pose, arc.length / time.dt, std::atan(arc.curvature * 2.0)});
-      }
-      plan.names.push_back(instance.agents[std::size_t(i)].name);
-      plan.trajectories.push_back(trajectory);
-    }
-    return plan;
-  }
-
-  TimeGrid time{0.1, 12};
-  Instance instance;
-  Fleet fleet;
-  Obstacles obstacles;
-  Clearance clearance;
-  std::vector<MacroCar> cars;
-  std::vector<MacroRobot> robots;
-  Deadline never = Deadline::never();
+  void place_all_alone(JointMotion& motion) const { motion.place_all(alone); }
 };
 
 //   The pairs in conflict are those that the referee finds, which knows nothing of boxes and
 //   buckets.
 TEST_F(StarParts, ConflictsAreThoseOfTheReferee) {
   JointMotion motion(robots, time);
-  Repair repair(motion, {}, 1, never);
-  place_all_alone(motion, repair);
+  place_all_alone(motion);
   std::vector<std::vector<std::string>> expected;
   for (const Violation& v :
        find_violations(instance, plan_of(motion), CollisionRule::kContinuous)) {
@@ -162,8 +119,7 @@ TEST_F(StarParts, ConflictsAreThoseOfTheReferee) {
 
 TEST_F(StarParts, RemovingAndPlacingAgainChangesNothing) {
   JointMotion motion(robots, time);
-  Repair repair(motion, {}, 1, never);
-  place_all_alone(motion, repair);
+  place_all_alone(motion);
   std::vector<JointMotion::Pair> before = motion.conflicts();
   motion.set_weight(before.front().first, before.front().second, 2.5F);
   const double cost = motion.cost();
@@ -182,8 +138,8 @@ TEST_F(StarParts, RemovingAndPlacingAgainChangesNothing) {
 
 TEST_F(StarParts, RepairEndsWithoutConflictsOrSaysSo) {
   JointMotion motion(robots, time);
-  Repair repair(motion, {}, 1, never);
-  place_all_alone(motion, repair);
+  Repair repair(motion, alone, {}, 1, never);
+  place_all_alone(motion);
   EXPECT_FALSE(repair.run(1'000'000, [] { return true; }));
   EXPECT_TRUE(repair.run(5'000'000, [] { return false; }));
   EXPECT_TRUE(find_violations(instance, plan_of(motion), CollisionRule::kContinuous).empty());
@@ -191,16 +147,14 @@ TEST_F(StarParts, RepairEndsWithoutConflictsOrSaysSo) {
 
 TEST_F(StarParts, LoweringKeepsToTheLimit) {
   JointMotion motion(robots, time);
-  Repair repair(motion, {}, 1, never);
-  std::vector<TimedTrack> alone;
-  for (int i = 0; i < motion.size(); ++i) alone.push_back(*repair.plan_alone(i, 1.5, 5000));
+  Repair repair(motion, alone, {}, 1, never);
   motion.place_all(alone);
   ASSERT_TRUE(repair.run(200'000, [] { return false; }));
   const int limit = (motion.makespan() + int(fleet.lower_bound() / time.dt)) / 2;
   ASSERT_LT(limit, motion.makespan());
   bool unreachable = false;
   ASSERT_TRUE(repair.lower(
-      limit, 200'000, 5000, alone, [] { return false; }, unreachable));
+      limit, 200'000, 5000, [] { return false; }, unreachable));
   EXPECT_LE(motion.makespan(), limit);
   EXPECT_FALSE(unreachable);
   EXPECT_TRUE(find_violations(instance, plan_of(motion), CollisionRule::kContinuous).empty());
@@ -213,21 +167,10 @@ TEST(Repair, GivesUpWithoutProgress) {
   lane.polygons = {{{-9, -3}, {49, -3}, {49, 0}, {-9, 0}}, {{-9, 3}, {49, 3}, {49, 6}, {-9, 6}}};
   const Instance swap{
       .agents = {agent({5, 1.5, 0}, {30, 1.5, 0}), agent({35, 1.5, 0}, {10, 1.5, 0})}, .map = lane};
-  const Fleet fleet(swap, CollisionRule::kContinuous);
-  const Obstacles obstacles(swap.map, 6.0);
-  const Clearance clearance(swap.map, obstacles);
-  const TimeGrid time{0.1, 12};
-  std::vector<MacroCar> cars;
-  std::vector<MacroRobot> robots;
-  cars.reserve(2);
-  for (int i = 0; i < 2; ++i) {
-    cars.emplace_back(fleet.car(i).vehicle(), time, swap.map, obstacles, clearance);
-    robots.push_back({&cars.back(), &fleet.cost_to_go(i), swap.agents[std::size_t(i)].start});
-  }
-  const Deadline never = Deadline::never();
-  JointMotion motion(robots, time);
-  Repair repair(motion, {}, 1, never);
-  for (int i = 0; i < 2; ++i) motion.place(i, *repair.plan_alone(i, 1.5, 500));
+  const JointScene scene(swap);
+  JointMotion motion(scene.robots, scene.time);
+  Repair repair(motion, scene.alone, {}, 1, scene.never);
+  motion.place_all(scene.alone);
   EXPECT_FALSE(repair.run(20'000, [] { return false; }));
   EXPECT_EQ(motion.conflicts().size(), 1U);
   EXPECT_GE(repair.expansions(), 20'000);
@@ -235,8 +178,8 @@ TEST(Repair, GivesUpWithoutProgress) {
 
 TEST_F(StarParts, ShorteningKeepsThePlanValidAndNeverDelays) {
   JointMotion motion(robots, time);
-  Repair repair(motion, {}, 1, never);
-  place_all_alone(motion, repair);
+  Repair repair(motion, alone, {}, 1, never);
+  place_all_alone(motion);
   ASSERT_TRUE(repair.run(5'000'000, [] { return false; }));
   const std::int64_t before = motion.flowtime();
   int shortened = 0;
@@ -257,8 +200,7 @@ TEST_F(StarParts, ShorteningKeepsThePlanValidAndNeverDelays) {
 //   A horizon hides what comes later, and nothing else; moved on, it shows all.
 TEST_F(StarParts, ConflictsBehindTheHorizonDoNotCount) {
   JointMotion all(robots, time);
-  Repair repair(all, {}, 1, never);
-  place_all_alone(all, repair);
+  place_all_alone(all);
   const auto pairs = [](const JointMotion& motion) {
     std::vector<JointMotion::Pair> result = motion.conflicts();
     std::ranges::sort(result);

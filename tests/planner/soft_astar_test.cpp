@@ -128,6 +128,42 @@ TEST(SoftAstar, DrivesThroughTheOtherWhereItMust) {
   EXPECT_NEAR(path->cost, path->price + double(path->steps.size()) * kTime.dt, 1e-6);
 }
 
+//   With nothing to pay, there is no way along the corridor.
+TEST(SoftAstar, TouchesNobodyForNothing) {
+  Map corridor{.width = 50, .height = 3.0};
+  corridor.bounds = Bounds::kAxle;
+  corridor.polygons = {{{-9, -3}, {59, -3}, {59, 0}, {-9, 0}},
+                       {{-9, 3}, {59, 3}, {59, 6}, {-9, 6}}};
+  Scene scene(corridor, {45, 1.5, 0});
+  scene.place_other({25, 1.5, 0}, {});
+  const SoftProblem problem = scene.problem({5, 1.5, 0});
+  EXPECT_TRUE(search(problem));
+  EXPECT_FALSE(search(problem, {.most_price = 0.0}));
+  scene.place_other({25, 1.5, 0}, std::vector<Arc>(400, Arc{0.1059, 0.0}));
+  EXPECT_TRUE(search(scene.problem({5, 1.5, 0}), {.most_price = 0.0}));
+}
+
+//   Among others at rest a search that leaves out time says at once that there is no way, and one
+//   that does not waits for ever.
+TEST(SoftAstar, TimeCanBeLeftOut) {
+  Map corridor{.width = 50, .height = 3.0};
+  corridor.bounds = Bounds::kAxle;
+  corridor.polygons = {{{-9, -3}, {59, -3}, {59, 0}, {-9, 0}},
+                       {{-9, 3}, {59, 3}, {59, 6}, {-9, 6}}};
+  Scene scene(corridor, {45, 1.5, 0});
+  scene.place_other({25, 1.5, 0}, {});
+  const SoftProblem problem = scene.problem({5, 1.5, 0});
+  const SoftOptions hard{.max_expansions = 3000, .most_price = 0.0};
+  SoftOptions timeless = hard;
+  timeless.cell_buckets = SoftOptions::kAnyTime;
+  SoftAstar astar(2);
+  EXPECT_FALSE(astar.search(problem, timeless, Deadline::never()));
+  const std::int64_t expansions = astar.expansions();
+  EXPECT_LT(expansions, 20);
+  EXPECT_FALSE(astar.search(problem, hard, Deadline::never()));
+  EXPECT_GT(astar.expansions() - expansions, 2000);
+}
+
 //   The other drives over the goal later on: whoever rests there before pays.
 TEST(SoftAstar, ArrivesAfterTheLastOneHasPassed) {
   Scene scene(empty_map(50), {25, 25, 0});

@@ -256,6 +256,17 @@ TEST(GeneratedParking, EachFindsItsWayAlone) {
   for (int i = 0; i < fleet.size(); ++i) EXPECT_TRUE(solvable_alone(fleet, i)) << i;
 }
 
+//   Cars queue two abreast, in and out by one road each: nobody gets anywhere but in turn.
+TEST_F(Program, TwentyFourCarsComeAndTwentyFourLeaveAtOnce) {
+  ASSERT_EQ(run("generate parking --count 1 --seed 11 -o lots -q").exit_code, 0);
+  const std::string instance = " -i lots/parking_in24_out24_ex00.yaml ";
+  const Outcome solved =
+      run("solve --algorithm escot-star --gap 9 --time-limit 300 -o plan.yaml -q" + instance);
+  EXPECT_EQ(solved.exit_code, 0) << solved.err;
+  const Outcome referee = run("validate -s plan.yaml" + instance);
+  EXPECT_EQ(referee.exit_code, 0) << referee.out;
+}
+
 TEST(GeneratedParking, IsTheSameOnEveryMachine) {
   const Instance instance = generate_parking({}, 0, 0).instance;
   EXPECT_EQ(instance.agents[1].goal, (Pose{129.06, 29.75, 0.0}));

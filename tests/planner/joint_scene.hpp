@@ -1,0 +1,64 @@
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "planner/algorithms/fleet.hpp"
+#include "planner/algorithms/joint_motion.hpp"
+#include "planner/algorithms/ways_alone.hpp"
+#include "planner/problem/plan.hpp"
+
+namespace mvtp {
+
+/// An instance, made ready for the parts of ESCoT*.
+struct JointScene {
+  explicit JointScene(Instance which)
+      : instance(std::move(which)),
+        fleet(instance, CollisionRule::kContinuous),
+        obstacles(instance.map, 6.0),
+        clearance(instance.map, obstacles) {
+    cars.reserve(instance.agents.size());
+    for (int i = 0; i < fleet.size(); ++i) {
+      const Agent& a = instance.agents[std::size_t(i)];
+      cars.emplace_back(a.vehicle, time, instance.map, obstacles, clearance);
+      robots.push_back({&cars.back(), &fleet.cost_to_go(i), a.start});
+    }
+    alone = find_ways_alone(fleet, robots, never);
+    EXPECT_EQ(alone.size(), robots.size());
+  }
+  JointScene(const JointScene&) = delete;
+  JointScene& operator=(const JointScene&) = delete;
+
+  /// The plan of these tracks.
+  Plan plan_of(const JointMotion& motion) const {
+    Plan plan;
+    plan.statistics.dt = time.dt;
+    for (int i = 0; i < motion.size(); ++i) {
+      Trajectory trajectory(motion.track(i).start());
+      Pose pose = motion.track(i).start();
+      const double wheelbase = cars[std::size_t(i)].vehicle().wheelbase;
+      for (const Arc& arc : motion.track(i).steps()) {
+        pose = fleet.after(i, pose, arc);
+        trajectory.push_back({pose, arc.length / time.dt, std::atan(arc.curvature * wheelbase)});
+      }
+      plan.names.push_back(instance.agents[std::size_t(i)].name);
+      plan.trajectories.push_back(trajectory);
+    }
+    return plan;
+  }
+
+  TimeGrid time{0.1, 12};
+  Instance instance;
+  Fleet fleet;
+  Obstacles obstacles;
+  Clearance clearance;
+  std::vector<MacroCar> cars;
+  std::vector<MacroRobot> robots;
+  Deadline never = Deadline::never();
+  std::vector<TimedTrack> alone;
+};
+
+}  // namespace mvtp

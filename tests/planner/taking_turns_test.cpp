@@ -1,0 +1,91 @@
+#include "planner/algorithms/taking_turns.hpp"
+
+#include <gtest/gtest.h>
+
+#include "planner/problem/validate.hpp"
+#include "tests/planner/joint_scene.hpp"
+#include "tests/planner/scenes.hpp"
+
+namespace mvtp {
+namespace {
+
+constexpr std::int64_t kEnough = 1'000'000;
+
+/// Everyone in turn, and what the referee says of it.
+class Turns : public testing::Test {
+ protected:
+  void take(Instance instance, std::int64_t expansions = kEnough) {
+    scene_.emplace(std::move(instance));
+    motion_.emplace(scene_->robots, scene_->time);
+    TakingTurns turns(*motion_, scene_->alone, scene_->never);
+    turns.run(expansions);
+    gone_.clear();
+    for (int i = 0; i < motion_->size(); ++i) gone_.push_back(turns.has_gone(i));
+  }
+
+  void expect_all_gone() const {
+    EXPECT_EQ(gone_, std::vector<bool>(gone_.size(), true));
+    for (const Violation& violation :
+         find_violations(scene_->instance, scene_->plan_of(*motion_), CollisionRule::kContinuous)) {
+      ADD_FAILURE() << violation.message;
+    }
+  }
+
+  std::optional<JointScene> scene_;
+  std::optional<JointMotion> motion_;
+  std::vector<bool> gone_;
+};
+
+/// Walls along a lane from west to east that no two cars can pass each other in.
+Map with_lane(Map map, double from, double to, double y) {
+  map.polygons = {{{from, -1}, {to, -1}, {to, y - 1.5}, {from, y - 1.5}},
+                  {{from, y + 1.5}, {to, y + 1.5}, {to, 41}, {from, 41}}};
+  return map;
+}
+
+//   Whatever the order of their numbers, the first in the queue goes first: its start is on the
+//   way of the rest.
+TEST_F(Turns, AQueueDrivesOff) {
+  for (const bool reversed : {false, true}) {
+    Instance queue{.agents = {}, .map = with_lane(empty_map(40), -1, 21, 20)};
+    for (int i = 0; i < 5; ++i) {
+      const int place = reversed ? 4 - i : i;
+      queue.agents.push_back(agent({2.0 + 4.0 * place, 20, 0}, {34, 4.0 + 7.0 * place, 0}, i));
+    }
+    take(queue, 300);  // in any other order somebody searches in vain for longer
+    expect_all_gone();
+  }
+}
+
+//   The one before the entrance closes the dead end for the one behind it, who must go first.
+TEST_F(Turns, ADeadEndIsFilledFromItsEnd) {
+  Instance dead_end{.agents = {}, .map = with_lane(empty_map(40), 20, 41, 20)};
+  dead_end.agents = {agent({9, 20, 0}, {24, 20, 0}, 0), agent({3, 20, 0}, {36, 20, 0}, 1)};
+  take(dead_end);
+  expect_all_gone();
+}
+
+//   Nose to nose there is no turn to take: both stand where they were.
+TEST_F(Turns, WhoFindsNoWayStandsAtItsStart) {
+  const Instance swap{
+      .agents = {agent({5, 20, 0}, {36, 20, 0}, 0), agent({32, 20, 0}, {2, 20, 0}, 1)},
+      .map = with_lane(empty_map(40), -1, 41, 20)};
+  take(swap);
+  EXPECT_EQ(gone_, std::vector<bool>({false, false}));
+  EXPECT_TRUE(motion_->conflicts().empty());
+  EXPECT_EQ(motion_->makespan(), 0);
+}
+
+TEST_F(Turns, WithoutPatienceNobodyGoes) {
+  take(random_instance(11, 30, 5, 45), 0);
+  EXPECT_EQ(gone_, std::vector<bool>(30, false));
+  EXPECT_EQ(motion_->makespan(), 0);
+}
+
+TEST_F(Turns, ACrowdIsLedThroughItself) {
+  take(random_instance(11, 30, 5, 45));
+  expect_all_gone();
+}
+
+}  // namespace
+}  // namespace mvtp
