@@ -65,7 +65,7 @@ std::optional<SoftPath> SoftAstar::search(const SoftProblem& problem, const Soft
     const int node = -minus_node;
     const Node& top = nodes_[std::size_t(node)];
     const Pose at = pose(top);
-    if (cell_of(at.x, at.y, at.theta, top.bucket).f < top.f) continue;
+    if (!waits_in_its_cell(top) && cell_of(at.x, at.y, at.theta, top.bucket).f < top.f) continue;
     ++expansions_;
     if (shoots(n, top)) try_shot(node);
     if (n % kLookAtClock == kLookAtClock - 1 && deadline.expired()) break;
@@ -201,6 +201,13 @@ SoftAstar::Cell& SoftAstar::cell_of(double x, double y, double theta, int bucket
   return cells_[i];
 }
 
+/// Has the robot got there by waiting in the cell of its parent? The parent was there earlier, but
+/// that does not make it better.
+bool SoftAstar::waits_in_its_cell(const Node& node) const {
+  return node.action == MacroCar::kWait && options_.cell_buckets != SoftOptions::kAnyTime &&
+         node.bucket % options_.cell_buckets != 0;
+}
+
 void SoftAstar::push(const Node& node) {
   nodes_.push_back(node);
   open_.emplace_back(node.f, -int(nodes_.size() - 1));
@@ -243,7 +250,8 @@ void SoftAstar::try_action(int parent, int a) {
   child.f = estimate(double(child.price), child.bucket, h);
   if (double(child.f) >= best_.cost) return;
   Cell& cell = cell_of(child.x, child.y, theta, child.bucket);
-  if (cell.f <= child.f) return;
+  const bool waits = waits_in_its_cell(child);
+  if (cell.f <= child.f && !waits) return;
 
   const std::size_t middle = std::size_t(car.time().bucket / 2);
   const BoxPose halfway = moved(action.boxes[middle], from.x, from.y, from.ux, from.uy);
@@ -258,8 +266,8 @@ void SoftAstar::try_action(int parent, int a) {
     child.f += more;
   }
   if (double(child.price) > options_.most_price + kNoPrice) return;
-  if (cell.f <= child.f || double(child.f) >= best_.cost) return;
-  cell.f = child.f;
+  if ((cell.f <= child.f && !waits) || double(child.f) >= best_.cost) return;
+  cell.f = std::min(cell.f, child.f);
   if (action.turn != 0) {
     const double c = std::cos(action.turn * turn_);
     const double s = std::sin(action.turn * turn_);

@@ -129,6 +129,7 @@ class SoftAstar {
                               double most);
   /// The way behind a shot, the tail included; valid until the next call.
   [[nodiscard]] std::span<const Arc> to_the_end(const ReedsSheppPath& shot);
+  [[nodiscard]] bool waits_in_its_cell(const Node& node) const;
   void push(const Node& node);
   [[nodiscard]] SoftPath path();
 

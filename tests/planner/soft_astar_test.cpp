@@ -143,6 +143,27 @@ TEST(SoftAstar, TouchesNobodyForNothing) {
   EXPECT_TRUE(search(scene.problem({5, 1.5, 0}), {.most_price = 0.0}));
 }
 
+//   Walls beside and behind, and the other just ahead for a while: there is nothing to do but wait.
+TEST(SoftAstar, WaitsWhereItStands) {
+  Map corridor{.width = 50, .height = 3.0};
+  corridor.bounds = Bounds::kAxle;
+  corridor.polygons = {{{-9, -3}, {59, -3}, {59, 0}, {-9, 0}},
+                       {{-9, 3}, {59, 3}, {59, 6}, {-9, 6}},
+                       {{-9, 0}, {3.7, 0}, {3.7, 3}, {-9, 3}}};
+  Scene scene(corridor, {45, 1.5, 0});
+  std::vector<Arc> steps(100);  // waits
+  steps.insert(steps.end(), 400, Arc{0.1059, 0.0});
+  scene.place_other({8.3, 1.5, 0}, steps);
+  const Pose start{5, 1.5, 0};
+  const std::optional<SoftPath> path = search(scene.problem(start), {.most_price = 0.0});
+  ASSERT_TRUE(path);
+  const TimedTrack track = scene.track(start, *path);
+  for (int t = 0; t < 500; t += kTime.bucket) {
+    EXPECT_FALSE(meet(track.boxes(t), scene.shapes[0], scene.tracks[1].boxes(t), scene.shapes[1],
+                      kTime.bucket));
+  }
+}
+
 //   Among others at rest a search that leaves out time says at once that there is no way, and one
 //   that does not waits for ever.
 TEST(SoftAstar, TimeCanBeLeftOut) {
