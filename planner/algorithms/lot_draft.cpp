@@ -5,7 +5,7 @@
 namespace mvtp {
 namespace {
 
-constexpr double kHardPrice = 1e4;  ///< [s] per bucket: overlaps are no way
+constexpr double kAnyPrice = 1.0;  ///< [s] per bucket: the searches are hard
 constexpr double kNever = 1e9;
 constexpr float kNow = -1.0F;          ///< when a car is where it is: before all that is planned
 constexpr int kEffortAmongOthers = 4;  ///< the same among others
@@ -154,6 +154,7 @@ std::optional<SoftPath> LotPlanner::Draft::search_alone(SoftProblem problem, int
   problem.others = {.occupancy = &nobody};
   SoftOptions options = soft_options(planner_.options_);
   options.max_expansions *= effort;
+  options.cell_buckets = SoftOptions::kAnyTime;
   return planner_.search_.search(problem, options, Deadline::never());
 }
 
@@ -189,7 +190,7 @@ std::vector<Arc> LotPlanner::Draft::tail(const TimedTrack& alone) const {
 
 bool LotPlanner::Draft::plan(int robot, const TimedTrack& alone) {
   SoftProblem soft = problem(robot);
-  soft.others = joint_->others(robot, kHardPrice);
+  soft.others = joint_->others(robot, kAnyPrice);
   const std::vector<Arc> tail = soft.leaves ? std::vector<Arc>{} : this->tail(alone);
   std::optional<CostToGo> to_tail;
   if (!tail.empty()) {
@@ -205,10 +206,11 @@ bool LotPlanner::Draft::plan(int robot, const TimedTrack& alone) {
   for (const int effort : {1, kEffortAmongOthers}) {
     SoftOptions options = soft_options(planner_.options_);
     options.max_expansions *= effort;
+    options.hard = true;
     path = planner_.search_.search(soft, options, Deadline::never());
-    if (path && path->price == 0.0) break;
+    if (path) break;
   }
-  if (!path || path->price > 0.0 || comes_back_into_entry(robot, path->steps)) return false;
+  if (!path || comes_back_into_entry(robot, path->steps)) return false;
   joint_->place(robot, TimedTrack(soft.car->vehicle(), soft.start, std::move(path->steps),
                                   planner_.time_.bucket, soft.leaves));
   return true;

@@ -100,13 +100,13 @@ bool TakingTurns::let_go(int i) {
   motion_.remove(i);
   const Robot& robot = robots_[std::size_t(i)];
   SoftOptions options = repair_.soft_options(kExpansions);
-  options.most_price = 0.0;
+  options.hard = true;
   if (repair_.plan(i, options, &robot.standing)) return true;
   if (drive_later(i, alone_[std::size_t(i)].steps())) return true;
 
   options = repair_.soft_options(kRestExpansions, robot.failures > 0);
   for (int n = 0; n < robot.failures; ++n) options.max_expansions *= kFactor;
-  options.most_price = 0.0;
+  options.hard = true;
   options.cell_buckets = SoftOptions::kAnyTime;
   const int all_rest = motion_.makespan() / motion_.time().bucket + 1;
   if (repair_.plan(i, options, &robot.standing, all_rest)) {

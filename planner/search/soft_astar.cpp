@@ -262,10 +262,10 @@ void SoftAstar::try_action(int parent, int a) {
       boxes_[t] = moved(action.boxes[t], from.x, from.y, from.ux, from.uy);
     }
     const float more = price_of_nearby(from.bucket, boxes_.data(), action.travel);
+    if (options_.hard && more > 0.0F) return;
     child.price += more;
     child.f += more;
   }
-  if (double(child.price) > options_.most_price + kNoPrice) return;
   if ((cell.f <= child.f && !waits) || double(child.f) >= best_.cost) return;
   cell.f = std::min(cell.f, child.f);
   if (action.turn != 0) {
@@ -294,12 +294,12 @@ void SoftAstar::try_shot(int node) {
       double(from.price) + reversals + arrival * car.time().dt + double(rest_price_[rest]);
   if (cost >= best_.cost) return;
   const double price = follow(start, from.bucket, arcs, best_.cost - cost);
-  const double all = double(from.price) + reversals + double(rest_price_[rest]) + price;
-  if (cost + price >= best_.cost || all > options_.most_price + kNoPrice) return;
+  if (cost + price >= best_.cost) return;
+  if (options_.hard && double(rest_price_[rest]) + price > 0.0) return;
   best_.node = node;
   best_.arcs = shot;
   best_.cost = cost + price;
-  best_.price = all;
+  best_.price = double(from.price) + reversals + double(rest_price_[rest]) + price;
 }
 
 std::span<const Arc> SoftAstar::to_the_end(const ReedsSheppPath& shot) {

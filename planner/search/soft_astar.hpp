@@ -44,7 +44,7 @@ struct SoftOptions {
   int cell_buckets = 2;        ///< buckets of time that share a cell; kAnyTime: all of them
   double reversal = 0.0;       ///< price of a change of direction [s]
   bool slowly = false;         ///< slow actions, too: for tight places
-  double most_price = std::numeric_limits<double>::infinity();  ///< of a way; 0: touches nobody
+  bool hard = false;           ///< nobody may be touched, at whatever price
 
   static constexpr int kAnyTime = 1 << 30;  ///< for ways among others that all rest
 

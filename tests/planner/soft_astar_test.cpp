@@ -128,8 +128,8 @@ TEST(SoftAstar, DrivesThroughTheOtherWhereItMust) {
   EXPECT_NEAR(path->cost, path->price + double(path->steps.size()) * kTime.dt, 1e-6);
 }
 
-//   With nothing to pay, there is no way along the corridor.
-TEST(SoftAstar, TouchesNobodyForNothing) {
+//   Who may touch nobody finds no way along the corridor.
+TEST(SoftAstar, TouchesNobodyIfThatIsHard) {
   Map corridor{.width = 50, .height = 3.0};
   corridor.bounds = Bounds::kAxle;
   corridor.polygons = {{{-9, -3}, {59, -3}, {59, 0}, {-9, 0}},
@@ -138,9 +138,9 @@ TEST(SoftAstar, TouchesNobodyForNothing) {
   scene.place_other({25, 1.5, 0}, {});
   const SoftProblem problem = scene.problem({5, 1.5, 0});
   EXPECT_TRUE(search(problem));
-  EXPECT_FALSE(search(problem, {.most_price = 0.0}));
+  EXPECT_FALSE(search(problem, {.hard = true}));
   scene.place_other({25, 1.5, 0}, std::vector<Arc>(400, Arc{0.1059, 0.0}));
-  EXPECT_TRUE(search(scene.problem({5, 1.5, 0}), {.most_price = 0.0}));
+  EXPECT_TRUE(search(scene.problem({5, 1.5, 0}), {.hard = true}));
 }
 
 //   Walls beside and behind, and the other just ahead for a while: there is nothing to do but wait.
@@ -155,7 +155,7 @@ TEST(SoftAstar, WaitsWhereItStands) {
   steps.insert(steps.end(), 400, Arc{0.1059, 0.0});
   scene.place_other({8.3, 1.5, 0}, steps);
   const Pose start{5, 1.5, 0};
-  const std::optional<SoftPath> path = search(scene.problem(start), {.most_price = 0.0});
+  const std::optional<SoftPath> path = search(scene.problem(start), {.hard = true});
   ASSERT_TRUE(path);
   const TimedTrack track = scene.track(start, *path);
   for (int t = 0; t < 500; t += kTime.bucket) {
@@ -174,7 +174,7 @@ TEST(SoftAstar, TimeCanBeLeftOut) {
   Scene scene(corridor, {45, 1.5, 0});
   scene.place_other({25, 1.5, 0}, {});
   const SoftProblem problem = scene.problem({5, 1.5, 0});
-  const SoftOptions hard{.max_expansions = 3000, .most_price = 0.0};
+  const SoftOptions hard{.max_expansions = 3000, .hard = true};
   SoftOptions timeless = hard;
   timeless.cell_buckets = SoftOptions::kAnyTime;
   SoftAstar astar(2);
