@@ -18,6 +18,7 @@ SoftOptions soft_options(const LotPlannerOptions& options) {
   soft.max_expansions = options.expansions;
   soft.cell = 0.8;
   soft.cell_heading = 0.25;
+  soft.waits = false;  // who finds no way waits where it stands, and asks again
   soft.reversal = options.limits.speed / options.limits.braking;
   return soft;
 }

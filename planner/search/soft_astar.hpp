@@ -45,6 +45,9 @@ struct SoftOptions {
   double reversal = 0.0;       ///< price of a change of direction [s]
   bool slowly = false;         ///< slow actions, too: for tight places
   bool hard = false;           ///< nobody may be touched, at whatever price
+  /// May it wait anywhere for any time, or only for less than a cell's buckets at once? Ways out of
+  /// tight places are found among fewer nodes then.
+  bool waits = true;
 
   static constexpr int kAnyTime = 1 << 30;  ///< for ways among others that all rest
 
