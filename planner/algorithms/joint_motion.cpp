@@ -55,6 +55,18 @@ void JointMotion::place(int i, TimedTrack track) {
   present_[std::size_t(i)] = 1;
 }
 
+bool JointMotion::place_later(int i, std::span<const Arc> way, int latest, bool leaves) {
+  for (int wait = 0; wait <= latest; wait += time_.bucket) {
+    std::vector<Arc> steps(std::size_t(wait), Arc{});
+    steps.insert(steps.end(), way.begin(), way.end());
+    place(i, TimedTrack(robot(i).car->vehicle(), robot(i).start, std::move(steps), time_.bucket,
+                        leaves));
+    if (conflicts_of(i).empty()) return true;
+    remove(i);
+  }
+  return false;
+}
+
 TimedTrack JointMotion::remove(int i) {
   for (const int j : conflicts_of(i)) drop_conflict(i, j);
   occupancy_.remove(i);

@@ -39,6 +39,9 @@ class JointMotion {
 
   /// Robot i, absent so far, moves along `track`.
   void place(int i, TimedTrack track);
+  /// Robot i, absent so far, drives the way from its start, begun as late as it must so that it
+  /// overlaps nobody, but no later than `latest`. @return false if it is absent still
+  [[nodiscard]] bool place_later(int i, std::span<const Arc> way, int latest, bool leaves = false);
   /// Takes robot i and its conflicts away. @return its track
   TimedTrack remove(int i);
   [[nodiscard]] const std::vector<TimedTrack>& tracks() const { return tracks_; }

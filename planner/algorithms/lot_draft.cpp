@@ -10,6 +10,7 @@ constexpr double kNever = 1e9;
 constexpr float kNow = -1.0F;          ///< when a car is where it is: before all that is planned
 constexpr int kEffortAmongOthers = 4;  ///< the same among others
 constexpr int kMoreEffort = 8;         ///< times the expansions, where a way alone is not found
+constexpr int kLatest = 200;           ///< instants that a way alone may begin later
 constexpr double kTail = 12.0;         ///< [m] before a slot that are driven as if alone
 
 SoftOptions soft_options(const LotPlannerOptions& options) {
@@ -155,7 +156,6 @@ std::optional<SoftPath> LotPlanner::Draft::search_alone(SoftProblem problem, int
   problem.others = {.occupancy = &nobody};
   SoftOptions options = soft_options(planner_.options_);
   options.max_expansions *= effort;
-  options.cell_buckets = SoftOptions::kAnyTime;
   return planner_.search_.search(problem, options, Deadline::never());
 }
 
@@ -203,18 +203,23 @@ bool LotPlanner::Draft::plan(int robot, const TimedTrack& alone) {
     soft.cost_to_go = &*to_tail;
     soft.tail = tail;
   }
-  std::optional<SoftPath> path;
-  for (const int effort : {1, kEffortAmongOthers}) {
-    SoftOptions options = soft_options(planner_.options_);
-    options.max_expansions *= effort;
-    options.hard = true;
-    path = planner_.search_.search(soft, options, Deadline::never());
-    if (path) break;
-  }
+  SoftOptions options = soft_options(planner_.options_);
+  options.hard = true;
+  std::optional<SoftPath> path = planner_.search_.search(soft, options, Deadline::never());
+  if (!path && drive_alone_later(robot, alone)) return true;
+  options.max_expansions *= kEffortAmongOthers;
+  if (!path) path = planner_.search_.search(soft, options, Deadline::never());
   if (!path || comes_back_into_entry(robot, path->steps)) return false;
   joint_->place(robot, TimedTrack(soft.car->vehicle(), soft.start, std::move(path->steps),
                                   planner_.time_.bucket, soft.leaves));
   return true;
+}
+
+/// The way alone, begun as soon as it touches nobody.
+bool LotPlanner::Draft::drive_alone_later(int robot, const TimedTrack& alone) {
+  if (comes_back_into_entry(robot, alone.steps())) return false;
+  const bool leaves = robots_[std::size_t(robot)].leaves;
+  return joint_->place_later(robot, alone.steps(), kLatest, leaves);
 }
 
 /// The next one follows in the lane: a car may leave it only forwards, and for good.

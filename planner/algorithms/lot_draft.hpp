@@ -78,6 +78,7 @@ class LotPlanner::Draft {
   void add_queue(const LotRequest& request, const Pose& start);
   void add(Robot robot, const Pose& start, bool in_entry);
   [[nodiscard]] TimedTrack forecast_track(int car) const;
+  [[nodiscard]] bool drive_alone_later(int robot, const TimedTrack& alone);
   [[nodiscard]] bool comes_back_into_entry(int robot, const std::vector<Arc>& steps) const;
   [[nodiscard]] SoftProblem problem(int robot) const;
   [[nodiscard]] std::optional<SoftPath> search_alone(SoftProblem problem, int effort);

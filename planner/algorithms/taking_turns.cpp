@@ -1,6 +1,7 @@
 #include "planner/algorithms/taking_turns.hpp"
 
 #include <algorithm>
+#include <span>
 #include <tuple>
 #include <utility>
 
@@ -102,34 +103,20 @@ bool TakingTurns::let_go(int i) {
   SoftOptions options = repair_.soft_options(kExpansions);
   options.hard = true;
   if (repair_.plan(i, options, &robot.standing)) return true;
-  if (drive_later(i, alone_[std::size_t(i)].steps())) return true;
+  const int latest = motion_.makespan() + 2 * motion_.time().bucket;  // all rest
+  if (motion_.place_later(i, alone_[std::size_t(i)].steps(), latest)) return true;
 
   options = repair_.soft_options(kRestExpansions, robot.failures > 0);
   for (int n = 0; n < robot.failures; ++n) options.max_expansions *= kFactor;
   options.hard = true;
   options.cell_buckets = SoftOptions::kAnyTime;
-  const int all_rest = motion_.makespan() / motion_.time().bucket + 1;
+  const int all_rest = latest / motion_.time().bucket;
   if (repair_.plan(i, options, &robot.standing, all_rest)) {
     const TimedTrack last = motion_.remove(i);
     const std::size_t wait = std::size_t(all_rest * motion_.time().bucket);
-    if (drive_later(i, std::span(last.steps()).subspan(wait))) return true;
+    if (motion_.place_later(i, std::span(last.steps()).subspan(wait), latest)) return true;
   }
   motion_.place(i, robot.standing);
-  return false;
-}
-
-/// The given way, begun as late as it must.
-bool TakingTurns::drive_later(int i, std::span<const Arc> way) {
-  const TimeGrid& time = motion_.time();
-  const int all_rest = motion_.makespan() + 2 * time.bucket;
-  for (int wait = 0; wait <= all_rest; wait += time.bucket) {
-    std::vector<Arc> steps(std::size_t(wait), Arc{});
-    steps.insert(steps.end(), way.begin(), way.end());
-    motion_.place(i, TimedTrack(motion_.robot(i).car->vehicle(), motion_.robot(i).start,
-                                std::move(steps), time.bucket));
-    if (motion_.conflicts_of(i).empty()) return true;
-    motion_.remove(i);
-  }
   return false;
 }
 

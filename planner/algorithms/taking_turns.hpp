@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <span>
 #include <vector>
 
 #include "planner/algorithms/joint_motion.hpp"
@@ -45,7 +44,6 @@ class TakingTurns {
   void find_who_blocks_whom();
   [[nodiscard]] int next() const;
   [[nodiscard]] bool let_go(int i);
-  [[nodiscard]] bool drive_later(int i, std::span<const Arc> way);
   void leaves(int i);
 
   JointMotion& motion_;
