@@ -16,10 +16,10 @@ struct EscotStarOptions {
 
 /// ESCoT*: near-optimal plans, improved until the deadline or the gap.
 ///
-/// 1. Every robot alone, then one after the other, those with the longest way first, by a search
-///    that may drive through others at a price (SoftAstar).
-/// 2. What overlaps is repaired in large neighbourhoods (Repair), under a deadline for all from the
-///    start. Where very many robots overlap, this is done window by window of time.
+/// 1. Every robot alone (find_ways_alone), by a search that could drive through others at a price
+///    (SoftAstar).
+/// 2. From these a plan for all, by repair of what overlaps in large neighbourhoods (Repair), under
+///    a deadline for all from the start; where that halts, in turn (FirstPlan, TakingTurns).
 /// 3. A deadline for all robots is lowered towards the lower bound; whoever is late is planned anew
 ///    and the rest repaired.
 /// 4. At the makespan found, robots arrive earlier where they can: the sum of costs.

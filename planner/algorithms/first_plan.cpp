@@ -23,8 +23,8 @@ constexpr double kLimit = 1.2;
 constexpr double kCrowdedLimit = 1.25;
 constexpr double kRelax = 1.25;
 constexpr double kNoLimit = 1e9;  ///< [instants]
-/// Expansions without progress before the repair has come to a halt; half of them the first time,
-/// for a deadline does no harm to robots that take turns.
+/// Expansions per robot without progress until the repair has come to a halt; half of them before
+/// robots take turns, which costs little where it fails.
 constexpr std::int64_t kPatiencePerRobot = 1'500;
 
 }  // namespace
