@@ -55,12 +55,15 @@ void JointMotion::place(int i, TimedTrack track) {
   present_[std::size_t(i)] = 1;
 }
 
+TimedTrack JointMotion::track_after(int i, int wait, std::span<const Arc> way, bool leaves) const {
+  std::vector<Arc> steps(std::size_t(wait), Arc{});
+  steps.insert(steps.end(), way.begin(), way.end());
+  return {robot(i).car->vehicle(), robot(i).start, std::move(steps), time_.bucket, leaves};
+}
+
 bool JointMotion::place_later(int i, std::span<const Arc> way, int latest, bool leaves) {
   for (int wait = 0; wait <= latest; wait += time_.bucket) {
-    std::vector<Arc> steps(std::size_t(wait), Arc{});
-    steps.insert(steps.end(), way.begin(), way.end());
-    place(i, TimedTrack(robot(i).car->vehicle(), robot(i).start, std::move(steps), time_.bucket,
-                        leaves));
+    place(i, track_after(i, wait, way, leaves));
     if (conflicts_of(i).empty()) return true;
     remove(i);
   }

@@ -39,6 +39,9 @@ class JointMotion {
 
   /// Robot i, absent so far, moves along `track`.
   void place(int i, TimedTrack track);
+  /// Robot i standing at its start for `wait` instants, and then on this way.
+  [[nodiscard]] TimedTrack track_after(int i, int wait, std::span<const Arc> way,
+                                       bool leaves = false) const;
   /// Robot i, absent so far, drives the way from its start, begun as late as it must so that it
   /// overlaps nobody, but no later than `latest`. @return false if it is absent still
   [[nodiscard]] bool place_later(int i, std::span<const Arc> way, int latest, bool leaves = false);

@@ -8,8 +8,8 @@ namespace {
 constexpr double kAnyPrice = 1.0;  ///< [s] per bucket: the searches are hard
 constexpr double kNever = 1e9;
 constexpr float kNow = -1.0F;          ///< when a car is where it is: before all that is planned
-constexpr int kEffortAmongOthers = 4;  ///< the same among others
 constexpr int kMoreEffort = 8;         ///< times the expansions, where a way alone is not found
+constexpr int kEffortAmongOthers = 4;  ///< the same among others
 constexpr int kLatest = 200;           ///< instants that a way alone may begin later
 constexpr double kTail = 12.0;         ///< [m] before a slot that are driven as if alone
 

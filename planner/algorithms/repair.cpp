@@ -121,10 +121,7 @@ bool Repair::drive_alone(int i) {
   if (way.arrival() > limit_) return false;
   const int bucket = motion_.time().bucket;
   const int latest = std::min(limit_ - way.arrival(), motion_.makespan()) / bucket;
-  std::vector<Arc> steps(std::size_t(random_.below(latest + 1) * bucket), Arc{});
-  steps.insert(steps.end(), way.steps().begin(), way.steps().end());
-  motion_.place(i,
-                TimedTrack(motion_.robot(i).car->vehicle(), way.start(), std::move(steps), bucket));
+  motion_.place(i, motion_.track_after(i, random_.below(latest + 1) * bucket, way.steps()));
   return true;
 }
 

@@ -38,14 +38,13 @@ void TakingTurns::run(std::int64_t patience) {
 }
 
 void TakingTurns::find_who_blocks_whom() {
-  const auto resting = [&](int i, const Pose& pose) {
-    return TimedTrack(motion_.robot(i).car->vehicle(), pose, {}, motion_.time().bucket);
-  };
   std::vector<TimedTrack> goals;
   std::vector<TimedTrack> starts;
   for (int i = 0; i < motion_.size(); ++i) {
-    goals.push_back(resting(i, motion_.robot(i).cost_to_go->goal()));
-    starts.push_back(resting(i, motion_.robot(i).start));
+    const MacroRobot& robot = motion_.robot(i);
+    goals.emplace_back(robot.car->vehicle(), robot.cost_to_go->goal(), std::vector<Arc>{},
+                       motion_.time().bucket);
+    starts.push_back(motion_.track_after(i, 0, {}));
   }
   const auto on_the_way_of = [&](int i) {
     TimedTrack rest = motion_.remove(i);
@@ -66,7 +65,6 @@ void TakingTurns::find_who_blocks_whom() {
     const std::vector<int> met = on_the_way_of(i);
     robots_[std::size_t(i)].starts_on_its_way = int(met.size());
     for (const int j : met) robots_[std::size_t(j)].is_in_the_way_of.push_back(i);
-    robots_[std::size_t(i)].standing = std::move(starts[std::size_t(i)]);
   }
 }
 
@@ -98,25 +96,25 @@ void TakingTurns::leaves(int i) {
 }
 
 bool TakingTurns::let_go(int i) {
-  motion_.remove(i);
+  TimedTrack standing = motion_.remove(i);
   const Robot& robot = robots_[std::size_t(i)];
   SoftOptions options = repair_.soft_options(kExpansions);
   options.hard = true;
-  if (repair_.plan(i, options, &robot.standing)) return true;
+  if (repair_.plan(i, options)) return true;
   const int latest = motion_.makespan() + 2 * motion_.time().bucket;  // all rest
   if (motion_.place_later(i, alone_[std::size_t(i)].steps(), latest)) return true;
 
   options = repair_.soft_options(kRestExpansions, robot.failures > 0);
   for (int n = 0; n < robot.failures; ++n) options.max_expansions *= kFactor;
   options.hard = true;
-  options.cell_buckets = SoftOptions::kAnyTime;
+  options.leave_out_time();
   const int all_rest = latest / motion_.time().bucket;
-  if (repair_.plan(i, options, &robot.standing, all_rest)) {
+  if (repair_.plan(i, options, &standing, all_rest)) {
     const TimedTrack last = motion_.remove(i);
     const std::size_t wait = std::size_t(all_rest * motion_.time().bucket);
     if (motion_.place_later(i, std::span(last.steps()).subspan(wait), latest)) return true;
   }
-  motion_.place(i, robot.standing);
+  motion_.place(i, std::move(standing));
   return false;
 }
 

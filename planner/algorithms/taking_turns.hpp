@@ -32,7 +32,6 @@ class TakingTurns {
 
  private:
   struct Robot {
-    TimedTrack standing;
     std::vector<int> is_in_the_way_of;  ///< with its start
     std::vector<int> has_on_its_way;    ///< their goals
     int starts_on_its_way = 0;          ///< of robots that have not gone

@@ -54,7 +54,7 @@ std::optional<TimedTrack> plan_alone(SoftAstar& search, const MacroRobot& robot,
   SoftOptions options;
   options.weight = weight;
   options.max_expansions = expansions;
-  options.cell_buckets = SoftOptions::kAnyTime;
+  options.leave_out_time();
   options.slowly = finer > 0;
   for (int level = 0; level < finer; ++level) options.refine();
   std::optional<SoftPath> path = search.search(alone, options, deadline);

@@ -176,11 +176,7 @@ bool collide(const Sweep& sweep, const Point& centre, double radius) {
 }
 
 bool collide(const Sweep& sweep, const OrientedBox& box) {
-  const double dx = sweep.centre().x - box.x;
-  const double dy = sweep.centre().y - box.y;
-  const double along = std::max(std::abs(dx * box.ux + dy * box.uy) - box.half_length, 0.0);
-  const double across = std::max(std::abs(dy * box.ux - dx * box.uy) - box.half_width, 0.0);
-  if (along * along + across * across > sweep.radius() * sweep.radius()) return false;
+  if (separation(box, sweep.centre()) > sweep.radius()) return false;
   return !stays_clear([&](double s) { return separation(sweep.at(s), box); }, sweep.travel());
 }
 

@@ -204,8 +204,8 @@ SoftAstar::Cell& SoftAstar::cell_of(double x, double y, double theta, int bucket
 /// Has the robot got there by waiting in the cell of its parent? The parent was there earlier, but
 /// that does not make it better.
 bool SoftAstar::waits_in_its_cell(const Node& node) const {
-  return options_.waits && options_.cell_buckets != SoftOptions::kAnyTime &&
-         node.action == MacroCar::kWait && node.bucket % options_.cell_buckets != 0;
+  return options_.waits && node.action == MacroCar::kWait &&
+         node.bucket % options_.cell_buckets != 0;
 }
 
 void SoftAstar::push(const Node& node) {

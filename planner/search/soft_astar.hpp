@@ -41,7 +41,7 @@ struct SoftOptions {
   int max_expansions = 1000;   ///< > 0
   double cell = 1.5;           ///< side of a cell in which one node is kept [m]
   double cell_heading = 0.35;  ///< [rad]
-  int cell_buckets = 2;        ///< buckets of time that share a cell; kAnyTime: all of them
+  int cell_buckets = 2;        ///< buckets of time that share a cell
   double reversal = 0.0;       ///< price of a change of direction [s]
   bool slowly = false;         ///< slow actions, too: for tight places
   bool hard = false;           ///< nobody may be touched, at whatever price
@@ -49,8 +49,11 @@ struct SoftOptions {
   /// tight places are found among fewer nodes then.
   bool waits = true;
 
-  static constexpr int kAnyTime = 1 << 30;  ///< for ways among others that all rest
-
+  /// For ways among others that all rest: there is nothing to wait for.
+  void leave_out_time() {
+    cell_buckets = std::numeric_limits<int>::max();
+    waits = false;
+  }
   /// Smaller cells, for tight places.
   void refine() {
     cell /= 2;

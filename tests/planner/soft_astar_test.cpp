@@ -51,6 +51,14 @@ struct Scene {
   std::vector<float> prices{10.0F, 10.0F};
 };
 
+/// From west to east, 50 m long and wide enough for one.
+Map corridor() {
+  Map map{.width = 50, .height = 3.0};
+  map.bounds = Bounds::kAxle;
+  map.polygons = {{{-9, -3}, {59, -3}, {59, 0}, {-9, 0}}, {{-9, 3}, {59, 3}, {59, 6}, {-9, 6}}};
+  return map;
+}
+
 std::optional<SoftPath> search(const SoftProblem& problem, const SoftOptions& options = {}) {
   return SoftAstar(2).search(problem, options, Deadline::never());
 }
@@ -115,12 +123,8 @@ TEST(SoftAstar, GivesWayToTheOther) {
 
 //   In a corridor there is no way past: the price is paid, and more of it the dearer the other is.
 TEST(SoftAstar, DrivesThroughTheOtherWhereItMust) {
-  Map corridor{.width = 50, .height = 3.0};
-  corridor.bounds = Bounds::kAxle;
-  corridor.polygons = {{{-9, -3}, {59, -3}, {59, 0}, {-9, 0}},
-                       {{-9, 3}, {59, 3}, {59, 6}, {-9, 6}}};
   const Pose start{5, 1.5, 0};
-  Scene scene(corridor, {45, 1.5, 0});
+  Scene scene(corridor(), {45, 1.5, 0});
   scene.place_other({25, 1.5, 0}, {});
   const std::optional<SoftPath> path = search(scene.problem(start));
   ASSERT_TRUE(path);
@@ -130,11 +134,7 @@ TEST(SoftAstar, DrivesThroughTheOtherWhereItMust) {
 
 //   Who may touch nobody finds no way along the corridor.
 TEST(SoftAstar, TouchesNobodyIfThatIsHard) {
-  Map corridor{.width = 50, .height = 3.0};
-  corridor.bounds = Bounds::kAxle;
-  corridor.polygons = {{{-9, -3}, {59, -3}, {59, 0}, {-9, 0}},
-                       {{-9, 3}, {59, 3}, {59, 6}, {-9, 6}}};
-  Scene scene(corridor, {45, 1.5, 0});
+  Scene scene(corridor(), {45, 1.5, 0});
   scene.place_other({25, 1.5, 0}, {});
   const SoftProblem problem = scene.problem({5, 1.5, 0});
   EXPECT_TRUE(search(problem));
@@ -145,12 +145,9 @@ TEST(SoftAstar, TouchesNobodyIfThatIsHard) {
 
 //   Walls beside and behind, and the other just ahead for a while: there is nothing to do but wait.
 TEST(SoftAstar, WaitsWhereItStands) {
-  Map corridor{.width = 50, .height = 3.0};
-  corridor.bounds = Bounds::kAxle;
-  corridor.polygons = {{{-9, -3}, {59, -3}, {59, 0}, {-9, 0}},
-                       {{-9, 3}, {59, 3}, {59, 6}, {-9, 6}},
-                       {{-9, 0}, {3.7, 0}, {3.7, 3}, {-9, 3}}};
-  Scene scene(corridor, {45, 1.5, 0});
+  Map closed = corridor();
+  closed.polygons.push_back({{-9, 0}, {3.7, 0}, {3.7, 3}, {-9, 3}});
+  Scene scene(closed, {45, 1.5, 0});
   std::vector<Arc> steps(100);  // waits
   steps.insert(steps.end(), 400, Arc{0.1059, 0.0});
   scene.place_other({8.3, 1.5, 0}, steps);
@@ -167,16 +164,12 @@ TEST(SoftAstar, WaitsWhereItStands) {
 //   Among others at rest a search that leaves out time says at once that there is no way, and one
 //   that does not waits for ever.
 TEST(SoftAstar, TimeCanBeLeftOut) {
-  Map corridor{.width = 50, .height = 3.0};
-  corridor.bounds = Bounds::kAxle;
-  corridor.polygons = {{{-9, -3}, {59, -3}, {59, 0}, {-9, 0}},
-                       {{-9, 3}, {59, 3}, {59, 6}, {-9, 6}}};
-  Scene scene(corridor, {45, 1.5, 0});
+  Scene scene(corridor(), {45, 1.5, 0});
   scene.place_other({25, 1.5, 0}, {});
   const SoftProblem problem = scene.problem({5, 1.5, 0});
   const SoftOptions hard{.max_expansions = 3000, .hard = true};
   SoftOptions timeless = hard;
-  timeless.cell_buckets = SoftOptions::kAnyTime;
+  timeless.leave_out_time();
   SoftAstar astar(2);
   EXPECT_FALSE(astar.search(problem, timeless, Deadline::never()));
   const std::int64_t expansions = astar.expansions();
