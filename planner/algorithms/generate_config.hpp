@@ -1,7 +1,9 @@
 #pragma once
 
+#include <algorithm>
 #include <concepts>
 #include <optional>
+#include <ranges>
 #include <span>
 #include <vector>
 
@@ -39,12 +41,14 @@ template <GroupWorld World>
   using Motion = typename World::Motion;
   std::vector<std::optional<Motion>> decided(q.size());  // OCCU of lines 10-17
 
+  const auto conflicts_with = [&](int i, const Motion& motion, int j) {
+    const std::optional<Motion>& other = decided[std::size_t(j)];
+    return other && world.conflict(i, motion, j, *other);
+  };
   const auto conflicts_with_decided = [&](int i, const Motion& motion) {
-    for (int j = 0; j < int(q.size()); ++j) {
-      const std::optional<Motion>& other = decided[std::size_t(j)];
-      if (other && world.conflict(i, motion, j, *other)) return true;
-    }
-    return false;
+    const auto conflicts = [&](int j) { return conflicts_with(i, motion, j); };
+    if constexpr (LocalWorld<World>) return std::ranges::any_of(world.near(i), conflicts);
+    return std::ranges::any_of(std::views::iota(0, int(q.size())), conflicts);
   };
 
   for (const Group& group : world.group_robots(q)) {    // lines 12-13

@@ -279,7 +279,10 @@ std::optional<int> SteppedWorld::predicted_conflict(int i, int j) const {
   const Robot& a = robots_[std::size_t(i)];
   const Robot& b = robots_[std::size_t(j)];
   if (a.joint >= 0 && a.joint == b.joint) return std::nullopt;  // planned together
-  for (int k = 0; k < options_.window; ++k) {
+  // What was foreseen to be free at the last step needs no second look but at the step that has
+  // come into the window since.
+  const bool free_before = as_foreseen(i) && as_foreseen(j) && !(a.disputed && b.disputed);
+  for (int k = free_before ? options_.window - 1 : 0; k < options_.window; ++k) {
     if (collide(a.prediction->at(int(a.next) + k), b.prediction->at(int(b.next) + k))) return k;
   }
   return std::nullopt;
@@ -303,6 +306,11 @@ std::vector<Group> SteppedWorld::group_robots(const Configuration& q) {
       if (j >= i) continue;
       if (const auto k = predicted_conflict(i, j)) conflicts.emplace_back(*k, j, i);
     }
+  }
+  grouped_at_ = step_;
+  for (Robot& robot : robots_) robot.disputed = false;
+  for (const auto& [k, i, j] : conflicts) {
+    robots_[std::size_t(i)].disputed = robots_[std::size_t(j)].disputed = true;
   }
   // The most urgent conflicts are grouped first; what does not fit any more is left for later.
   std::ranges::sort(conflicts);
@@ -351,28 +359,19 @@ std::optional<std::vector<SteppedWorld::Motion>> SteppedWorld::get_opt_traj(cons
     members.push_back({&fleet_.car(i), &fleet_.cost_to_go(i), q[std::size_t(i)]});
   }
   // Only those who may be met soon: the way to the goal is long, and much will change until then.
-  // In all that time nobody is farther from its place at half time than it drives in half of it.
-  const int sight = options_.eccr.sight;
-  const auto circle = [&](int i) {
-    const Robot& robot = robots_[std::size_t(i)];
-    const Sweep& half_way = robot.prediction->at(int(robot.next) + sight / 2);
-    return Circle{half_way.centre().x, half_way.centre().y,
-                  half_way.radius() + fleet_.car(i).step_length() * (sight / 2 + 1)};
-  };
-  std::vector<Circle> circles;
-  for (const int k : group) circles.push_back(circle(k));
   const auto near = [&](int i) {
-    const Circle own = circle(i);
-    return std::ranges::any_of(circles, [&](const Circle& member) {
+    const Circle& own = outlooks_[std::size_t(i)];
+    return std::ranges::any_of(group, [&](int k) {
+      const Circle& member = outlooks_[std::size_t(k)];
       const double reach = own.radius + member.radius;
       return squared_distance({own.x, own.y}, {member.x, member.y}) <= reach * reach;
     });
   };
   std::vector<MovingObstacle> others;
   for (int i = 0; i < fleet_.size(); ++i) {
-    if (std::ranges::binary_search(group, i) || !near(i)) continue;
+    if (!near(i) || std::ranges::binary_search(group, i)) continue;
     const Robot& robot = robots_[std::size_t(i)];
-    others.push_back(robot.prediction->part(int(robot.next), sight));
+    others.push_back(robot.prediction->part(int(robot.next), options_.eccr.sight));
   }
   std::vector<const MovingObstacle*> to_avoid;
   for (const MovingObstacle& other : others) to_avoid.push_back(&other);
@@ -384,6 +383,7 @@ std::optional<std::vector<SteppedWorld::Motion>> SteppedWorld::get_opt_traj(cons
   }
   for (std::size_t k = 0; k < group.size(); ++k) {
     set_guide(group[k], q[std::size_t(group[k])], std::move(result.steps[k]), joints_);
+    outlooks_[std::size_t(group[k])] = outlook(group[k]);
   }
   ++joints_;
   return first_motions();
@@ -405,8 +405,19 @@ double SteppedWorld::reach(int i) const {
          std::hypot(std::max(vehicle.front, vehicle.rear), vehicle.width / 2);
 }
 
+Circle SteppedWorld::outlook(int i) const {
+  // In all that time nobody is farther from its place at half time than it drives in half of it.
+  const int half = options_.eccr.sight / 2;
+  const Robot& robot = robots_[std::size_t(i)];
+  const Sweep& half_way = robot.prediction->at(int(robot.next) + half);
+  return {half_way.centre().x, half_way.centre().y,
+          half_way.radius() + fleet_.car(i).step_length() * (half + 1)};
+}
+
 void SteppedWorld::look_around(const Configuration& q) {
   neighbours_ = Neighbours(q);
+  outlooks_.clear();
+  for (int i = 0; i < fleet_.size(); ++i) outlooks_.push_back(outlook(i));
   double longest = 0.0;  // [m]
   double quickest = 0.0;
   for (int i = 0; i < fleet_.size(); ++i) {
@@ -437,12 +448,15 @@ void SteppedWorld::set_guide(int i, const Pose& pose, std::vector<Arc> guide, in
   robot.next = 0;
   robot.expected = pose;
   robot.joint = joint;
+  robot.changed = step_;
 }
 
 void SteppedWorld::break_joint(int joint) {
   if (joint < 0) return;
   for (Robot& robot : robots_) {
-    if (robot.joint == joint) robot.joint = -1;
+    if (robot.joint != joint) continue;
+    robot.joint = -1;
+    robot.changed = step_;
   }
 }
 
@@ -493,7 +507,8 @@ void SteppedWorld::advance(const std::vector<Motion>& motions) {
       ++robot.next;
       robot.expected = m.end;
     } else if (under_way || !is_wait(m.arc)) {
-      break_joint(robot.joint);  // late, or pushed off
+      robot.changed = step_;  // late, or pushed off
+      break_joint(robot.joint);
     }
 
     if (m.end == fleet_.goal(i)) {

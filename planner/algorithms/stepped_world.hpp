@@ -92,6 +92,8 @@ class SteppedWorld {
     int search_again = 0;                      ///< > 0: no guide was found, wait until this step
     int searched_in_vain = 0;                  ///< so many times since the last success
     int joint = -1;                            ///< the joint trajectory that the guide is part of
+    int changed = 0;        ///< the last step in which its guide, being on time or joint changed
+    bool disputed = false;  ///< had a predicted conflict when groups were made last
     std::unordered_map<std::uint64_t, Visits> visits;  ///< by cell
     Arc last;                                          ///< last arc driven
     double way = 0.0;                                  ///< from its start to its goal [m]
@@ -134,6 +136,10 @@ class SteppedWorld {
   [[nodiscard]] std::uint64_t cell(int i, const Pose& pose) const;
   /// How many steps of others are looked at.
   [[nodiscard]] int look_ahead(int i) const;
+  /// Is robot i where it was expected to be when groups were made last, with the same plans?
+  [[nodiscard]] bool as_foreseen(int i) const {
+    return grouped_at_ == step_ - 1 && robots_[std::size_t(i)].changed < grouped_at_;
+  }
   /// In how many steps the two will overlap if they follow their guides; nullopt: not soon.
   [[nodiscard]] std::optional<int> predicted_conflict(int i, int j) const;
   [[nodiscard]] Way way_along(int i, const Pose& from, const MovingObstacle& along, int next) const;
@@ -148,6 +154,8 @@ class SteppedWorld {
   [[nodiscard]] double reach(int i) const;
   void set_order();
   void look_around(const Configuration& q);
+  /// A circle around all places where robot i can be while groups look at it.
+  [[nodiscard]] Circle outlook(int i) const;
   [[nodiscard]] std::optional<TimedPath> find_guide(int i, const Pose& pose) const;
   void break_joint(int joint);
   void set_guide(int i, const Pose& pose, std::vector<Arc> guide, int joint);
@@ -160,9 +168,11 @@ class SteppedWorld {
   std::vector<std::vector<Primitive>> primitives_;  ///< of each robot
   std::vector<int> order_;                          ///< robots, highest priority first
   Neighbours neighbours_;
-  std::map<Group, int> failed_;  ///< groups, and the step in which they could not be planned
+  std::vector<Circle> outlooks_;  ///< of each robot, see outlook()
+  std::map<Group, int> failed_;   ///< groups, and the step in which they could not be planned
   int step_ = 0;
-  int joints_ = 0;  ///< so many joint trajectories were made
+  int grouped_at_ = -1;  ///< the last step in which groups were made
+  int joints_ = 0;       ///< so many joint trajectories were made
 };
 
 }  // namespace mvtp

@@ -26,6 +26,7 @@ constexpr double series(double q, double first, const std::array<double, 7>& rat
 /// By Taylor series up to 1.2 rad (error < 1e-13), more than a car turns in one step; a few
 /// multiplications, and the same digits with every C library.
 Trig trig(double a) {
+  if (a == 0.0) return {0.0, 1.0, 1.0, 0.0};  // the instant most pairs are told apart at
   if (std::abs(a) > 1.2) {
     const double s = std::sin(a);
     const double c = std::cos(a);

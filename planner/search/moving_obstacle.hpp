@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <memory>
 #include <utility>
 #include <vector>
 
@@ -8,36 +9,41 @@
 
 namespace mvtp {
 
-/// The sweeps of a robot's steps, and then its footprint at rest for ever.
+/// The sweeps of a robot's steps, and then its footprint at rest for ever. Copies and parts share
+/// them, so that they cost nothing.
 class MovingObstacle {
  public:
   MovingObstacle(const SteppedCar& car, Pose start, const std::vector<Arc>& steps) {
-    sweeps_.reserve(steps.size() + 1);
+    std::vector<Sweep> sweeps;
+    sweeps.reserve(steps.size() + 1);
     for (const Arc& arc : steps) {
-      sweeps_.push_back(car.sweep(start, arc));
+      sweeps.push_back(car.sweep(start, arc));
       start = drive(start, arc);
     }
-    sweeps_.push_back(car.sweep(start, {}));
+    sweeps.push_back(car.sweep(start, {}));
+    makespan_ = int(steps.size());
+    sweeps_ = std::make_shared<const std::vector<Sweep>>(std::move(sweeps));
+    first_ = sweeps_->data();
   }
 
   /// Its steps from t on, at most so many; then at rest. @pre t >= 0, steps > 0
   [[nodiscard]] MovingObstacle part(int t, int steps) const {
-    const int first = std::min(t, makespan());
-    const int last = std::min(makespan(), first + steps);
-    return MovingObstacle({sweeps_.begin() + first, sweeps_.begin() + last + 1});
+    const int first = std::min(t, makespan_);
+    MovingObstacle result = *this;
+    result.first_ += first;
+    result.makespan_ = std::min(makespan_ - first, steps);
+    return result;
   }
 
   /// The number of steps until it rests.
-  [[nodiscard]] int makespan() const { return int(sweeps_.size()) - 1; }
+  [[nodiscard]] int makespan() const { return makespan_; }
   /// The sweep of step t, from time t to t + 1. @pre t >= 0
-  [[nodiscard]] const Sweep& at(int t) const {
-    return sweeps_[std::size_t(std::min(t, makespan()))];
-  }
+  [[nodiscard]] const Sweep& at(int t) const { return first_[std::min(t, makespan_)]; }
 
  private:
-  explicit MovingObstacle(std::vector<Sweep> sweeps) : sweeps_(std::move(sweeps)) {}
-
-  std::vector<Sweep> sweeps_;
+  std::shared_ptr<const std::vector<Sweep>> sweeps_;
+  const Sweep* first_ = nullptr;  ///< of makespan_ + 1 in sweeps_
+  int makespan_ = 0;
 };
 
 }  // namespace mvtp

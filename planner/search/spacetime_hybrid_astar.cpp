@@ -47,6 +47,12 @@ struct Node {
 /// farthest.
 using FocalKey = std::pair<double, int>;
 
+/// Where a way to the goal was found: what costs no less and comes later in FOCAL is pointless.
+struct Reached {
+  double f = 0.0;
+  FocalKey key;
+};
+
 class Search {
  public:
   Search(const SearchProblem& problem, const SearchOptions& options, const ReedsShepp& curves,
@@ -112,15 +118,30 @@ class Search {
     return double(node.t) + std::ceil(node.h / car_.step_length() - kRounding);
   }
 
-  void add(Node node) {
+  [[nodiscard]] FocalKey focal_key(const Node& node) const {
     // Time that there is to spare is not spent on coming close to the goal: the weight counts
     // alone.
     const double to_go = node.h / car_.step_length();
     const double arrival = double(node.t) + kReversePenalty * node.reversed + to_go;
     const double finish = std::max(arrival, least_cost_) + (options_.w - 1.0) * to_go;
     const double conflicts = kConflictCost * double(node.conflicts);
-    open_.push(int(nodes_.size()), node.f, node.f, FocalKey(finish + conflicts, -node.t));
+    return {finish + conflicts, -node.t};
+  }
+
+  void add(Node node) {
+    open_.push(int(nodes_.size()), node.f, node.f, focal_key(node));
     nodes_.push_back(std::move(node));
+  }
+
+  /// Would a goal that was reached leave the queue before `node`, which is not in it yet?
+  ///
+  /// Such a goal is in FOCAL no later and comes earlier there, so that leaving the node out changes
+  /// nothing: the search ends before its turn.
+  [[nodiscard]] bool comes_after_a_goal(const Node& node) const {
+    if (reached_.empty()) return false;
+    const FocalKey key = focal_key(node);
+    return std::ranges::any_of(
+        reached_, [&](const Reached& goal) { return goal.f <= node.f && goal.key <= key; });
   }
 
   /// After end_ nothing moves any more, and time no longer matters.
@@ -166,10 +187,13 @@ class Search {
     node.h = to_go_(node.pose);
     node.f = std::max(from.f, steps_to_arrival(node));  // pathmax
     if (node.f >= clear_goal_) return;
+    node.reversed = from.reversed + (step.arc.length < 0.0 ? 1 : 0);
+    node.conflicts = from.conflicts;
+    if (comes_after_a_goal(node)) return;
     const Sweep sweep = step.sweep.moved_to(frame);
     if (!car_.is_free(from.pose, step.arc, sweep) || forbidden(sweep, from.t)) return;
-    node.reversed = from.reversed + (step.arc.length < 0.0 ? 1 : 0);
-    node.conflicts = from.conflicts + conflicts(sweep, from.t);
+    node.conflicts += conflicts(sweep, from.t);
+    if (comes_after_a_goal(node)) return;
     node.parent = n;
     node.arc = step.arc;
     add(std::move(node));
@@ -183,32 +207,63 @@ class Search {
     Node node;
     node.shot =
         car_.steps(curves_.path(from.pose, to_go_.goal(), car_.vehicle().min_turning_radius));
-    if (from.t + int(node.shot.size()) < goal_free_from_) return;
-    node.pose = from.pose;
-    node.t = from.t;
-    node.reversed = from.reversed;
-    node.conflicts = from.conflicts;
-    for (const Arc& arc : node.shot) {
-      const Sweep sweep = car_.sweep(node.pose, arc);
-      if (!car_.is_free(node.pose, arc, sweep) || forbidden(sweep, node.t)) return;
-      node.conflicts += conflicts(sweep, node.t);
-      node.pose = drive(node.pose, arc);
-      node.reversed += arc.length < 0.0 ? 1 : 0;
-      ++node.t;
-    }
-    // It stays at the goal: whoever comes by later counts.
-    for (int t = node.t; t <= end_; ++t) node.conflicts += conflicts(parked_, t);
+    node.t = from.t + int(node.shot.size());
+    if (node.t < goal_free_from_) return;
     node.f = std::max(from.f, double(node.t));
+    node.reversed =
+        from.reversed +
+        int(std::ranges::count_if(node.shot, [](const Arc& arc) { return arc.length < 0.0; }));
+    node.conflicts = from.conflicts + parked_conflicts_from(node.t);
     node.parent = n;
     node.at_goal = true;
-    const int number = int(nodes_.size());
-    const auto rank = [this](int k) {
-      const Node& goal = nodes_[std::size_t(k)];
-      return std::tuple(goal.f > options_.w * open_.lower_bound(), goal.conflicts, goal.f, k);
-    };
+    if (!drive_shot(from, node)) return;
     if (node.conflicts == 0) clear_goal_ = std::min(clear_goal_, node.f);
+    reached_.push_back({node.f, focal_key(node)});
+    const int number = int(nodes_.size());
+    const bool best = best_goal_ < 0 || rank(node) < rank(nodes_[std::size_t(best_goal_)]);
     add(std::move(node));
-    if (best_goal_ < 0 || rank(number) < rank(best_goal_)) best_goal_ = number;
+    if (best) best_goal_ = number;
+  }
+
+  /// Counts the conflicts on the way of the shot. False if it is not free, or has too many of them
+  /// to be of use.
+  [[nodiscard]] bool drive_shot(const Node& from, Node& goal) const {
+    if (pointless(goal)) return false;
+    Pose pose = from.pose;
+    int t = from.t;
+    for (const Arc& arc : goal.shot) {
+      const Sweep sweep = car_.sweep(pose, arc);
+      if (!car_.is_free(pose, arc, sweep) || forbidden(sweep, t)) return false;
+      if (const int met = conflicts(sweep, t); met > 0) {
+        goal.conflicts += met;
+        if (pointless(goal)) return false;
+      }
+      pose = drive(pose, arc);
+      ++t;
+    }
+    goal.pose = pose;
+    return true;
+  }
+
+  /// The least is the best to fall back on when the search is out of expansions.
+  [[nodiscard]] std::tuple<bool, int, double> rank(const Node& goal) const {
+    return {goal.f > options_.w * open_.lower_bound(), goal.conflicts, goal.f};
+  }
+
+  /// Would nothing change if this goal was never reached, however few conflicts are to come?
+  [[nodiscard]] bool pointless(const Node& goal) const {
+    if (goal.conflicts == 0 && goal.f < clear_goal_) return false;
+    return comes_after_a_goal(goal) && rank(goal) >= rank(nodes_[std::size_t(best_goal_)]);
+  }
+
+  /// Conflicts of a robot that stays at its goal from step t on: whoever comes by later counts.
+  [[nodiscard]] int parked_conflicts_from(int t) {
+    // parked_conflicts_[k] is the sum over the last k steps until end_.
+    while (end_ - t + 1 >= int(parked_conflicts_.size())) {
+      const int step = end_ - int(parked_conflicts_.size()) + 1;
+      parked_conflicts_.push_back(parked_conflicts_.back() + conflicts(parked_, step));
+    }
+    return parked_conflicts_[std::size_t(std::max(0, end_ - t + 1))];
   }
 
   [[nodiscard]] TimedPath path_to(int n) const {
@@ -241,6 +296,8 @@ class Search {
   double cell_;
   double headings_;
   std::vector<Node> nodes_;
+  std::vector<Reached> reached_;             ///< for each goal in nodes_
+  std::vector<int> parked_conflicts_ = {0};  ///< see parked_conflicts_from()
   int best_goal_ = -1;  ///< within the bound if any is; then the fewest conflicts
   double clear_goal_ =
       std::numeric_limits<double>::infinity();  ///< least f of one without conflicts
