@@ -39,7 +39,7 @@ class ConflictTree {
                const SpacetimeHybridAstar& low_level, const CbsOptions& options,
                const Deadline& deadline)
       : robots_(robots),
-        others_(others, options.sight),
+        others_(others, options.sight, reaches(robots)),
         low_level_(low_level),
         options_(options),
         deadline_(deadline),
@@ -67,6 +67,17 @@ class ConflictTree {
   }
 
  private:
+  [[nodiscard]] static std::vector<Reach> reaches(std::span<const CbsRobot> robots) {
+    std::vector<Reach> result;
+    for (const CbsRobot& robot : robots) {
+      const Vehicle& body = robot.car->vehicle();
+      result.push_back({{robot.start.x, robot.start.y},
+                        std::hypot(std::max(body.front, body.rear), body.width / 2),
+                        robot.car->step_length()});
+    }
+    return result;
+  }
+
   [[nodiscard]] CbsResult failed(CbsFailure why) const {
     return {deadline_.expired() ? CbsFailure::kTimeout : why, {}};
   }

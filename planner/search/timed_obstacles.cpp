@@ -5,15 +5,29 @@
 
 namespace mvtp {
 
-TimedObstacles::TimedObstacles(std::span<const MovingObstacle* const> robots, int until)
+TimedObstacles::TimedObstacles(std::span<const MovingObstacle* const> robots, int until,
+                               std::span<const Reach> askers)
     : robots_(robots.begin(), robots.end()), until_(until) {
   for (const MovingObstacle* robot : robots_) end_ = std::max(end_, robot->makespan());
   end_ = std::min(end_, until_);
   circles_.reserve(std::size_t(end_ + 1) * robots_.size());
+  rows_.reserve(std::size_t(end_) + 2);
   for (int t = 0; t <= end_; ++t) {
-    const auto row = circles_.end() - circles_.begin();
+    const auto row = std::ptrdiff_t(circles_.size());
+    rows_.push_back(circles_.size());
+    const int last = t < end_ ? t : until_;  // the last row serves all later steps
+    const auto in_reach = [&](const Sweep& sweep) {
+      return askers.empty() || std::ranges::any_of(askers, [&](const Reach& asker) {
+               const double dx = sweep.centre().x - asker.from.x;
+               const double dy = sweep.centre().y - asker.from.y;
+               const double far =
+                   sweep.radius() + asker.at_start + asker.per_step * (double(last) + 1.0);
+               return dx * dx + dy * dy <= far * far;
+             });
+    };
     for (int i = 0; i < int(robots_.size()); ++i) {
       const Sweep& sweep = robots_[std::size_t(i)]->at(t);
+      if (!in_reach(sweep)) continue;
       circles_.push_back({sweep.centre().x, sweep.centre().y, sweep.radius(), i});
       largest_ = std::max(largest_, sweep.radius());
     }
@@ -21,17 +35,19 @@ TimedObstacles::TimedObstacles(std::span<const MovingObstacle* const> robots, in
       return std::pair(a.x, a.robot) < std::pair(b.x, b.robot);
     });
   }
+  rows_.push_back(circles_.size());
 }
 
 template <class Visit>
 void TimedObstacles::for_each_near(const Sweep& sweep, int t, const Visit& visit) const {
-  if (t >= until_) return;
+  if (t >= until_ || circles_.empty()) return;
   const Point centre = sweep.centre();
   const double strip = sweep.radius() + largest_;
-  const auto n = std::ptrdiff_t(robots_.size());
-  const auto first = circles_.begin() + std::min(t, end_) * n;
-  const auto near = std::ranges::lower_bound(first, first + n, centre.x - strip, {}, &Circle::x);
-  for (auto circle = near; circle != first + n && circle->x <= centre.x + strip; ++circle) {
+  const auto row = std::size_t(std::min(t, end_));
+  const auto first = circles_.begin() + std::ptrdiff_t(rows_[row]);
+  const auto last = circles_.begin() + std::ptrdiff_t(rows_[row + 1]);
+  const auto near = std::ranges::lower_bound(first, last, centre.x - strip, {}, &Circle::x);
+  for (auto circle = near; circle != last && circle->x <= centre.x + strip; ++circle) {
     const double dx = centre.x - circle->x;
     const double dy = centre.y - circle->y;
     const double reach = sweep.radius() + circle->radius;

@@ -9,6 +9,13 @@
 
 namespace mvtp {
 
+/// All that a robot can touch: a circle that grows while it drives.
+struct Reach {
+  Point from;
+  double at_start = 0.0;  ///< radius at time 0 [m]
+  double per_step = 0.0;  ///< [m]
+};
+
 /// Robots on their ways, looked up by time: which of them does a sweep of step t touch?
 ///
 /// The circles around all sweeps of one step are sorted by x, so that only robots in a strip of the
@@ -20,7 +27,10 @@ class TimedObstacles {
   TimedObstacles() = default;
   /// @param robots  outlive this object.
   /// @param until   nobody is looked at from this step on.
-  explicit TimedObstacles(std::span<const MovingObstacle* const> robots, int until = kForEver);
+  /// @param askers  whose sweeps will be asked about; nobody out of their reach is kept in mind.
+  ///                Empty: anybody's.
+  explicit TimedObstacles(std::span<const MovingObstacle* const> robots, int until = kForEver,
+                          std::span<const Reach> askers = {});
 
   [[nodiscard]] bool empty() const { return robots_.empty(); }
   /// From this step on everybody rests, or is not looked at.
@@ -42,8 +52,9 @@ class TimedObstacles {
   void for_each_near(const Sweep& sweep, int t, const Visit& visit) const;
 
   std::vector<const MovingObstacle*> robots_;
-  std::vector<Circle> circles_;  ///< of step t from t * robots_.size() on, ordered by x
-  double largest_ = 0.0;         ///< radius [m]
+  std::vector<Circle> circles_;    ///< of all steps, those of one step ordered by x
+  std::vector<std::size_t> rows_;  ///< where the circles of step t begin, and the last ones end
+  double largest_ = 0.0;           ///< radius [m]
   int end_ = 0;
   int until_ = kForEver;
 };
