@@ -1,11 +1,17 @@
 // Times of the pieces that planning spends its time in.
 #include <benchmark/benchmark.h>
+#include <sys/resource.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
+#include <ctime>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <random>
+#include <string>
 #include <vector>
 
 #include "planner/algorithms/escot.hpp"
@@ -22,11 +28,11 @@ namespace {
 
 constexpr std::size_t kSamples = 2048;
 
-/// Random robots at the density of 100 on 100 x 100 m, with the vehicle of CL-CBS.
-Instance scene(int robots, int obstacles) {
+/// Random robots at the density of 100 on 100 x 100 m.
+Instance scene(int robots, int obstacles, const std::string& vehicle = "cl-cbs", int index = 0) {
   const int side = int(std::lround(10.0 * std::sqrt(double(robots))));
   const Cell cell{Suite::kCrowd, Layout::kRandom, side, obstacles, robots, 1};
-  return generate_instance(cell, {.vehicle = "cl-cbs"}, 0).instance;
+  return generate_instance(cell, {.vehicle = vehicle}, index).instance;
 }
 
 double between(std::mt19937_64& rng, double low, double high) {
@@ -215,6 +221,109 @@ BENCHMARK(whole_run_of_escot)
     ->Arg(400)
     ->Iterations(1)
     ->Unit(benchmark::kMillisecond);
+
+// ---- growth of a step of ESCoT with the number of robots
+
+constexpr std::array kSizes = {50, 100, 200, 400};
+constexpr int kInstances = 7;  // of each size
+
+/// Processor time, which other jobs on the machine touch less than the clock on the wall.
+double milliseconds(const std::function<void()>& work) {
+  const std::clock_t begin = std::clock();
+  work();
+  return 1000.0 * double(std::clock() - begin) / CLOCKS_PER_SEC;
+}
+
+/// The first 30 steps; the first guide paths are found before the clock runs.
+std::optional<double> step_of_the_first(const Fleet& fleet) {
+  constexpr int kSteps = 30;
+  const Deadline deadline = Deadline::never();
+  SteppedWorld world(fleet, {}, deadline);
+  Configuration q = fleet.starts();
+  world.prepare(q);
+  return milliseconds([&] {
+           for (int step = 0; step < kSteps; ++step) {
+             world.prepare(q);
+             const std::vector<SteppedWorld::Motion> motions = generate_config(world, q);
+             world.advance(motions);
+             for (std::size_t i = 0; i < q.size(); ++i) q[i] = motions[i].end;
+           }
+         }) /
+         kSteps;
+}
+
+/// All steps until everybody is at its goal, first guide paths included; nullopt: not in 30 s.
+std::optional<double> step_of_a_run(const Fleet& fleet) {
+  StepPlan plan;
+  const double time = milliseconds([&] { plan = solve_escot(fleet, {}, Deadline::in(30)); });
+  if (plan.status != Status::kSolved) return std::nullopt;
+  return time / double(plan.trajectories.front().makespan());
+}
+
+double median(std::vector<double> values) {
+  std::ranges::sort(values);
+  const std::size_t n = values.size();
+  return (values[(n - 1) / 2] + values[n / 2]) / 2;
+}
+
+/// The slope of the line through (log n, log y) with the least squares.
+double exponent(const std::array<double, kSizes.size()>& y) {
+  double mean_x = 0.0;
+  double mean_y = 0.0;
+  for (std::size_t k = 0; k < y.size(); ++k) {
+    mean_x += std::log(kSizes[k]) / double(y.size());
+    mean_y += std::log(y[k]) / double(y.size());
+  }
+  double along = 0.0;
+  double squares = 0.0;
+  for (std::size_t k = 0; k < y.size(); ++k) {
+    const double dx = std::log(kSizes[k]) - mean_x;
+    along += dx * (std::log(y[k]) - mean_y);
+    squares += dx * dx;
+  }
+  return along / squares;
+}
+
+/// The processor time of one step [ms], the median over instances of each size, and the exponent
+/// that fits.
+///
+/// Sizes take turns, and the quick ones come several times, so that all see the same of what else
+/// the machine does.
+void growth(benchmark::State& state, const std::string& vehicle,
+            std::optional<double> (*time_of_step)(const Fleet&)) {
+  std::array<std::vector<double>, kSizes.size()> times;
+  int unsolved = 0;
+  for (auto _ : state) {
+    for (int index = 0; index < kInstances; ++index) {
+      for (std::size_t k = 0; k < kSizes.size(); ++k) {
+        const Instance instance = scene(kSizes[k], 0, vehicle, index);
+        std::vector<double> of_instance;
+        for (int turn = kSizes[k]; turn <= kSizes.back(); turn *= 2) {
+          const Fleet fleet(instance, CollisionRule::kContinuous);
+          const std::optional<double> time = time_of_step(fleet);
+          unsolved += time || turn != kSizes[k] ? 0 : 1;
+          if (time) of_instance.push_back(*time);
+        }
+        if (!of_instance.empty()) times[k].push_back(median(of_instance));
+      }
+    }
+  }
+  std::array<double, kSizes.size()> medians = {};
+  for (std::size_t k = 0; k < kSizes.size(); ++k) {
+    if (times[k].empty()) return state.SkipWithError("a size without a solved instance");
+    medians[k] = median(times[k]);
+    state.counters["ms_" + std::to_string(kSizes[k])] = medians[k];
+  }
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  state.counters["exponent"] = exponent(medians);
+  state.counters["unsolved"] = unsolved;
+  state.counters["peak_MiB"] = double(usage.ru_maxrss) / 1024.0;
+}
+BENCHMARK_CAPTURE(growth, of_first_steps_escot, "escot", step_of_the_first)->Iterations(1);
+BENCHMARK_CAPTURE(growth, of_first_steps_cl_cbs, "cl-cbs", step_of_the_first)->Iterations(1);
+BENCHMARK_CAPTURE(growth, of_whole_runs_escot, "escot", step_of_a_run)->Iterations(1);
+BENCHMARK_CAPTURE(growth, of_whole_runs_cl_cbs, "cl-cbs", step_of_a_run)->Iterations(1);
 
 }  // namespace
 }  // namespace mvtp

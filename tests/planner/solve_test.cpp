@@ -152,6 +152,29 @@ TEST_P(Crowd, AfterEveryStepEverybodyMayStopAtOnce) {
   EXPECT_GT(moved, 50);
 }
 
+//   Asked twice in one step, the second time nothing is taken as foreseen.
+TEST_P(Crowd, GroupsAreTheSameWhateverWasForeseen) {
+  const Instance instance = random_instance(GetParam(), 16, 3, 40);
+  const Fleet fleet(instance, CollisionRule::kContinuous);
+  const Deadline never = Deadline::never();
+  SteppedWorld world(fleet, {}, never);
+  std::mt19937_64 rng(GetParam());
+  Configuration q = fleet.starts();
+  int joined = 0;
+  for (int t = 0; t < 60; ++t) {
+    world.prepare(q);
+    const std::vector<Group> groups = world.group_robots(q);
+    ASSERT_EQ(groups, world.group_robots(q)) << "step " << t;
+    for (const Group& group : groups) joined += group.size() > 1 ? 1 : 0;
+    const std::vector<SteppedWorld::Motion> motions = generate_config(world, q);
+    world.advance(motions);
+    if (t % 8 == 7) world.add_randomness(q, rng);
+    if (t % 13 == 12) continue;  // nobody moves after all, as when a loop is cut out
+    for (std::size_t i = 0; i < q.size(); ++i) q[i] = motions[i].end;
+  }
+  EXPECT_GT(joined, 20);
+}
+
 INSTANTIATE_TEST_SUITE_P(Seeds, Crowd, testing::Range(std::uint64_t{900}, std::uint64_t{906}));
 
 TEST(Solve, ProvesThatABlockedGoalIsInfeasible) {
