@@ -3,12 +3,48 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <optional>
 
 namespace mvtp {
 namespace {
 
 constexpr double kCellSize = 2.0;  // [m]
 constexpr double kMaxCells = 4e5;  // huge maps get larger cells
+
+/// The polygon as a box, if it is a rectangle.
+std::optional<OrientedBox> rectangle(const Polygon& polygon) {
+  constexpr double kRounding = 1e-9;  // [m]
+  if (polygon.size() != 4) return std::nullopt;
+  const Point& a = polygon[0];
+  const Point& b = polygon[1];
+  const Point& c = polygon[2];
+  const Point& d = polygon[3];
+  const bool is_parallelogram =
+      std::abs(a.x + c.x - b.x - d.x) <= kRounding && std::abs(a.y + c.y - b.y - d.y) <= kRounding;
+  const auto distance = [](const Point& p, const Point& q) {
+    return std::hypot(q.x - p.x, q.y - p.y);
+  };
+  const double length = distance(a, b);
+  const double width = distance(b, c);
+  const bool has_equal_diagonals = std::abs(distance(a, c) - distance(b, d)) <= kRounding;
+  if (!is_parallelogram || !has_equal_diagonals || std::min(length, width) <= kRounding) {
+    return std::nullopt;
+  }
+  return OrientedBox{(a.x + c.x) / 2,      (a.y + c.y) / 2, (b.x - a.x) / length,
+                     (b.y - a.y) / length, length / 2,      width / 2};
+}
+
+Extent extent_of(const OrientedBox& box) {
+  const double dx = box.half_length * std::abs(box.ux) + box.half_width * std::abs(box.uy);
+  const double dy = box.half_length * std::abs(box.uy) + box.half_width * std::abs(box.ux);
+  return {box.x - dx, box.y - dy, box.x + dx, box.y + dy};
+}
+
+Extent extent_of(const Polygon& polygon) {
+  const auto [left, right] = std::ranges::minmax(polygon, {}, &Point::x);
+  const auto [bottom, top] = std::ranges::minmax(polygon, {}, &Point::y);
+  return {left.x, bottom.y, right.x, top.y};
+}
 
 }  // namespace
 
@@ -23,14 +59,8 @@ bool contains(const Polygon& polygon, const Point& point) {
   return inside;
 }
 
-Obstacles::Obstacles(const Map& map, double reach)
-    : circles_(map.circles), polygons_(map.polygons), reach_(reach) {
-  for (std::size_t k = 0; k < polygons_.size(); ++k) {
-    const Polygon& polygon = polygons_[k];
-    for (std::size_t i = 0; i < polygon.size(); ++i) {
-      edges_.push_back({segment(polygon[i], polygon[(i + 1) % polygon.size()]), int(k)});
-    }
-  }
+Obstacles::Obstacles(const Map& map, double reach) : circles_(map.circles), reach_(reach) {
+  for (std::size_t k = 0; k < map.polygons.size(); ++k) add(map.polygons[k], int(k));
 
   const double width = map.width + 2 * reach_;
   const double height = map.height + 2 * reach_;
@@ -64,6 +94,17 @@ Obstacles::Obstacles(const Map& map, double reach)
   }
 }
 
+void Obstacles::add(const Polygon& polygon, int index) {
+  if (const std::optional<OrientedBox> box = rectangle(polygon)) {
+    parts_.push_back({*box, index});
+    return;
+  }
+  for (std::size_t i = 0; i < polygon.size(); ++i) {
+    parts_.push_back({segment(polygon[i], polygon[(i + 1) % polygon.size()]), index});
+  }
+  insides_.push_back({polygon, index});
+}
+
 bool Obstacles::hit(const Sweep& sweep) const { return first_hit(sweep) >= 0; }
 
 int Obstacles::first_hit(const Sweep& sweep) const {
@@ -71,15 +112,18 @@ int Obstacles::first_hit(const Sweep& sweep) const {
   const double row = (sweep.centre().y + reach_) / cell_size_;
   const bool in_grid = column >= 0 && row >= 0 && column < columns_ && row < rows_;
   if (!in_grid || sweep.radius() > reach_) {
+    const OrientedBox around = sweep.around();
     for (int item = 0; item < item_count(); ++item) {
-      if (hits_item(sweep, item)) return obstacle_of(item);
+      if (hits_item(sweep, around, item)) return obstacle_of(item);
     }
     return -1;
   }
   const std::size_t k = std::size_t(int(row) * columns_ + int(column));
+  if (first_[k] == first_[k + 1]) return -1;
+  const OrientedBox around = sweep.around();
   for (int i = first_[k]; i < first_[k + 1]; ++i) {
     const int item = items_[std::size_t(i)];
-    if (hits_item(sweep, item)) return obstacle_of(item);
+    if (hits_item(sweep, around, item)) return obstacle_of(item);
   }
   return -1;
 }
@@ -91,36 +135,29 @@ Extent Obstacles::item_extent(int item) const {
     return {c.x - c.radius, c.y - c.radius, c.x + c.radius, c.y + c.radius};
   }
   k -= circles_.size();
-  if (k < edges_.size()) {
-    const OrientedBox& box = edges_[k].box;
-    const double dx = box.half_length * std::abs(box.ux);
-    const double dy = box.half_length * std::abs(box.uy);
-    return {box.x - dx, box.y - dy, box.x + dx, box.y + dy};
-  }
-  k -= edges_.size();
-  const auto [left, right] = std::ranges::minmax(polygons_[k], {}, &Point::x);
-  const auto [bottom, top] = std::ranges::minmax(polygons_[k], {}, &Point::y);
-  return {left.x, bottom.y, right.x, top.y};
+  if (k < parts_.size()) return extent_of(parts_[k].box);
+  return extent_of(insides_[k - parts_.size()].outline);
 }
 
-bool Obstacles::hits_item(const Sweep& sweep, int item) const {
+bool Obstacles::hits_item(const Sweep& sweep, const OrientedBox& around, int item) const {
   std::size_t k = std::size_t(item);
   if (k < circles_.size()) {
     return collide(sweep, {circles_[k].x, circles_[k].y}, circles_[k].radius);
   }
   k -= circles_.size();
-  if (k < edges_.size()) return collide(sweep, edges_[k].box);
-  k -= edges_.size();
+  if (k < parts_.size()) {
+    return separation(around, parts_[k].box) <= 0.0 && collide(sweep, parts_[k].box);
+  }
   // Whoever is inside without touching an edge is inside all the time.
-  return contains(polygons_[k], sweep.centre());
+  return contains(insides_[k - parts_.size()].outline, sweep.centre());
 }
 
 int Obstacles::obstacle_of(int item) const {
-  const int circles = int(circles_.size());
-  const int edges = int(edges_.size());
-  if (item < circles) return item;
-  if (item < circles + edges) return circles + edges_[std::size_t(item - circles)].polygon;
-  return item - edges;
+  std::size_t k = std::size_t(item);
+  if (k < circles_.size()) return item;
+  k -= circles_.size();
+  const int polygon = k < parts_.size() ? parts_[k].polygon : insides_[k - parts_.size()].polygon;
+  return int(circles_.size()) + polygon;
 }
 
 }  // namespace mvtp

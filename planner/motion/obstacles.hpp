@@ -8,7 +8,8 @@
 
 namespace mvtp {
 
-/// The obstacles of a map, found by place: discs, and solid polygons as their edges.
+/// The obstacles of a map, found by place: discs, and solid polygons, rectangles as boxes and all
+/// others as their edges.
 class Obstacles {
  public:
   /// @param reach  sweeps up to this radius are looked up quickly; wider ones try every obstacle
@@ -21,24 +22,32 @@ class Obstacles {
   /// Index of an obstacle that is hit, circles first, then polygons; -1 if none.
   [[nodiscard]] int first_hit(const Sweep& sweep) const;
 
-  [[nodiscard]] bool empty() const { return circles_.empty() && polygons_.empty(); }
+  [[nodiscard]] bool empty() const { return circles_.empty() && parts_.empty(); }
 
  private:
-  struct Edge {
+  /// A whole rectangle, or an edge of another polygon.
+  struct Part {
     OrientedBox box;
     int polygon;
   };
+  /// A polygon that has edges only: whoever is inside may touch none of them.
+  struct Inside {
+    Polygon outline;
+    int polygon;
+  };
 
+  void add(const Polygon& polygon, int index);
   [[nodiscard]] int item_count() const {
-    return int(circles_.size() + edges_.size() + polygons_.size());
+    return int(circles_.size() + parts_.size() + insides_.size());
   }
   [[nodiscard]] Extent item_extent(int item) const;
-  [[nodiscard]] bool hits_item(const Sweep& sweep, int item) const;
+  /// @param around  the sweep's
+  [[nodiscard]] bool hits_item(const Sweep& sweep, const OrientedBox& around, int item) const;
   [[nodiscard]] int obstacle_of(int item) const;
 
   std::vector<Circle> circles_;
-  std::vector<Edge> edges_;
-  std::vector<Polygon> polygons_;
+  std::vector<Part> parts_;
+  std::vector<Inside> insides_;
 
   // A grid over the map and `reach` around it; items near cell k are
   // items_[first_[k]..first_[k+1]).

@@ -164,6 +164,33 @@ OrientedBox Sweep::at(double s) const {
           half_width_};
 }
 
+OrientedBox Sweep::around() const {
+  OrientedBox box = at(0.5);
+  if (std::abs(turn_) > 1.0) {
+    box.half_length = box.half_width = radius_;
+    return box;
+  }
+  // Seen from half way, beginning and end mirror each other. Corners go on arcs of circles: they
+  // get further than at the three instants by no more than the sagitta of half the arc.
+  const Trig t = trig(turn_ / 2);
+  const double sine = std::abs(t.sin);
+  const double way = std::abs(length_ / 2 * t.sinc);
+  const double back = ahead_ * (t.cos - 1.0);
+  const double aside = length_ / 2 * t.cosc;
+  const double swing = std::abs(ahead_ * t.sin);
+  const double half_length = half_length_ * t.cos + half_width_ * sine;
+  const double half_width = half_length_ * sine + half_width_ * t.cos;
+  const double front = std::max(back + way + half_length, half_length_);
+  const double rear = std::min(back - way - half_length, -half_length_);
+  const double left = std::max(aside + swing + half_width, half_width_);
+  const double right = std::min(aside - swing - half_width, -half_width_);
+  const double bulge = travel_ * std::abs(turn_) / 32;
+  const Point middle =
+      Frame(box.x, box.y, box.ux, box.uy).world((front + rear) / 2, (left + right) / 2);
+  return {
+      middle.x, middle.y, box.ux, box.uy, (front - rear) / 2 + bulge, (left - right) / 2 + bulge};
+}
+
 bool collide(const Sweep& a, const Sweep& b) {
   if (circles_apart(a, b.centre(), b.radius())) return false;
   return !stays_clear([&](double s) { return separation(a.at(s), b.at(s)); },

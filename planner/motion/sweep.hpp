@@ -25,6 +25,10 @@ class Sweep {
   /// The footprint at s in [0, 1].
   [[nodiscard]] OrientedBox at(double s) const;
 
+  /// A box that contains the footprint at every s, aligned with the body half way: quick proof that
+  /// something is not touched.
+  [[nodiscard]] OrientedBox around() const;
+
   [[nodiscard]] const Point& centre() const { return centre_; }
   /// Radius around centre() of a circle that contains the footprint at every s [m].
   [[nodiscard]] double radius() const { return radius_; }

@@ -74,6 +74,37 @@ TEST(Obstacles, FindsEveryObstacleThatADenseSampleFinds) {
   EXPECT_LT(hits, 900);
 }
 
+//   With a fifth corner on one of its sides it is the same place, but no longer a rectangle.
+TEST(Obstacles, ARectangleIsThePolygonThatItIs) {
+  std::mt19937_64 rng(5);
+  std::uniform_real_distribution<double> unit(0, 1);
+  int hits = 0;
+  for (int k = 0; k < 3000; ++k) {
+    const OrientedBox box = footprint(
+        {.front = 1 + 3 * unit(rng), .rear = 1, .width = 0.5 + unit(rng)}, {15, 15, 7 * unit(rng)});
+    Polygon rectangle;
+    for (const auto& [a, b] : {std::pair{1, 1}, {-1, 1}, {-1, -1}, {1, -1}}) {
+      const double along = a * box.half_length;
+      const double across = b * box.half_width;
+      rectangle.push_back(
+          {box.x + along * box.ux - across * box.uy, box.y + along * box.uy + across * box.ux});
+    }
+    Polygon pentagon = rectangle;
+    pentagon.push_back(
+        {(rectangle[0].x + rectangle[3].x) / 2, (rectangle[0].y + rectangle[3].y) / 2});
+    const Obstacles boxes(Map{.width = 30, .height = 30, .circles = {}, .polygons = {rectangle}},
+                          4.0);
+    const Obstacles edges(Map{.width = 30, .height = 30, .circles = {}, .polygons = {pentagon}},
+                          4.0);
+    const Sweep sweep(kCar, {11 + 8 * unit(rng), 11 + 8 * unit(rng), 7 * unit(rng)},
+                      {4 * unit(rng) - 2, 0.8 * unit(rng) - 0.4});
+    EXPECT_EQ(boxes.first_hit(sweep), edges.first_hit(sweep));
+    hits += boxes.hit(sweep) ? 1 : 0;
+  }
+  EXPECT_GT(hits, 600);
+  EXPECT_LT(hits, 2700);
+}
+
 TEST(Obstacles, ReportsNothingThatIsNotThere) {
   std::mt19937_64 rng(4);
   std::uniform_real_distribution<double> place(0, 30);

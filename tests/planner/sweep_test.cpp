@@ -121,6 +121,32 @@ double least_gap(const Sweep& a, const Sweep& b) {
   return gap;
 }
 
+TEST(Sweep, StaysInTheBoxAroundIt) {
+  Random random(11);
+  double spare = 0.0;  // of the box over the body, the smallest over all sweeps of one kind
+  for (int k = 0; k < 2000; ++k) {
+    const Pose from = random.pose(20.0);
+    const Arc arc = k % 10 == 0 ? Arc{random.in(-9, 9), random.in(-0.4, 0.4)} : random.arc();
+    const Sweep sweep(kCar, from, arc);
+    const OrientedBox around = sweep.around();
+    double most = -1.0;  // how close the body comes to the box's sides, from within
+    for (int t = 0; t <= 64; ++t) {
+      const OrientedBox body = sweep.at(t / 64.0);
+      for (const double along : {body.half_length, -body.half_length}) {
+        for (const double across : {body.half_width, -body.half_width}) {
+          const Point corner{body.x + along * body.ux - across * body.uy,
+                             body.y + along * body.uy + across * body.ux};
+          most = std::max(most, separation(around, corner));
+        }
+      }
+    }
+    EXPECT_LE(most, 1e-9) << arc.length << " m at " << arc.curvature << " 1/m";
+    const bool is_short = std::abs(arc.length * arc.curvature) < 0.5;
+    if (is_short) spare = std::max(spare, -most);
+  }
+  EXPECT_LT(spare, 0.1);  // the box is hardly larger than it must be
+}
+
 TEST(Collide, AgreesWithDenseSamplingOfBothMotions) {
   Random random(6);
   int collisions = 0;
