@@ -7,11 +7,11 @@ namespace {
 
 constexpr double kAnyPrice = 1.0;  ///< [s] per bucket: the searches are hard
 constexpr double kNever = 1e9;
-constexpr float kNow = -1.0F;          ///< when a car is where it is: before all that is planned
-constexpr int kMoreEffort = 8;         ///< times the expansions, where a way alone is not found
-constexpr int kEffortAmongOthers = 4;  ///< the same among others
-constexpr int kLatest = 200;           ///< instants that a way alone may begin later
-constexpr double kTail = 12.0;         ///< [m] before a slot that are driven as if alone
+constexpr float kNow = -1.0F;        ///< when a car is where it is: before all that is planned
+constexpr int kMoreAlone = 8;        ///< times the expansions of a thorough search alone,
+constexpr int kMoreAmongOthers = 4;  ///< and among others
+constexpr int kLatest = 200;         ///< instants that a way alone may begin later
+constexpr double kTail = 12.0;       ///< [m] before a slot that are driven as if alone
 
 SoftOptions soft_options(const LotPlannerOptions& options) {
   SoftOptions soft;
@@ -133,17 +133,13 @@ SoftProblem LotPlanner::Draft::problem(int robot) const {
   return problem;
 }
 
-/// From both ends where it parks: one search may be lost where the other finds a way at once. A
-/// tight place gets a longer search.
-std::optional<TimedTrack> LotPlanner::Draft::alone(int robot) {
-  std::optional<SoftPath> path;
-  for (const int effort : {1, kMoreEffort}) {
-    path = search_alone(problem(robot), effort);
-    if (!robots_[std::size_t(robot)].leaves) {
-      std::optional<SoftPath> other = search_alone_backwards(robot, effort);
-      if (other && (!path || other->cost < path->cost)) path = std::move(other);
-    }
-    if (path) break;
+/// From both ends where it parks: one search may be lost where the other finds a way at once.
+std::optional<TimedTrack> LotPlanner::Draft::alone(int robot, Effort effort) {
+  const int expansions = planner_.options_.expansions * (effort == Effort::kQuick ? 1 : kMoreAlone);
+  std::optional<SoftPath> path = search_alone(problem(robot), expansions);
+  if (!robots_[std::size_t(robot)].leaves) {
+    std::optional<SoftPath> other = search_alone_backwards(robot, expansions);
+    if (other && (!path || other->cost < path->cost)) path = std::move(other);
   }
   if (!path) return std::nullopt;
   const MacroRobot& macro = macro_robots_[std::size_t(robot)];
@@ -151,23 +147,28 @@ std::optional<TimedTrack> LotPlanner::Draft::alone(int robot) {
                     planner_.time_.bucket, robots_[std::size_t(robot)].leaves);
 }
 
-std::optional<SoftPath> LotPlanner::Draft::search_alone(SoftProblem problem, int effort) {
+std::optional<TimedTrack> LotPlanner::Draft::alone(int robot) {
+  std::optional<TimedTrack> way = alone(robot, Effort::kQuick);
+  return way ? std::move(way) : alone(robot, Effort::kThorough);
+}
+
+std::optional<SoftPath> LotPlanner::Draft::search_alone(SoftProblem problem, int expansions) {
   const Occupancy nobody(1, planner_.time_);
   problem.others = {.occupancy = &nobody};
   SoftOptions options = soft_options(planner_.options_);
-  options.max_expansions *= effort;
+  options.max_expansions = expansions;
   return planner_.search_.search(problem, options, Deadline::never());
 }
 
 /// From the goal to the start, driven the other way round.
-std::optional<SoftPath> LotPlanner::Draft::search_alone_backwards(int robot, int effort) {
+std::optional<SoftPath> LotPlanner::Draft::search_alone_backwards(int robot, int expansions) {
   const Robot& r = robots_[std::size_t(robot)];
   SoftProblem reversed = problem(robot);
   const CostToGo to_start = planner_.make_cost_to_go(r.body, reversed.start);
   reversed.start = r.goal;
   reversed.cost_to_go = &to_start;
   reversed.direction = 0;
-  std::optional<SoftPath> path = search_alone(reversed, effort);
+  std::optional<SoftPath> path = search_alone(reversed, expansions);
   if (!path) return path;
   std::ranges::reverse(path->steps);
   for (Arc& arc : path->steps) arc.length = -arc.length;
@@ -190,6 +191,11 @@ std::vector<Arc> LotPlanner::Draft::tail(const TimedTrack& alone) const {
 }
 
 bool LotPlanner::Draft::plan(int robot, const TimedTrack& alone) {
+  return plan(robot, alone, Effort::kQuick) || plan(robot, alone, Effort::kThorough);
+}
+
+/// Quickly: by a short search, or else the way alone, begun later.
+bool LotPlanner::Draft::plan(int robot, const TimedTrack& alone, Effort effort) {
   SoftProblem soft = problem(robot);
   soft.others = joint_->others(robot, kAnyPrice);
   const std::vector<Arc> tail = soft.leaves ? std::vector<Arc>{} : this->tail(alone);
@@ -205,10 +211,9 @@ bool LotPlanner::Draft::plan(int robot, const TimedTrack& alone) {
   }
   SoftOptions options = soft_options(planner_.options_);
   options.hard = true;
+  if (effort == Effort::kThorough) options.max_expansions *= kMoreAmongOthers;
   std::optional<SoftPath> path = planner_.search_.search(soft, options, Deadline::never());
-  if (!path && drive_alone_later(robot, alone)) return true;
-  options.max_expansions *= kEffortAmongOthers;
-  if (!path) path = planner_.search_.search(soft, options, Deadline::never());
+  if (!path && effort == Effort::kQuick) return drive_alone_later(robot, alone);
   if (!path || comes_back_into_entry(robot, path->steps)) return false;
   joint_->place(robot, TimedTrack(soft.car->vehicle(), soft.start, std::move(path->steps),
                                   planner_.time_.bucket, soft.leaves));

@@ -23,10 +23,16 @@ class LotPlanner::Draft {
   [[nodiscard]] int cars() const { return int(motion_.cars().size()); }
   [[nodiscard]] int robot_of_goal(std::size_t g) const { return cars() + int(g); }
 
+  /// Tight places need longer searches; most are done without.
+  enum class Effort { kQuick, kThorough };
+
   /// The robot's way as if nobody else moved.
-  [[nodiscard]] std::optional<TimedTrack> alone(int robot);
+  [[nodiscard]] std::optional<TimedTrack> alone(int robot, Effort effort);
   /// The robot, absent so far, gets a way that touches nobody present.
   /// @param alone  its way as if nobody else moved
+  [[nodiscard]] bool plan(int robot, const TimedTrack& alone, Effort effort);
+  /// The same, quickly if possible.
+  [[nodiscard]] std::optional<TimedTrack> alone(int robot);
   [[nodiscard]] bool plan(int robot, const TimedTrack& alone);
   [[nodiscard]] TimedTrack take(int robot) { return joint_->remove(robot); }
   [[nodiscard]] const TimedTrack& track(int robot) const { return joint_->track(robot); }
@@ -81,8 +87,8 @@ class LotPlanner::Draft {
   [[nodiscard]] bool drive_alone_later(int robot, const TimedTrack& alone);
   [[nodiscard]] bool comes_back_into_entry(int robot, const std::vector<Arc>& steps) const;
   [[nodiscard]] SoftProblem problem(int robot) const;
-  [[nodiscard]] std::optional<SoftPath> search_alone(SoftProblem problem, int effort);
-  [[nodiscard]] std::optional<SoftPath> search_alone_backwards(int robot, int effort);
+  [[nodiscard]] std::optional<SoftPath> search_alone(SoftProblem problem, int expansions);
+  [[nodiscard]] std::optional<SoftPath> search_alone_backwards(int robot, int expansions);
   [[nodiscard]] std::vector<Arc> tail(const TimedTrack& alone) const;
   [[nodiscard]] ArcPath way(int robot, const TimedTrack& track) const;
   [[nodiscard]] LotCar car(int robot, const TimedTrack& track) const;

@@ -12,7 +12,7 @@
 namespace mvtp {
 namespace {
 
-constexpr double kReach = 5.0;         ///< [m] of sweeps that are looked up quickly
+constexpr double kReach = 4.0;         ///< [m] of sweeps that are looked up quickly
 constexpr double kSpareRadius = 1.02;  ///< times the turning radius: no bend is the tightest
 constexpr double kInflation = 0.8;     ///< of half the width, on the grid of the cost-to-go
 constexpr double kMouth = 0.5;         ///< [m] of an exit lane's begin that all may use
@@ -109,65 +109,103 @@ double LotPlanner::prefix_length(double speed) const {
   return std::max(driven, stopping_distance(speed, limits.braking));
 }
 
-std::optional<LotAdmission> LotPlanner::admit(LotMotion& motion, const LotRequest& request,
-                                              std::span<const StandingCar> waiting) {
-  Draft draft(*this, motion, &request, waiting);
-  struct Choice {
-    std::size_t goal = 0;
-    TimedTrack alone;
-    double duration = std::numeric_limits<double>::infinity();
-  };
-  std::vector<Choice> choices;
-  for (std::size_t g = 0; g < request.goals.size(); ++g) {
-    const int robot = draft.robot_of_goal(g);
-    std::optional<TimedTrack> alone = draft.alone(robot);
-    if (!alone) continue;
-    const double duration = draft.duration_alone(robot, *alone);
-    choices.push_back({g, *std::move(alone), duration});
+/// A request under way: places to choose from, and the best motion found so far.
+class LotPlanner::Admission {
+ public:
+  Admission(LotPlanner& planner, const LotMotion& motion, const LotRequest& request,
+            std::span<const StandingCar> waiting)
+      : options_(planner.options_),
+        draft_(planner, motion, &request, waiting),
+        before_(draft_.forecast().cost()) {
+    find_choices(request.goals.size(), Effort::kQuick);
+    if (choices_.empty()) find_choices(request.goals.size(), Effort::kThorough);
+    std::ranges::stable_sort(choices_, {}, &Choice::duration);
   }
-  if (choices.empty()) return std::nullopt;
-  std::ranges::stable_sort(choices, {}, &Choice::duration);
 
+  /// As things are: the quickest place first, and that one again with more effort if none will do.
+  void try_places() {
+    for (const Choice& choice : choices_) try_place(choice, Effort::kQuick);
+    if (!best_ && !choices_.empty()) try_place(choices_.front(), Effort::kThorough);
+  }
+
+  /// If it would have to wait for the quickest place: before those who are in its way there.
+  void try_before_others() {
+    if (!options_.regroup || choices_.empty()) return;
+    const Choice& wish = choices_.front();
+    if (best_ && best_->cost - before_ <= wish.duration + options_.worth) return;
+    const int robot = draft_.robot_of_goal(wish.goal);
+    const std::vector<int> blockers = draft_.in_the_way(robot, wish.alone);
+    if (blockers.empty() || !draft_.may_replan(blockers)) return;
+    const std::vector<int> group = draft_.plan_before(robot, wish.alone, blockers);
+    if (!group.empty()) consider(wish, group);
+  }
+
+  /// The best that was found becomes the motion.
+  [[nodiscard]] std::optional<LotAdmission> carry_out(LotMotion& motion) {
+    if (!best_) return std::nullopt;
+    motion = std::move(best_->motion);
+    return LotAdmission{best_->goal, best_->alone, best_->replanned};
+  }
+
+ private:
+  using Effort = Draft::Effort;
+
+  struct Choice {
+    std::size_t goal;
+    TimedTrack alone;
+    double duration;  ///< alone [s]
+  };
   struct Candidate {
     LotMotion motion;
     double cost;
     std::size_t goal;
+    double alone;
     int replanned;
   };
-  std::optional<Candidate> best;
-  const auto consider = [&](std::size_t goal, std::span<const int> changed) {
-    LotMotion result = draft.result(changed);
+
+  void find_choices(std::size_t goals, Effort effort) {
+    for (std::size_t g = 0; g < goals; ++g) {
+      const int robot = draft_.robot_of_goal(g);
+      std::optional<TimedTrack> alone = draft_.alone(robot, effort);
+      if (!alone) continue;
+      const double duration = draft_.duration_alone(robot, *alone);
+      choices_.push_back({g, *std::move(alone), duration});
+    }
+  }
+
+  void try_place(const Choice& choice, Effort effort) {
+    if (best_ && best_->cost - before_ <= choice.duration) return;  // it cannot get better
+    const int robot = draft_.robot_of_goal(choice.goal);
+    if (!draft_.plan(robot, choice.alone, effort)) return;
+    consider(choice, std::array{robot});
+    (void)draft_.take(robot);
+  }
+
+  void consider(const Choice& choice, std::span<const int> changed) {
+    LotMotion result = draft_.result(changed);
     const LotForecast forecast = result.forecast();
     if (!forecast.complete || !forecast.gentle) return;
     const double cost = forecast.cost();
-    if (!best || cost < best->cost) {
-      best = Candidate{std::move(result), cost, goal, int(changed.size()) - 1};
-    }
-  };
-  const double before = draft.forecast().cost();
-  for (const Choice& choice : choices) {
-    if (best && best->cost - before <= choice.duration) break;
-    const int robot = draft.robot_of_goal(choice.goal);
-    if (!draft.plan(robot, choice.alone)) continue;
-    consider(choice.goal, std::array{robot});
-    (void)draft.take(robot);
+    if (best_ && cost >= best_->cost) return;
+    best_ =
+        Candidate{std::move(result), cost, choice.goal, choice.duration, int(changed.size()) - 1};
   }
-  const Choice& wish = choices.front();
-  const bool waits = !best || best->cost - before > wish.duration + options_.worth;
-  if (options_.regroup && waits) {
-    const int robot = draft.robot_of_goal(wish.goal);
-    const std::vector<int> blockers = draft.in_the_way(robot, wish.alone);
-    if (!blockers.empty() && draft.may_replan(blockers)) {
-      const std::vector<int> group = draft.plan_before(robot, wish.alone, blockers);
-      if (!group.empty()) consider(wish.goal, group);
-    }
-  }
-  if (!best) return std::nullopt;
-  motion = std::move(best->motion);
-  failed_.clear();
-  double alone = 0.0;
-  for (const Choice& choice : choices) alone = choice.goal == best->goal ? choice.duration : alone;
-  return LotAdmission{best->goal, alone, best->replanned};
+
+  const LotPlannerOptions& options_;
+  Draft draft_;
+  double before_;                ///< cost without the newcomer
+  std::vector<Choice> choices_;  ///< places with a way alone, the quickest first
+  std::optional<Candidate> best_;
+};
+
+std::optional<LotAdmission> LotPlanner::admit(LotMotion& motion, const LotRequest& request,
+                                              std::span<const StandingCar> waiting) {
+  Admission admission(*this, motion, request, waiting);
+  admission.try_places();
+  admission.try_before_others();
+  const std::optional<LotAdmission> result = admission.carry_out(motion);
+  if (result) failed_.clear();
+  return result;
 }
 
 int LotPlanner::improve(LotMotion& motion, std::span<const StandingCar> waiting) {

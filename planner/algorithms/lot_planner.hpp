@@ -90,6 +90,7 @@ class LotPlanner {
 
  private:
   class Draft;
+  class Admission;
   using GoalKey = std::tuple<double, double, double, double, double>;
 
   static constexpr double kInstant = 0.05;  ///< [s]
