@@ -142,7 +142,8 @@ Extent Obstacles::item_extent(int item) const {
 bool Obstacles::hits_item(const Sweep& sweep, const OrientedBox& around, int item) const {
   std::size_t k = std::size_t(item);
   if (k < circles_.size()) {
-    return collide(sweep, {circles_[k].x, circles_[k].y}, circles_[k].radius);
+    const Circle& c = circles_[k];
+    return separation(around, Point{c.x, c.y}) <= c.radius && collide(sweep, {c.x, c.y}, c.radius);
   }
   k -= circles_.size();
   if (k < parts_.size()) {
