@@ -20,6 +20,7 @@ constexpr double kBeforeLaneEnd = 0.5;     ///< [m]
 constexpr double kStanding = 0.1;          ///< [m/s]
 constexpr double kRoomBesideSlot = 0.2;    ///< [m] on each side, for the doors of the others
 constexpr double kOnExitLane = 1.5;        ///< [m] of exit lane behind a vehicle at its goal
+constexpr double kManoeuvre = 10.0;        ///< [m] around a vehicle: free slots that help it out
 constexpr int kDecisionsAfterFailure = 2;  ///< PreCheck: who found no way does not ask sooner,
 constexpr int kMostDoublings = 5;          ///< each time twice as late, at most so often
 constexpr double kBarWidth = 0.3;          ///< [m] of what closes a free slot, and
@@ -407,11 +408,21 @@ std::vector<int> LotCoordinator::slots_for(const Guest& guest) {
   return slots;
 }
 
+/// Between long cars a slot may be too tight to get out of, but for a free one across the aisle.
+std::vector<int> LotCoordinator::slots_around(const Guest& guest) const {
+  std::vector<int> slots;
+  for (std::size_t s = 0; s < lot_.slots.size(); ++s) {
+    if (distance(guest.pose, lot_.slots[s].middle) < kManoeuvre) slots.push_back(int(s));
+  }
+  return slots;
+}
+
 std::optional<LotAdmission> LotCoordinator::ask(const std::string& id, Guest& guest) {
   LotRequest request{.key = guest.key, .body = guest.body, .pose = guest.pose};
-  std::vector<int> slots;  // of each goal; none if it leaves
+  std::vector<int> slots;  // of each goal; if it leaves, those that it may drive through
   request.leaves = guest.wants_out;
   if (guest.wants_out) {
+    if (guest.failures > 0) slots = slots_around(guest);
     for (const LotLane& lane : lot_.exits) request.goals.push_back(exit_place(guest.body, lane));
   } else {
     for (const int s : slots_for(guest)) {

@@ -143,6 +143,7 @@ class LotCoordinator : public Controller {
   [[nodiscard]] std::vector<std::string> those_who_ask() const;
   [[nodiscard]] std::optional<LotAdmission> ask(const std::string& id, Guest& guest);
   [[nodiscard]] std::vector<int> slots_for(const Guest& guest);
+  [[nodiscard]] std::vector<int> slots_around(const Guest& guest) const;
   [[nodiscard]] bool fits(const Vehicle& body, const ParkingSlot& slot) const;
   [[nodiscard]] std::vector<Pose> places(const Vehicle& body, const ParkingSlot& slot) const;
   [[nodiscard]] std::vector<StandingCar> standing(bool asking, const std::string& except) const;
