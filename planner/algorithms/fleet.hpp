@@ -34,6 +34,7 @@ class Fleet {
   [[nodiscard]] const SteppedCar& car(int i) const { return cars_[std::size_t(i)]; }
   [[nodiscard]] const CostToGo& cost_to_go(int i) const { return costs_to_go_[std::size_t(i)]; }
   [[nodiscard]] const Pose& goal(int i) const { return costs_to_go_[std::size_t(i)].goal(); }
+  [[nodiscard]] const Obstacles& obstacles() const { return obstacles_; }
   [[nodiscard]] const ReedsShepp& curves() const { return curves_; }
   [[nodiscard]] Configuration starts() const;
 

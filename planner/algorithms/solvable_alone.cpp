@@ -8,10 +8,13 @@ namespace mvtp {
 
 std::optional<std::vector<Arc>> find_way_alone(const Fleet& fleet, int i,
                                                const Deadline& deadline) {
+  const Instance& instance = fleet.instance();
+  const SteppedCar car(fleet.car(i).vehicle(), instance.dt, CollisionRule::kContinuous,
+                       instance.map, fleet.obstacles());
   SearchProblem problem;
-  problem.car = &fleet.car(i);
+  problem.car = &car;
   problem.cost_to_go = &fleet.cost_to_go(i);
-  problem.start = fleet.instance().agents[std::size_t(i)].start;
+  problem.start = instance.agents[std::size_t(i)].start;
   const SpacetimeHybridAstar planner(fleet.curves());
   // Full steps do not get out of every narrow place; shorter ones may.
   for (const double scale : {1.0, 0.5, 0.25}) {

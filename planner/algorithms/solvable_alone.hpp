@@ -8,7 +8,7 @@
 namespace mvtp {
 
 /// A motion that takes robot i from its start to its goal among the obstacles, the other robots
-/// absent: arcs of a step or less.
+/// absent: arcs of a step or less, free all along under either collision rule.
 ///
 /// @return nullopt if hybrid A* found none within its budget, with steps of any of three lengths,
 ///         or until the deadline

@@ -10,6 +10,7 @@
 
 #include "planner/algorithms/solve.hpp"
 #include "planner/problem/check_instance.hpp"
+#include "planner/problem/validate.hpp"
 #include "tests/planner/plan_properties.hpp"
 #include "tests/planner/small_instances.hpp"
 
@@ -95,6 +96,23 @@ TEST_P(RandomInstances, EveryAnswerIsRight) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Shards, RandomInstances, testing::Range(0, kShards));
+
+//   Its steps are shorter than those that the instance allows to look at. In these instances a
+//   robot finds its way alone by full steps only.
+TEST(EscotStarUnderSteps, IsFreeBetweenThem) {
+  for (const int seed : {384, 414, 439, 664, 724, 869, 974}) {
+    SCOPED_TRACE(seed);
+    const Instance instance = small_instance(std::uint64_t(seed));
+    const SolveOptions options = options_for(seed, "escot-star");
+    ASSERT_EQ(options.collision, CollisionRule::kSteps);
+    const Plan plan = solve(instance, options, safety_net(options));
+    EXPECT_TRUE(broken_properties(instance, options, plan).empty());
+    if (plan.statistics.status != "solved") continue;
+    for (const Violation& v : find_violations(instance, plan, CollisionRule::kContinuous)) {
+      ADD_FAILURE() << v.message;
+    }
+  }
+}
 
 class NoRobots : public testing::TestWithParam<std::string> {};
 
