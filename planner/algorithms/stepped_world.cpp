@@ -315,7 +315,12 @@ std::vector<Group> SteppedWorld::group_robots(const Configuration& q) {
   // The most urgent conflicts are grouped first; what does not fit any more is left for later.
   std::ranges::sort(conflicts);
   Groups linked(fleet_.size(), options_.max_group);
-  for (const auto& [k, i, j] : conflicts) linked.link(i, j);
+  for (const auto& [k, i, j] : conflicts) {
+    // A random action is to be taken, and not what planning together would make of it.
+    const bool random =
+        robots_[std::size_t(i)].random_action || robots_[std::size_t(j)].random_action;
+    if (!random) linked.link(i, j);
+  }
 
   std::vector<Group> groups;
   std::map<int, Group> kept;  // by joint trajectory

@@ -61,6 +61,7 @@ class SteppedWorld {
   [[nodiscard]] std::span<const int> near(int i) const { return robots_[std::size_t(i)].near; }
 
   // GroupWorld
+  /// Those that will conflict soon, most urgent conflicts first; nobody who is to act at random.
   [[nodiscard]] std::vector<Group> group_robots(const Configuration& q);
   [[nodiscard]] bool pre_check(const Group& group) const;
   [[nodiscard]] std::optional<std::vector<Motion>> get_opt_traj(const Configuration& q,

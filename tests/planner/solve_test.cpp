@@ -14,6 +14,7 @@
 namespace mvtp {
 namespace {
 
+using testing::ElementsAre;
 using testing::HasSubstr;
 
 /// Solves and lets the referee judge.
@@ -52,6 +53,30 @@ TEST(Escot, IsQuickerThanPbcrAlone) {
 TEST(Pbcr, RobotsHeadOnGiveWayInTime) {
   EXPECT_LE(judged(circle(2), {.algorithm = "pbcr"}).statistics.makespan_steps, 45U);
   EXPECT_LE(judged(circle(8), {.algorithm = "pbcr"}).statistics.makespan_steps, 100U);
+}
+
+//   A loop is left by what is drawn at random. Planned together as if nothing had been drawn, the
+//   same two would drive into it for ever.
+TEST(Escot, ADrawnActionIsNotPlannedAway) {
+  const Instance instance = circle(2, 6.0);
+  const Fleet fleet(instance, CollisionRule::kContinuous);
+  const Deadline never = Deadline::never();
+  const Configuration q = fleet.starts();
+  SteppedWorld world(fleet, {}, never);
+  world.prepare(q);
+  ASSERT_THAT(SteppedWorld(world).group_robots(q), ElementsAre(Group{0, 1}));
+  const auto next = [&q](SteppedWorld copy) { return generate_config(copy, q); };
+  const std::vector<SteppedWorld::Motion> planned = next(world);
+
+  int different = 0;
+  for (std::uint64_t seed = 0; seed < 20; ++seed) {
+    SteppedWorld drawn = world;
+    std::mt19937_64 rng(seed);
+    drawn.add_randomness(q, rng);
+    const std::vector<SteppedWorld::Motion> motions = next(drawn);
+    different += motions[0].end != planned[0].end || motions[1].end != planned[1].end ? 1 : 0;
+  }
+  EXPECT_GE(different, 5);
 }
 
 //   Robots that groups do not help wait off their guides, and there the seed acts.
