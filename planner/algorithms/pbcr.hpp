@@ -12,6 +12,19 @@
 
 namespace mvtp {
 
+/// The motion number k of a list, from 0 on; nullptr if there are not so many.
+template <class Motion>
+[[nodiscard]] const Motion* nth(const std::vector<Motion>& motions, std::size_t k) {
+  return k < motions.size() ? &motions[k] : nullptr;
+}
+
+/// Motions that are looked at one after the other: a vector, or what finds the next when asked. The
+/// pointers stay valid.
+template <class List, class Motion>
+concept MotionList = std::move_constructible<List> && requires(List& list, std::size_t k) {
+  { nth(list, k) } -> std::same_as<const Motion*>;
+};
+
 /// What PBCR asks of the world; the only thing it knows about vehicles, roads and obstacles.
 ///
 /// A Motion is one step *and the safe stop after it*: the pose itself for a car that stands at
@@ -23,7 +36,7 @@ concept StepWorld = requires(const W& world, int i, const typename W::State& sta
                              const typename W::Motion& motion) {
   requires std::copyable<typename W::State> && std::copyable<typename W::Motion>;
   /// Motions of robot i from `state`, best first; those that hit an obstacle are left out.
-  { world.candidates(i, state) } -> std::same_as<std::vector<typename W::Motion>>;
+  { world.candidates(i, state) } -> MotionList<typename W::Motion>;
   /// The motion of a robot that brakes now (waits, if it stands). Never hits an obstacle.
   { world.safe_stop(i, state) } -> std::same_as<typename W::Motion>;
   /// Do the two motions, begun at the same time, overlap? Symmetric.
@@ -36,7 +49,7 @@ concept EvasiveWorld = StepWorld<W> &&
     requires(const W& world, int i, const typename W::State& state,
              const typename W::Motion& motion) {
   /// Motions of robot i in the way of another one and its motion; instead of candidates().
-  { world.evasions(i, state, i, motion) } -> std::same_as<std::vector<typename W::Motion>>;
+  { world.evasions(i, state, i, motion) } -> MotionList<typename W::Motion>;
 };
 
 /// A world may know which motion comes first in candidates() without looking at the others.
@@ -131,6 +144,8 @@ class Pbcr<World>::Step {
   }
 
  private:
+  using Candidates = decltype(std::declval<const World&>().candidates(0, std::declval<State>()));
+
   template <class Vector>
   static decltype(auto) at(Vector&& values, int i) {
     return values[std::size_t(i)];
@@ -141,19 +156,19 @@ class Pbcr<World>::Step {
     if constexpr (DecisiveWorld<World>) {
       if (const auto best = world_.first_choice(i, at(from_, i))) {
         if (attempt(i, *best)) return true;
-        const std::span<const Motion> all = candidates(i);
-        return decide(i, all.subspan(std::min(all.size(), std::size_t{1})));
+        return decide(i, candidates(i), 1);
       }
     }
     return decide(i, candidates(i));
   }
 
-  /// Gives robot i one of the motions, best first, and with it every robot in its way one; or
-  /// changes nothing.
-  bool decide(int i, std::span<const Motion> motions) {
-    for (const Motion& motion : motions) {  // Algorithm 1, line 13
-      if (withdrawn_ > max_withdrawn_) break;
-      if (attempt(i, motion)) return true;
+  /// Gives robot i one of the motions, the first that can be from number k on, and with it every
+  /// robot in its way one; or changes nothing.
+  bool decide(int i, MotionList<Motion> auto&& motions, std::size_t k = 0) {
+    for (; withdrawn_ <= max_withdrawn_; ++k) {  // Algorithm 1, line 13
+      const Motion* motion = nth(motions, k);
+      if (motion == nullptr) break;
+      if (attempt(i, *motion)) return true;
     }
     return attempt(i, at(stops_, i));  // even if the world left it out
   }
@@ -221,9 +236,9 @@ class Pbcr<World>::Step {
     return false;
   }
 
-  const std::vector<Motion>& candidates(int i) {
-    std::optional<std::vector<Motion>>& list = at(candidates_, i);
-    if (!list) list = world_.candidates(i, at(from_, i));
+  Candidates& candidates(int i) {
+    std::optional<Candidates>& list = at(candidates_, i);
+    if (!list) list.emplace(world_.candidates(i, at(from_, i)));
     return *list;
   }
 
@@ -232,8 +247,8 @@ class Pbcr<World>::Step {
   std::span<const int> order_;
   std::vector<Motion> stops_;
   std::vector<std::optional<Motion>> decided_;
-  std::vector<std::optional<std::vector<Motion>>> candidates_;  ///< computed when first asked for
-  std::vector<int> trail_;                                      ///< decided robots, oldest first
+  std::vector<std::optional<Candidates>> candidates_;  ///< computed when first asked for
+  std::vector<int> trail_;                             ///< decided robots, oldest first
   int withdrawn_ = 0;
   int max_withdrawn_;
 };

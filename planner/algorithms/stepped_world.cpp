@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <numeric>
+#include <ranges>
 #include <tuple>
 
 #include "planner/search/noise.hpp"
@@ -88,7 +90,6 @@ SteppedWorld::SteppedWorld(const Fleet& fleet, const SteppedWorldOptions& option
   const Configuration starts = fleet.starts();
   for (int i = 0; i < fleet.size(); ++i) {
     robots_[std::size_t(i)].way = fleet.cost_to_go(i)(starts[std::size_t(i)]);
-    primitives_.push_back(fleet.car(i).primitives());
   }
 }
 
@@ -108,8 +109,8 @@ SteppedWorld::Motion SteppedWorld::motion(int i, const Pose& pose, const Frame& 
   return {step.arc, end, step.sweep.moved_to(frame)};
 }
 
-std::vector<SteppedWorld::Motion> SteppedWorld::candidates(int i, const Pose& pose) const {
-  return candidates_beside(i, pose, ways_to_keep_clear(i));
+SteppedWorld::Ranking SteppedWorld::candidates(int i, const Pose& pose) const {
+  return {*this, i, pose, ways_to_keep_clear(i)};
 }
 
 std::optional<SteppedWorld::Motion> SteppedWorld::first_choice(int i, const Pose& pose) const {
@@ -127,27 +128,28 @@ std::optional<SteppedWorld::Motion> SteppedWorld::first_choice(int i, const Pose
   return best ? std::optional(greedy) : std::nullopt;
 }
 
-std::vector<SteppedWorld::Motion> SteppedWorld::evasions(int i, const Pose& pose, int pusher,
-                                                         const Motion& motion) const {
+SteppedWorld::Ranking SteppedWorld::evasions(int i, const Pose& pose, int pusher,
+                                             const Motion& motion) const {
   std::vector<Way> ways = ways_to_keep_clear(i);
   std::erase_if(ways, [&](const Way& way) { return way.of == pusher; });
   // The pusher goes on along its guide, if that is what it does now, or else as it does now.
   const Robot& robot = robots_[std::size_t(pusher)];
   const bool follows = guided(pusher) && motion.arc == robot.guide[robot.next];
-  std::optional<MovingObstacle> straight_on;
   if (follows) {
     ways.push_back(way_along(pusher, motion.end, *robot.prediction, int(robot.next) + 1));
-  } else {
-    straight_on.emplace(fleet_.car(pusher), motion.end,
-                        std::vector<Arc>(std::size_t(look_ahead(pusher)), motion.arc));
-    ways.push_back(way_along(pusher, motion.end, *straight_on, 0));
+    return {*this, i, pose, std::move(ways)};
   }
-  return candidates_beside(i, pose, ways);
+  auto straight_on = std::make_shared<const MovingObstacle>(
+      fleet_.car(pusher), motion.end,
+      std::vector<Arc>(std::size_t(look_ahead(pusher)), motion.arc));
+  ways.push_back(way_along(pusher, motion.end, *straight_on, 0));
+  return {*this, i, pose, std::move(ways), std::move(straight_on)};
 }
 
 std::vector<SteppedWorld::Way> SteppedWorld::ways_to_keep_clear(int i) const {
   const Robot& robot = robots_[std::size_t(i)];
   std::vector<Way> ways;
+  ways.reserve(robot.in_sight.size() + 1);
   for (const int j : robot.in_sight) {
     const Robot& other = robots_[std::size_t(j)];
     // Those on a joint trajectory are decided before all others.
@@ -167,6 +169,11 @@ SteppedWorld::Way SteppedWorld::way_along(int i, const Pose& from, const MovingO
   return {i, from, &along, next, look_ahead(i), middle.centre(), radius};
 }
 
+bool SteppedWorld::Way::may_meet(const Way& other) const {
+  const double reach = radius + other.radius;
+  return squared_distance(middle, other.middle) <= reach * reach;
+}
+
 double SteppedWorld::still_to_clear(int i, const Pose& pose, const Way& way) const {
   const Vehicle& own = fleet_.car(i).vehicle();
   const Pose seen = relative(way.from, pose);
@@ -175,30 +182,57 @@ double SteppedWorld::still_to_clear(int i, const Pose& pose, const Way& way) con
   return std::max(0.0, clear - std::abs(seen.y) - radius * std::abs(std::sin(seen.theta)));
 }
 
-std::vector<SteppedWorld::Motion> SteppedWorld::candidates_beside(int i, const Pose& pose,
-                                                                  std::span<const Way> ways) const {
-  const SteppedCar& car = fleet_.car(i);
-  const Robot& robot = robots_[std::size_t(i)];
+SteppedWorld::Ranking::Ranking(const SteppedWorld& world, int robot, const Pose& pose,
+                               std::vector<Way> ways, std::shared_ptr<const MovingObstacle> along)
+    : world_(world), robot_(robot), pose_(pose), ways_(std::move(ways)), along_(std::move(along)) {
+  const Robot& self = world.robots_[std::size_t(robot)];
+  const std::vector<Primitive>& primitives = world.fleet_.car(robot).primitives();
   const Frame frame(pose);
-  std::vector<std::pair<double, Motion>> scored;
-  const auto add = [&](const Motion& m, bool greedy) {
-    if (!car.is_free(pose, m.arc, m.sweep)) return;
-    scored.emplace_back(score(i, m, greedy) + in_the_way(i, m, greedy, ways), m);
+  entries_.reserve(primitives.size() + 2);
+  if (self.random_action) {
+    const double first = -std::numeric_limits<double>::infinity();
+    entries_.push_back({world.motion(robot, pose, *self.random_action), first});
+  }
+  const auto add = [&](Motion motion, bool greedy) {
+    const double score = world.score(robot, motion, greedy);
+    entries_.push_back({std::move(motion), score, greedy});
   };
-  const bool is_guided = guided(i);
-  if (is_guided) add(greedy_motion(i, pose), true);
-  for (const Primitive& step : primitives_[std::size_t(i)]) {
-    if (!is_guided || step.arc != robot.guide[robot.next]) add(motion(i, pose, frame, step), false);
+  const bool guided = world.guided(robot);
+  if (guided) add(world.greedy_motion(robot, pose), true);
+  for (const Primitive& step : primitives) {
+    if (guided && step.arc == self.guide[self.next]) continue;
+    add(world.motion(robot, pose, frame, step), false);
   }
-  std::ranges::stable_sort(scored, {}, [](const auto& entry) { return entry.first; });
-  std::vector<Motion> result;
-  result.reserve(scored.size() + 1);
-  if (robot.random_action) {
-    const Motion m = motion(i, pose, *robot.random_action);
-    if (car.is_free(pose, m.arc, m.sweep)) result.push_back(m);
+  ranked_.reserve(entries_.size());
+  left_.resize(entries_.size());
+  std::iota(left_.begin(), left_.end(), std::size_t{0});
+}
+
+const SteppedWorld::Motion* SteppedWorld::Ranking::nth_motion(std::size_t k) {
+  while (ranked_.size() <= k) {
+    if (!find_next()) return nullptr;
   }
-  for (const auto& [unused, m] : scored) result.push_back(m);
-  return result;
+  return &entries_[ranked_[k]].motion;
+}
+
+bool SteppedWorld::Ranking::find_next() {
+  while (!left_.empty()) {
+    const auto best =
+        std::ranges::min_element(left_, {}, [&](std::size_t k) { return entries_[k].score; });
+    Entry& entry = entries_[*best];
+    if (entry.known) {
+      ranked_.push_back(*best);
+      left_.erase(best);
+      return true;
+    }
+    if (world_.fleet_.car(robot_).is_free(pose_, entry.motion.arc, entry.motion.sweep)) {
+      entry.score += world_.in_the_way(robot_, entry.motion, entry.greedy, ways_);
+      entry.known = true;
+    } else {
+      left_.erase(best);
+    }
+  }
+  return false;
 }
 
 double SteppedWorld::score(int i, const Motion& m, bool greedy) const {
@@ -238,23 +272,27 @@ double SteppedWorld::in_the_way(int i, const Motion& m, bool greedy,
                                 std::span<const Way> ways) const {
   if (ways.empty()) return 0.0;
   const Robot& robot = robots_[std::size_t(i)];
-  const Sweep standing = fleet_.car(i).sweep(m.end, {});
   const double step = fleet_.car(i).step_length();
-  double worst = 0.0;  // [m]
+  const OrientedBox standing = footprint(fleet_.car(i).vehicle(), m.end);
+  // What robot i will do then: go on along its guide, or stand.
   const Way own = greedy ? way_along(i, m.end, *robot.prediction, int(robot.next) + 1)
-                         : Way{.middle = standing.centre(), .radius = standing.radius()};
+                         : Way{.middle = {standing.x, standing.y},
+                               .radius = std::sqrt(standing.half_length * standing.half_length +
+                                                   standing.half_width * standing.half_width)};
+  const auto meets = [&](const Way& way) {
+    if (!own.may_meet(way)) return false;
+    return std::ranges::any_of(std::views::iota(0, way.steps), [&](int k) {
+      const Sweep& other = way.along->at(way.next + k);
+      return greedy ? collide(own.along->at(own.next + k), other) : collide(other, standing);
+    });
+  };
+  double worst = 0.0;  // [m]
   for (const Way& way : ways) {
-    const double reach = own.radius + way.radius;
-    if (squared_distance(own.middle, way.middle) > reach * reach) continue;
-    for (int k = 0; k < way.steps; ++k) {
-      const Sweep& then = greedy ? own.along->at(own.next + k) : standing;
-      if (!collide(then, way.along->at(way.next + k))) continue;
-      const double clear = still_to_clear(i, m.end, way);
-      const double urgent =
-          std::min(kMaxUrgency, 1.0 + kUrgency * robots_[std::size_t(way.of)].stuck);
-      worst = std::max(worst, urgent * (kInTheWay * step + kAside * clear));
-      break;
-    }
+    if (!meets(way)) continue;
+    const double clear = still_to_clear(i, m.end, way);
+    const double urgent =
+        std::min(kMaxUrgency, 1.0 + kUrgency * robots_[std::size_t(way.of)].stuck);
+    worst = std::max(worst, urgent * (kInTheWay * step + kAside * clear));
   }
   return worst;
 }

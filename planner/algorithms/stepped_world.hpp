@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <optional>
 #include <random>
 #include <span>
@@ -42,16 +43,17 @@ class SteppedWorld {
     Sweep sweep;  ///< the safe stop after the step is `end` itself
   };
 
+  class Ranking;
+
   SteppedWorld(const Fleet& fleet, const SteppedWorldOptions& options, const Deadline& deadline);
 
   // StepWorld
   /// Six arcs, a wait and the greedy action, by score; random actions first [ESCoT Sec. III-E].
-  [[nodiscard]] std::vector<Motion> candidates(int i, const Pose& pose) const;
+  [[nodiscard]] Ranking candidates(int i, const Pose& pose) const;
   /// To stay at the goal or to follow the guide, where nothing speaks against it.
   [[nodiscard]] std::optional<Motion> first_choice(int i, const Pose& pose) const;
   /// The same for a robot that is pushed: it also gives way to its pusher, after that one's motion.
-  [[nodiscard]] std::vector<Motion> evasions(int i, const Pose& pose, int pusher,
-                                             const Motion& motion) const;
+  [[nodiscard]] Ranking evasions(int i, const Pose& pose, int pusher, const Motion& motion) const;
   [[nodiscard]] Motion safe_stop(int i, const Pose& pose) const { return motion(i, pose, {}); }
   [[nodiscard]] bool conflict(int, const Motion& a, int, const Motion& b) const {
     return collide(a.sweep, b.sweep);
@@ -115,6 +117,8 @@ class SteppedWorld {
     int steps = 0;  ///< so many from there on are looked at
     Point middle;   ///< a circle around all of it
     double radius = 0.0;
+
+    [[nodiscard]] bool may_meet(const Way& other) const;
   };
 
   [[nodiscard]] Motion motion(int i, const Pose& pose, const Arc& arc) const;
@@ -146,8 +150,6 @@ class SteppedWorld {
   [[nodiscard]] Way way_along(int i, const Pose& from, const MovingObstacle& along, int next) const;
   /// Where those go that robot i has to give way to.
   [[nodiscard]] std::vector<Way> ways_to_keep_clear(int i) const;
-  [[nodiscard]] std::vector<Motion> candidates_beside(int i, const Pose& pose,
-                                                      std::span<const Way> ways) const;
   /// How far robot i, in `pose`, is from having left the lane of another one [m]: the way aside, of
   /// which a turn across the lane is worth a radius.
   [[nodiscard]] double still_to_clear(int i, const Pose& pose, const Way& way) const;
@@ -166,14 +168,49 @@ class SteppedWorld {
   const Deadline& deadline_;
   SpacetimeHybridAstar planner_;
   std::vector<Robot> robots_;
-  std::vector<std::vector<Primitive>> primitives_;  ///< of each robot
-  std::vector<int> order_;                          ///< robots, highest priority first
+  std::vector<int> order_;  ///< robots, highest priority first
   Neighbours neighbours_;
   std::vector<Circle> outlooks_;  ///< of each robot, see outlook()
   std::map<Group, int> failed_;   ///< groups, and the step in which they could not be planned
   int step_ = 0;
   int grouped_at_ = -1;  ///< the last step in which groups were made
   int joints_ = 0;       ///< so many joint trajectories were made
+};
+
+/// The motions of one robot in one step, best first.
+///
+/// Who is in whose way takes most of the time and only adds to a score: it is asked for no motion
+/// that would come later anyway.
+class SteppedWorld::Ranking {
+ public:
+  /// @param ways   to be kept clear
+  /// @param along  what one of them points at, if nobody else keeps it
+  Ranking(const SteppedWorld& world, int robot, const Pose& pose, std::vector<Way> ways,
+          std::shared_ptr<const MovingObstacle> along = nullptr);
+
+  /// Number k, from 0 on; nullptr if there are not so many. The pointers stay valid.
+  friend const Motion* nth(Ranking& ranking, std::size_t k) { return ranking.nth_motion(k); }
+
+ private:
+  struct Entry {
+    Motion motion;
+    double score;         ///< at least
+    bool greedy = false;  ///< the next step of the guide
+    bool known = false;   ///< the score is exact, and the motion hits no obstacle
+  };
+
+  const Motion* nth_motion(std::size_t k);
+  /// Puts the best of what is left in place; false if nothing is.
+  bool find_next();
+
+  const SteppedWorld& world_;
+  int robot_;
+  Pose pose_;
+  std::vector<Way> ways_;
+  std::shared_ptr<const MovingObstacle> along_;
+  std::vector<Entry> entries_;
+  std::vector<std::size_t> ranked_;  ///< entries, best first
+  std::vector<std::size_t> left_;    ///< the others, in order
 };
 
 }  // namespace mvtp

@@ -20,6 +20,7 @@ SteppedCar::SteppedCar(const Vehicle& vehicle, double dt, CollisionRule rule, co
   const double length = step_length();
   const double k = vehicle.max_curvature();
   arcs_ = {{{length, 0.0}, {length, k}, {length, -k}, {-length, 0.0}, {-length, k}, {-length, -k}}};
+  primitives_ = primitives(1.0);
 }
 
 std::vector<Primitive> SteppedCar::primitives(double scale) const {

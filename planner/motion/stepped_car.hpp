@@ -42,8 +42,10 @@ class SteppedCar {
   /// The six arcs of a full step: straight, left, right, each forwards and in reverse.
   [[nodiscard]] const std::array<Arc, 6>& arcs() const { return arcs_; }
 
-  /// The steps tried from everywhere: those arcs, `scale` times as long, and last a wait.
-  [[nodiscard]] std::vector<Primitive> primitives(double scale = 1.0) const;
+  /// The steps tried from everywhere: those arcs, and last a wait.
+  [[nodiscard]] const std::vector<Primitive>& primitives() const { return primitives_; }
+  /// The same with arcs `scale` times as long.
+  [[nodiscard]] std::vector<Primitive> primitives(double scale) const;
 
   /// What may not overlap during a step: all of it, or under CollisionRule::kSteps its end.
   [[nodiscard]] Sweep sweep(const Pose& from, const Arc& arc) const {
@@ -75,6 +77,7 @@ class SteppedCar {
   const Map* map_;
   const Obstacles* obstacles_;
   std::array<Arc, 6> arcs_;
+  std::vector<Primitive> primitives_;
 };
 
 }  // namespace mvtp

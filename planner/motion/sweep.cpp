@@ -133,10 +133,12 @@ Sweep::Sweep(const Vehicle& vehicle, const Pose& from, const Arc& arc)
   // |k along| times the speed of the rear axle.
   const double along = std::max(std::abs(vehicle.front), std::abs(vehicle.rear));
   const double k = std::abs(arc.curvature);
-  travel_ = std::abs(length_) * std::hypot(1.0 + k * half_width_, k * along);
+  const double ahead = k * along;
+  const double aside = 1.0 + k * half_width_;
+  travel_ = std::abs(length_) * std::sqrt(aside * aside + ahead * ahead);
   const OrientedBox middle = at(0.5);
   centre_ = {middle.x, middle.y};
-  radius_ = std::hypot(half_length_, half_width_) + travel_ / 2;
+  radius_ = std::sqrt(half_length_ * half_length_ + half_width_ * half_width_) + travel_ / 2;
 }
 
 Sweep Sweep::moved_to(const Frame& in) const {
@@ -204,6 +206,8 @@ bool collide(const Sweep& sweep, const Point& centre, double radius) {
 }
 
 bool collide(const Sweep& sweep, const OrientedBox& box) {
+  // Most boxes are farther than this, and the distance would take a root.
+  if (circles_apart(sweep, {box.x, box.y}, box.half_length + box.half_width)) return false;
   if (separation(box, sweep.centre()) > sweep.radius()) return false;
   return !stays_clear([&](double s) { return separation(sweep.at(s), box); }, sweep.travel());
 }

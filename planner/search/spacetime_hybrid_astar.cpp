@@ -63,7 +63,9 @@ class Search {
         options_(options),
         curves_(curves),
         deadline_(deadline),
-        primitives_(car_.primitives(options.arc_scale)),
+        scaled_(options.arc_scale == 1.0 ? std::vector<Primitive>{}
+                                         : car_.primitives(options.arc_scale)),
+        primitives_(options.arc_scale == 1.0 ? car_.primitives() : scaled_),
         parked_(car_.sweep(to_go_.goal(), {})),
         open_(options.w) {
     for (const Constraint& c : problem.constraints) end_ = std::max(end_, c.last + 1);
@@ -291,7 +293,8 @@ class Search {
   double least_cost_ = 0.0;  ///< [steps]
   int end_ = 0;              ///< from this step on everything rests
   bool timed_;
-  std::vector<Primitive> primitives_;
+  std::vector<Primitive> scaled_;  ///< steps that are not full ones
+  const std::vector<Primitive>& primitives_;
   Sweep parked_;
   double cell_;
   double headings_;
