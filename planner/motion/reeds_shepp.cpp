@@ -90,6 +90,8 @@ class Shortest {
  private:
   static bool positive(double length) { return length >= -kRounding; }
   static bool negative(double length) { return length <= kRounding; }
+  /// Is a word that is at least so long no better than the best so far, whatever the rounding?
+  [[nodiscard]] bool too_long(double at_least) const { return at_least >= best_.total + 1e-9; }
 
   template <std::size_t N>
   void offer(const Symmetry& symmetry, const std::array<double, N>& lengths,
@@ -109,7 +111,8 @@ class Shortest {
   /// C S C, turning the same way: eq. (8.1).
   void left_straight_left(const Target& g, const Symmetry& symmetry) {
     const double u = std::sqrt(g.same_square);
-    if (u >= best_.total) return;
+    // The turns add up to phi; and t < 0 if the goal is to the right.
+    if (u >= best_.total || too_long(u + std::abs(g.phi)) || g.same_eta < -1e-9 * u) return;
     const double t = std::atan2(g.same_eta, g.same_xi);
     const double v = wrap(g.phi - t);
     if (positive(t) && positive(v)) offer<3>(symmetry, {t, u, v}, {1, 0, 1});
@@ -119,7 +122,7 @@ class Shortest {
   void left_straight_right(const Target& g, const Symmetry& symmetry) {
     if (g.other_square < 4.0) return;
     const double u = std::sqrt(g.other_square - 4.0);
-    if (u >= best_.total) return;
+    if (u >= best_.total || too_long(u + std::abs(g.phi))) return;
     const double t = wrap(std::atan2(g.other_eta, g.other_xi) + std::atan2(2.0, u));
     const double v = wrap(t - g.phi);
     if (positive(t) && positive(v)) offer<3>(symmetry, {t, u, v}, {1, 0, -1});
@@ -129,6 +132,7 @@ class Shortest {
   void three_turns(const Target& g, const Symmetry& symmetry) {
     if (g.same_square > 16.0) return;
     const double u = -2.0 * std::asin(std::min(std::sqrt(g.same_square) / 4.0, 1.0));
+    if (too_long(std::abs(u) + std::abs(wrap(g.phi + u)))) return;
     const double t = wrap(std::atan2(g.same_eta, g.same_xi) + u / 2.0 + kPi);
     const double v = wrap(g.phi - t + u);
     if (positive(t) && negative(u)) offer<3>(symmetry, {t, u, v}, {1, -1, 1});
@@ -138,11 +142,14 @@ class Shortest {
   void four_turns(const Target& g, const Symmetry& symmetry) {
     if (g.other_square <= 4.0) {
       const double u = std::acos(0.25 * (2.0 + std::sqrt(g.other_square)));
-      const auto [t, v] = outer_turns(u, -u, g);
-      if (positive(t) && negative(v)) offer<4>(symmetry, {t, u, -u, v}, {1, -1, 1, -1});
+      if (!too_long(2.0 * u)) {
+        const auto [t, v] = outer_turns(u, -u, g);
+        if (positive(t) && negative(v)) offer<4>(symmetry, {t, u, -u, v}, {1, -1, 1, -1});
+      }
     }
     if (g.other_square >= 4.0 && g.other_square <= 20.0) {
       const double u = -std::acos((20.0 - g.other_square) / 16.0);
+      if (too_long(-2.0 * u)) return;
       const auto [t, v] = outer_turns(u, u, g);
       if (positive(t) && positive(v)) offer<4>(symmetry, {t, u, u, v}, {1, -1, 1, -1});
     }
