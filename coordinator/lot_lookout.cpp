@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "planner/motion/inertial_car.hpp"
 
@@ -16,6 +17,9 @@ constexpr double kInstant = 0.25;       ///< [s]
 constexpr double kSlackOutside = 1.2;   ///< [s] between a car and a person at one place, and
 constexpr double kSlackInside = 0.3;    ///< [s] where a car is on a footpath already
 constexpr double kRoomAhead = 0.3;      ///< [m] between a halt and what it is for
+constexpr double kHesitation = 1.5;     ///< times what it takes at best
+constexpr double kBeside = 0.2;         ///< [m] from people who walk past a car that stands
+constexpr double kPassing = 8.0;        ///< [s] that this may take
 constexpr double kFromStrangers = 0.5;  ///< [m]
 
 /// [s] to drive `distance` from speed `v`, at best.
@@ -47,6 +51,11 @@ bool near(const LotCar& car, int cell, const Point& point, double distance) {
 /// The last place before a cell where the car should stand [m].
 double before(int cell) { return cell * PathCells::kLength - kRoomAhead; }
 
+/// Would the car come to rest behind the beginning of a cell if it braked now?
+bool too_late_for(int cell, const LotCar& car, const LotLimits& limits) {
+  return car.s + stopping_distance(car.v, limits.braking) > cell * PathCells::kLength;
+}
+
 }  // namespace
 
 /// One car's view of what is ahead.
@@ -57,11 +66,38 @@ struct LotLookout::Look {
   const View& view;
   int here;
   int last;     ///< cell
-  bool inside;  ///< of a footpath
+  bool inside;  ///< of a footpath, or too close to it to stop: then it crosses without delay
 
   [[nodiscard]] double time_to(int cell) const {
     const double distance = std::max(0.0, cell * PathCells::kLength - car.s);
     return fastest(distance, car.v, motion.limits());
+  }
+
+  /// Is the person close to a cell while the car is there?
+  [[nodiscard]] bool meets(const Pedestrian& person, int cell, double slack,
+                           double hesitation) const {
+    const double leaves = hesitation * time_to(cell + 1);
+    for (double t = std::max(0.0, time_to(cell) - slack); t <= leaves + slack; t += kInstant) {
+      if (near(car, cell, after(person, t), person.radius + kDistance)) return true;
+    }
+    return false;
+  }
+
+  /// Does the person walk into the car if it stands in a cell?
+  [[nodiscard]] bool walks_into(const Pedestrian& person, int cell) const {
+    for (double t = 0.0; t <= kPassing; t += kInstant) {
+      if (near(car, cell, after(person, t), person.radius + kBeside)) return true;
+    }
+    return false;
+  }
+
+  /// Where it can stop ahead of a cell and let the person pass [m]; nullopt if it is too late.
+  [[nodiscard]] std::optional<double> place_to_wait(const Pedestrian& person, int cell) const {
+    const double soonest = car.s + stopping_distance(car.v, motion.limits().braking) - kRoomAhead;
+    for (int k = cell; before(k) >= std::max(soonest, 0.0); --k) {
+      if (!walks_into(person, car.cells.cell_at(before(k)))) return before(k);
+    }
+    return std::nullopt;
   }
 };
 
@@ -69,8 +105,8 @@ double LotLookout::halt(const LotMotion& motion, const LotCar& car, double turn,
   if (car.at_end()) return kInfinity;
   const double sight = car.s + stopping_distance(car.v, motion.limits().braking) + kSight;
   const int here = car.cells.cell_at(car.s);
-  const bool inside = std::ranges::any_of(car.cells.stretches(), [here](const auto& stretch) {
-    return stretch.first <= here && here <= stretch.last;
+  const bool inside = std::ranges::any_of(car.cells.stretches(), [&](const auto& stretch) {
+    return here <= stretch.last && too_late_for(stretch.first, car, motion.limits());
   });
   const Look look{motion, car, turn, view, here, car.cells.cell_at(sight), inside};
   return std::min({before_people(look), before_footpath(look), before_strangers(look)});
@@ -82,13 +118,12 @@ double LotLookout::before_people(const Look& look) {
   for (const Pedestrian& person : look.view.people) {
     for (int cell = look.here + 1; cell <= look.last; ++cell) {
       if (before(cell) >= halt) break;
-      const double enters = look.time_to(cell);
-      const double leaves = 1.5 * look.time_to(cell + 1);
-      bool meets = false;
-      for (double t = std::max(0.0, enters - slack); t <= leaves + slack && !meets; t += kInstant) {
-        meets = near(look.car, cell, after(person, t), person.radius + kDistance);
+      if (!look.meets(person, cell, slack, kHesitation)) continue;
+      if (const std::optional<double> place = look.place_to_wait(person, cell)) {
+        halt = std::min(halt, *place);
+      } else if (look.meets(person, cell, kSlackInside, 1.0)) {
+        halt = before(cell);
       }
-      if (meets) halt = before(cell);
     }
   }
   return halt;
@@ -96,8 +131,9 @@ double LotLookout::before_people(const Look& look) {
 
 double LotLookout::before_footpath(const Look& look) {
   const LotCar& car = look.car;
-  const auto next = std::ranges::find_if(
-      car.cells.stretches(), [&](const auto& stretch) { return stretch.first > look.here; });
+  const auto next = std::ranges::find_if(car.cells.stretches(), [&](const auto& stretch) {
+    return !too_late_for(stretch.first, car, look.motion.limits());
+  });
   if (look.view.people.empty() || next == car.cells.stretches().end()) return kInfinity;
   if (next->first > look.last) return kInfinity;
   const auto [first, last] = *next;

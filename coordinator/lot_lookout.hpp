@@ -12,9 +12,10 @@ namespace mvtp {
 /// Looks ahead for those whom no plan knows: people on foot and vehicles with their own drivers.
 ///
 /// People are expected to go on as they walk now. A car stops before ground where somebody will be
-/// while it is there. People walk on, whatever stands there, so that a car enters a footpath only
-/// if nobody comes before it has left it again; that no other car holds it up there, its order says
-/// (PathCells::keep_clear).
+/// while it is there, at a place where nobody walks into it; if it is too late for that it drives
+/// on, unless into somebody. People walk on, whatever stands there, so that a car enters a footpath
+/// only if nobody comes before it has left it again; that no other car holds it up there, its order
+/// says (PathCells::keep_clear). Once it can no longer stop before the footpath it crosses.
 class LotLookout {
  public:
   struct View {

@@ -16,7 +16,7 @@ const Vehicle kCar{.front = 3.6, .rear = 0.9, .width = 1.8, .min_turning_radius 
 /// A car that drives 40 m straight to the east from x = 0; a footpath crosses at x = 10.
 class LotLookoutAhead : public testing::Test {
  protected:
-  void drive(double speed, bool with_footpath) {
+  void drive(double speed, bool with_footpath, double from = 0.0) {
     LotCar car;
     car.body = kCar;
     car.path = ArcPath(Pose{0, 0, 0});
@@ -24,6 +24,7 @@ class LotLookoutAhead : public testing::Test {
     car.cells = PathCells(car.path, kCar, 0.04);
     const std::array footpaths = {Footpath{{{10, -20}, {10, 20}}, 2.0}};
     if (with_footpath) car.cells.keep_clear(KeepClear(footpaths));
+    car.s = from;
     car.v = speed;
     motion_.put(car);
   }
@@ -73,6 +74,25 @@ TEST_F(LotLookoutAhead, EntersAFootpathOnlyToLeaveItAgain) {
   EXPECT_EQ(halt({far}, 14.0), kInfinity);
   // Another car lets it no further than onto the footpath: it would stand there.
   EXPECT_LT(halt({far}, 8.0), 10 - 1.0 - kCar.front);
+}
+
+//   To stop where somebody walks into its side would be worse.
+TEST_F(LotLookoutAhead, CrossesAtOnceWhatItCanNoLongerStopBefore) {
+  drive(2.3, true, 4.0);  // comes to rest behind the footpath's beginning, at 10 - 1 - 3.6 m
+  EXPECT_EQ(halt({walker(10, 6.1, -kHalfPi)}), kInfinity);
+}
+
+TEST_F(LotLookoutAhead, StandsWhereNobodyWalksIntoIt) {
+  for (const double from : {2.0, 4.0, 4.8}) {
+    motion_ = LotMotion();
+    drive(1.0, true, from);
+    for (double y = 1.0; y < 12.0; y += 0.5) {
+      const double place = halt({walker(10, y, -kHalfPi)});
+      // The body covers the walker's line from 10 - 3.6 to 10 + 0.9 m on.
+      const bool on_the_line = place > 10 - 3.6 - 0.3 && place < 10 + 0.9 + 0.3;
+      EXPECT_FALSE(on_the_line) << "from " << from << " m, somebody at " << y << " m: " << place;
+    }
+  }
 }
 
 TEST_F(LotLookoutAhead, StopsBehindThoseWithDriversOfTheirOwn) {
