@@ -215,13 +215,15 @@ TEST_F(Crossing, WithoutACompletePlanPbcrStopsTheVehicleInTime) {
   scene.forecasts.push_back({obstacle, {.states = {{120.0, 0.0}}, .complete = false}});
   add(0, 20.0, 13.9);
   double s = 20.0;
-  for (int decision = 0; decision < 60; ++decision) {
+  int standing = 0;  // decisions; each takes long, for there is no way on
+  for (int decision = 0; decision < 60 && standing < 3; ++decision) {
     const RoadDecision next = decide_on_road(scene, {}, {0}, {});
     ASSERT_EQ(next.stepped, 1);
     scene.step += scene.grid.steps_per_decision;
     scene.vehicles[0].now = next.plan.find(0)->at(scene.step);
     s = scene.vehicles[0].now.s;
     ASSERT_LT(s + kCar.front, 120.0 - kCar.rear) << "ran into the obstacle";
+    standing = scene.vehicles[0].now.v == 0.0 ? standing + 1 : 0;
   }
   EXPECT_GT(s, 60.0);  // it used the road up to the obstacle, or to the crossing before it
   EXPECT_EQ(scene.vehicles[0].now.v, 0.0);
