@@ -51,9 +51,14 @@ bool near(const LotCar& car, int cell, const Point& point, double distance) {
 /// The last place before a cell where the car should stand [m].
 double before(int cell) { return cell * PathCells::kLength - kRoomAhead; }
 
-/// Would the car come to rest behind the beginning of a cell if it braked now?
+/// Where the car comes to rest if it brakes now [m].
+double rest(const LotCar& car, const LotLimits& limits) {
+  return car.s + stopping_distance(car.v, limits.braking);
+}
+
+/// Would it come to rest behind the beginning of a cell?
 bool too_late_for(int cell, const LotCar& car, const LotLimits& limits) {
-  return car.s + stopping_distance(car.v, limits.braking) > cell * PathCells::kLength;
+  return rest(car, limits) > cell * PathCells::kLength;
 }
 
 }  // namespace
@@ -93,7 +98,7 @@ struct LotLookout::Look {
 
   /// Where it can stop ahead of a cell and let the person pass [m]; nullopt if it is too late.
   [[nodiscard]] std::optional<double> place_to_wait(const Pedestrian& person, int cell) const {
-    const double soonest = car.s + stopping_distance(car.v, motion.limits().braking) - kRoomAhead;
+    const double soonest = rest(car, motion.limits()) - kRoomAhead;
     for (int k = cell; before(k) >= std::max(soonest, 0.0); --k) {
       if (!walks_into(person, car.cells.cell_at(before(k)))) return before(k);
     }
@@ -103,7 +108,7 @@ struct LotLookout::Look {
 
 double LotLookout::halt(const LotMotion& motion, const LotCar& car, double turn, const View& view) {
   if (car.at_end()) return kInfinity;
-  const double sight = car.s + stopping_distance(car.v, motion.limits().braking) + kSight;
+  const double sight = rest(car, motion.limits()) + kSight;
   const int here = car.cells.cell_at(car.s);
   const bool inside = std::ranges::any_of(car.cells.stretches(), [&](const auto& stretch) {
     return here <= stretch.last && too_late_for(stretch.first, car, motion.limits());

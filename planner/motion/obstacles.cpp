@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numeric>
 #include <optional>
+#include <ranges>
+#include <span>
 
 namespace mvtp {
 namespace {
@@ -111,21 +113,17 @@ int Obstacles::first_hit(const Sweep& sweep) const {
   const double column = (sweep.centre().x + reach_) / cell_size_;
   const double row = (sweep.centre().y + reach_) / cell_size_;
   const bool in_grid = column >= 0 && row >= 0 && column < columns_ && row < rows_;
-  if (!in_grid || sweep.radius() > reach_) {
+  const auto first_of = [&](const auto& items) {
+    if (items.empty()) return -1;
     const OrientedBox around = sweep.around();
-    for (int item = 0; item < item_count(); ++item) {
+    for (const int item : items) {
       if (hits_item(sweep, around, item)) return obstacle_of(item);
     }
     return -1;
-  }
+  };
+  if (!in_grid || sweep.radius() > reach_) return first_of(std::views::iota(0, item_count()));
   const std::size_t k = std::size_t(int(row) * columns_ + int(column));
-  if (first_[k] == first_[k + 1]) return -1;
-  const OrientedBox around = sweep.around();
-  for (int i = first_[k]; i < first_[k + 1]; ++i) {
-    const int item = items_[std::size_t(i)];
-    if (hits_item(sweep, around, item)) return obstacle_of(item);
-  }
-  return -1;
+  return first_of(std::span(items_.begin() + first_[k], items_.begin() + first_[k + 1]));
 }
 
 Extent Obstacles::item_extent(int item) const {
