@@ -1,5 +1,6 @@
 #include "planner/search/occupancy.hpp"
 
+#include <bit>
 #include <cmath>
 
 // The scan is compiled for wider vectors too where the compiler can choose between them at run
@@ -23,19 +24,14 @@ int scan(const float* xs, const float* ys, const float* radii, int count, float 
          float radius, int* found) {
   int n = 0;
   for (int base = 0; base < count; base += kBlock) {
-    int hit[kBlock];
-    int any = 0;
+    unsigned hits = 0;
     for (int l = 0; l < kBlock; ++l) {
       const float dx = xs[base + l] - x;
       const float dy = ys[base + l] - y;
       const float reach = radii[base + l] + radius;
-      hit[l] = dx * dx + dy * dy < reach * reach ? 1 : 0;
-      any |= hit[l];
+      hits |= (dx * dx + dy * dy < reach * reach ? 1U : 0U) << unsigned(l);
     }
-    if (any == 0) continue;
-    for (int l = 0; l < kBlock; ++l) {
-      if (hit[l] != 0) found[n++] = base + l;
-    }
+    for (; hits != 0; hits &= hits - 1) found[n++] = base + std::countr_zero(hits);
   }
   return n;
 }
