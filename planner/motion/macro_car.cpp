@@ -77,9 +77,7 @@ MacroCar::MacroCar(const Vehicle& vehicle, TimeGrid time, const Map& map,
     Action& action = actions_[a];
     action.arc = arcs[a];
     action.turn = int(std::lround(arcs[a].length * arcs[a].curvature / turn_));
-    const Pose end = drive(Pose{}, arcs[a]);
-    action.dx = end.x;
-    action.dy = end.y;
+    action.end = arc_end(arcs[a]);
     if (arcs[a].length != 0.0) {
       action.travel = arcs[a].curvature == 0.0 ? float(step_length()) : shape_.travel;
     }
@@ -96,6 +94,15 @@ MacroCar::MacroCar(const Vehicle& vehicle, TimeGrid time, const Map& map,
     const float way = std::hypot(middle.x - float(ahead()), middle.y);
     reach_of_all_ = std::max(reach_of_all_, way + action.radius);
   }
+}
+
+const MacroCar::Action* MacroCar::beginning_of(const Arc& arc) const {
+  const auto* const begin = actions_.begin();
+  const auto* const end = begin + kWait;
+  const auto* const found = std::find_if(begin, end, [&](const Action& action) {
+    return action.arc.curvature == arc.curvature && action.arc.length * arc.length > 0.0;
+  });
+  return found == end ? nullptr : found;
 }
 
 bool MacroCar::in_bounds(const Pose& from, const Arc& arc) const {

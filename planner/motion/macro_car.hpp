@@ -44,9 +44,8 @@ class MacroCar {
 
   struct Action {
     Arc arc;
-    int turn = 0;     ///< change of heading in units of turn()
-    double dx = 0.0;  ///< of the rear axle, in the frame it starts from [m]
-    double dy = 0.0;
+    int turn = 0;      ///< change of heading in units of turn()
+    Frame end;         ///< of the rear axle, in the frame it starts from
     float travel = 0;  ///< of any point of the body, per instant [m]
     float radius = 0;  ///< of a circle around the body's middle half way that contains all of it
     std::vector<BoxPose> boxes;  ///< in the frame of the rear axle at the start, bucket + 1
@@ -56,6 +55,8 @@ class MacroCar {
   static constexpr int kQuick = 7;  ///< so many without the slow ones
 
   [[nodiscard]] const std::array<Action, 13>& actions() const { return actions_; }
+  /// The one at full speed that an arc of this curvature begins with; nullptr if there is none.
+  [[nodiscard]] const Action* beginning_of(const Arc& arc) const;
   /// The change of heading of a slow turning action [rad].
   [[nodiscard]] double turn() const { return turn_; }
   [[nodiscard]] const Vehicle& vehicle() const { return vehicle_; }

@@ -26,14 +26,15 @@ int duration(std::span<const Arc> arcs, double step) {
 }
 
 /// A box given in the frame of a car, in the world.
-BoxPose moved(const BoxPose& box, double x, double y, double ux, double uy) {
-  return {float(x + ux * double(box.x) - uy * double(box.y)),
-          float(y + uy * double(box.x) + ux * double(box.y)),
-          float(ux) * box.ux - float(uy) * box.uy, float(uy) * box.ux + float(ux) * box.uy};
+BoxPose moved(const BoxPose& box, const Frame& car) {
+  const Point middle = car.world(double(box.x), double(box.y));
+  const float ux = float(car.ux);
+  const float uy = float(car.uy);
+  return {float(middle.x), float(middle.y), ux * box.ux - uy * box.uy, uy * box.ux + ux * box.uy};
 }
 
-SweptBox moved(const SweptBox& box, double x, double y, double ux, double uy) {
-  return {moved(box.pose, x, y, ux, uy), box.half_length, box.half_width};
+SweptBox moved(const SweptBox& box, const Frame& car) {
+  return {moved(box.pose, car), box.half_length, box.half_width};
 }
 
 }  // namespace
@@ -44,17 +45,8 @@ std::optional<SoftPath> SoftAstar::search(const SoftProblem& problem, const Soft
   options_ = options;
   prepare();
   const Pose& start = problem.start;
-  Node root{start.x,
-            start.y,
-            std::cos(start.theta),
-            std::sin(start.theta),
-            0.0F,
-            0.0F,
-            -1,
-            problem.start_bucket,
-            0,
-            -1,
-            std::int8_t(problem.direction)};
+  Node root{Frame(start),         0.0F, 0.0F, -1,
+            problem.start_bucket, 0,    -1,   std::int8_t(problem.direction)};
   root.f = estimate(0.0, root.bucket, to_go(start.x, start.y, start.theta));
   push(root);
   for (int n = 0; n < options.max_expansions && !open_.empty(); ++n) {
@@ -77,7 +69,7 @@ std::optional<SoftPath> SoftAstar::search(const SoftProblem& problem, const Soft
 
 bool SoftAstar::shoots(int expansion, const Node& node) const {
   const Vehicle& vehicle = problem_->car->vehicle();
-  const double h = to_go(node.x, node.y, heading(node.turns));
+  const double h = to_go(node.at.x, node.at.y, heading(node.turns));
   const bool close =
       (h - tail_duration_) * vehicle.max_speed < kShotRange * vehicle.min_turning_radius;
   if (!close && expansion % kShotEvery != 0) return false;
@@ -174,6 +166,15 @@ float SoftAstar::price_of_nearby(int bucket, const BoxPose* boxes, float travel)
   return sum;
 }
 
+/// Of those around, for an action that begins at `from`.
+float SoftAstar::price_of_action(int bucket, const Frame& from, const BoxPose& halfway,
+                                 const MacroCar::Action& action) {
+  if (around_ == 0) return 0.0F;
+  if (!anyone_nearby(bucket, halfway, action.radius, moved(action.swept, from))) return 0.0F;
+  for (std::size_t t = 0; t < boxes_.size(); ++t) boxes_[t] = moved(action.boxes[t], from);
+  return price_of_nearby(bucket, boxes_.data(), action.travel);
+}
+
 double SoftAstar::to_go(double x, double y, double theta) const {
   return (*problem_->cost_to_go)({x, y, theta}) / problem_->car->vehicle().max_speed +
          tail_duration_;
@@ -218,12 +219,11 @@ void SoftAstar::expand(int node) {
   // Everyone whom any of the actions might touch, once for all of them.
   const MacroCar& car = *problem_->car;
   const Node& from = nodes_[std::size_t(node)];
-  const double ahead = car.ahead();
+  const BoxPose middle = box_pose(from.at, car.ahead());
   const OtherRobots& others = problem_->others;
   around_ = 0;
   if (from.bucket < others.horizon) {
-    around_ = others.occupancy->near(from.bucket, float(from.x + ahead * from.ux),
-                                     float(from.y + ahead * from.uy), car.reach_of_all(),
+    around_ = others.occupancy->near(from.bucket, middle.x, middle.y, car.reach_of_all(),
                                      around_list_.data());
   }
   const int actions = options_.slowly ? int(car.actions().size()) : MacroCar::kQuick;
@@ -241,39 +241,25 @@ void SoftAstar::try_action(int parent, int a) {
   child.turns = from.turns + action.turn;
   if (action.arc.length != 0.0) child.direction = action.arc.length > 0.0 ? 1 : -1;
   if (child.direction * from.direction < 0) child.price += float(options_.reversal);
-  child.x += from.ux * action.dx - from.uy * action.dy;
-  child.y += from.uy * action.dx + from.ux * action.dy;
+  child.at = from.at.then(action.end);
   const double theta = heading(child.turns);
-  const double h = to_go(child.x, child.y, theta);
+  const double h = to_go(child.at.x, child.at.y, theta);
   const double slack = kSlack * car.vehicle().min_turning_radius / car.vehicle().max_speed;
   if (child.bucket * bucket_duration_ + h - slack > problem_->deadline * car.time().dt) return;
   child.f = estimate(double(child.price), child.bucket, h);
   if (double(child.f) >= best_.cost) return;
-  Cell& cell = cell_of(child.x, child.y, theta, child.bucket);
+  Cell& cell = cell_of(child.at.x, child.at.y, theta, child.bucket);
   const bool waits = waits_in_its_cell(child);
   if (cell.f <= child.f && !waits) return;
 
-  const std::size_t middle = std::size_t(car.time().bucket / 2);
-  const BoxPose halfway = moved(action.boxes[middle], from.x, from.y, from.ux, from.uy);
+  const BoxPose halfway = moved(action.boxes[std::size_t(car.time().bucket / 2)], from.at);
   if (a != MacroCar::kWait && !car.is_free(pose(from), action.arc, halfway)) return;
-  if (around_ > 0 && anyone_nearby(from.bucket, halfway, action.radius,
-                                   moved(action.swept, from.x, from.y, from.ux, from.uy))) {
-    for (std::size_t t = 0; t < boxes_.size(); ++t) {
-      boxes_[t] = moved(action.boxes[t], from.x, from.y, from.ux, from.uy);
-    }
-    const float more = price_of_nearby(from.bucket, boxes_.data(), action.travel);
-    if (options_.hard && more > 0.0F) return;
-    child.price += more;
-    child.f += more;
-  }
+  const float more = price_of_action(from.bucket, from.at, halfway, action);
+  if (options_.hard && more > 0.0F) return;
+  child.price += more;
+  child.f += more;
   if ((cell.f <= child.f && !waits) || double(child.f) >= best_.cost) return;
   cell.f = std::min(cell.f, child.f);
-  if (action.turn != 0) {
-    const double c = std::cos(action.turn * turn_);
-    const double s = std::sin(action.turn * turn_);
-    child.ux = from.ux * c - from.uy * s;
-    child.uy = from.uy * c + from.ux * s;
-  }
   push(child);
 }
 
@@ -322,44 +308,77 @@ double SoftAstar::price_of_reversals(int direction, std::span<const Arc> arcs) c
 /// once it is `most`.
 double SoftAstar::follow(const Pose& start, int bucket, std::span<const Arc> arcs, double most) {
   const MacroCar& car = *problem_->car;
-  const int instants = car.time().bucket;
+  const int whole = car.time().bucket;
   const double step = car.step_length();
-  const double ahead = car.ahead();
-  double sum = 0.0;
-  int filled = 0;  // boxes of this bucket, the one at its beginning left out
-  Pose pose = start;
-  Frame frame(start);
-  boxes_[0] = box_pose(frame, ahead);
-  const auto close_bucket = [&] {
-    for (std::size_t t = std::size_t(filled) + 1; t < boxes_.size(); ++t) {
-      boxes_[t] = boxes_[std::size_t(filled)];
-    }
-    sum += double(price(bucket, boxes_.data(), car.shape().travel, car.reach()));
-    boxes_[0] = boxes_[std::size_t(filled)];
-    filled = 0;
-    ++bucket;
-    return sum < most;
-  };
+  Ride ride{Frame(start), start.theta, bucket};
   for (const Arc& arc : arcs) {
-    const double sign = arc.length < 0.0 ? -1.0 : 1.0;
-    const Frame full = arc_end({sign * step, arc.curvature});
-    double left = std::abs(arc.length);
-    for (int n = 0; left > kRounding * step; ++n, left -= step) {
-      if (n % instants == 0) {  // pieces of at most one action are tried against the obstacles
-        const Arc piece{sign * std::min(left, instants * step), arc.curvature};
-        const Frame middle = frame.then(arc_end({piece.length / 2, piece.curvature}));
-        if (!car.is_free(pose, piece, box_pose(middle, ahead))) {
-          return std::numeric_limits<double>::infinity();
-        }
-        pose = drive(pose, piece);
+    const MacroCar::Action* action = car.beginning_of(arc);
+    for (double left = std::abs(arc.length); left > kRounding * step;) {
+      double driven = whole * step;
+      bool free = false;
+      if (action != nullptr && ride.instants == 0 && left >= driven) {
+        free = ride_action(ride, *action);
+      } else {
+        const int instants =
+            std::min(whole - ride.instants, int(std::ceil(left / step - kRounding)));
+        driven = std::min(left, instants * step);
+        free = ride_piece(ride, {std::copysign(driven, arc.length), arc.curvature}, instants);
       }
-      frame = frame.then(left >= step ? full : arc_end({sign * left, arc.curvature}));
-      boxes_[std::size_t(++filled)] = box_pose(frame, ahead);
-      if (filled == instants && !close_bucket()) return sum;
+      if (!free) return std::numeric_limits<double>::infinity();
+      if (ride.price >= most) return ride.price;
+      left -= driven;
     }
   }
-  if (filled > 0) close_bucket();
-  return sum;
+  if (ride.instants > 0) end_bucket(ride);
+  return ride.price;
+}
+
+/// For a bucket, from its beginning on. @return false if the map is in the way
+bool SoftAstar::ride_action(Ride& ride, const MacroCar::Action& action) {
+  const MacroCar& car = *problem_->car;
+  const OtherRobots& others = problem_->others;
+  const BoxPose halfway = moved(action.boxes[std::size_t(car.time().bucket / 2)], ride.at);
+  if (!car.is_free({ride.at.x, ride.at.y, ride.theta}, action.arc, halfway)) return false;
+  if (ride.bucket < others.horizon) {
+    around_ = others.occupancy->near(ride.bucket, halfway.x, halfway.y, action.radius,
+                                     around_list_.data());
+    ride.price += double(price_of_action(ride.bucket, ride.at, halfway, action));
+  }
+  ride.at = ride.at.then(action.end);
+  ride.theta += action.arc.length * action.arc.curvature;
+  ++ride.bucket;
+  return true;
+}
+
+/// For so many instants, all but the last at full speed, at most to the end of the bucket.
+/// @return false if the map is in the way
+bool SoftAstar::ride_piece(Ride& ride, const Arc& piece, int instants) {
+  const MacroCar& car = *problem_->car;
+  const double ahead = car.ahead();
+  const Frame middle = ride.at.then(arc_end({piece.length / 2, piece.curvature}));
+  if (!car.is_free({ride.at.x, ride.at.y, ride.theta}, piece, box_pose(middle, ahead))) {
+    return false;
+  }
+  if (ride.instants == 0) boxes_[0] = box_pose(ride.at, ahead);
+  const Frame end = ride.at.then(arc_end(piece));
+  const Frame step = arc_end({std::copysign(car.step_length(), piece.length), piece.curvature});
+  for (int k = 1; k <= instants; ++k) {
+    ride.at = k < instants ? ride.at.then(step) : end;
+    boxes_[std::size_t(++ride.instants)] = box_pose(ride.at, ahead);
+  }
+  ride.theta += piece.length * piece.curvature;
+  if (ride.instants == car.time().bucket) end_bucket(ride);
+  return true;
+}
+
+/// Adds the price of what was driven of a bucket and of resting for the remainder.
+void SoftAstar::end_bucket(Ride& ride) {
+  const auto driven = boxes_.begin() + ride.instants;
+  std::fill(driven, boxes_.end(), *driven);
+  const MacroCar& car = *problem_->car;
+  ride.price += double(price(ride.bucket, boxes_.data(), car.shape().travel, car.reach()));
+  ++ride.bucket;
+  ride.instants = 0;
 }
 
 SoftPath SoftAstar::path() {

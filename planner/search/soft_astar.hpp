@@ -90,10 +90,7 @@ class SoftAstar {
 
  private:
   struct Node {
-    double x;
-    double y;
-    double ux;
-    double uy;
+    Frame at;
     float price;
     float f;
     int parent;
@@ -106,6 +103,14 @@ class SoftAstar {
     std::uint64_t key;
     float f;
     unsigned stamp;
+  };
+  /// How far the driving of a shot has got.
+  struct Ride {
+    Frame at;
+    double theta;
+    int bucket;
+    int instants = 0;  ///< of this bucket driven so far, their boxes in boxes_
+    double price = 0.0;
   };
   struct Shot {
     int node = -1;
@@ -121,8 +126,12 @@ class SoftAstar {
   [[nodiscard]] bool anyone_nearby(int bucket, const BoxPose& halfway, float radius,
                                    const SweptBox& swept);
   [[nodiscard]] float price_of_nearby(int bucket, const BoxPose* boxes, float travel);
+  [[nodiscard]] float price_of_action(int bucket, const Frame& from, const BoxPose& halfway,
+                                      const MacroCar::Action& action);
   [[nodiscard]] double heading(int turns) const { return problem_->start.theta + turns * turn_; }
-  [[nodiscard]] Pose pose(const Node& node) const { return {node.x, node.y, heading(node.turns)}; }
+  [[nodiscard]] Pose pose(const Node& node) const {
+    return {node.at.x, node.at.y, heading(node.turns)};
+  }
   [[nodiscard]] double to_go(double x, double y, double theta) const;
   [[nodiscard]] float estimate(double price, int bucket, double to_go) const;
   [[nodiscard]] Cell& cell_of(double x, double y, double theta, int bucket);
@@ -133,6 +142,9 @@ class SoftAstar {
   void try_shot(int node);
   [[nodiscard]] double follow(const Pose& start, int bucket, std::span<const Arc> arcs,
                               double most);
+  [[nodiscard]] bool ride_action(Ride& ride, const MacroCar::Action& action);
+  [[nodiscard]] bool ride_piece(Ride& ride, const Arc& piece, int instants);
+  void end_bucket(Ride& ride);
   /// The way behind a shot, the tail included; valid until the next call.
   [[nodiscard]] std::span<const Arc> to_the_end(const ReedsSheppPath& shot);
   [[nodiscard]] bool waits_in_its_cell(const Node& node) const;
