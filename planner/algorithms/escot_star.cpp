@@ -22,6 +22,7 @@ constexpr int kSoloExpansions = 20'000;
 constexpr std::int64_t kPatience =
     50'000;  ///< expansions without progress of attempts to lower ...
 constexpr std::int64_t kPatiencePerRobot = 1'500;  ///< ... and so many more for each robot
+constexpr double kFar = 1.2;           ///< times the lower bound: too far to try the bound at once
 constexpr int kLateExpansions = 5000;  ///< of one search for a robot that is to arrive earlier
 constexpr std::int64_t kExchangeEvery = 20'000;  ///< expansions between two meetings
 constexpr int kMaxDoublings = 6;  ///< of the efforts, before nothing more is expected
@@ -171,13 +172,14 @@ void Searcher::straighten_longest_ways() {
   }
 }
 
-/// Lowers the deadline of all robots: boldly first, less so after each failure, and again with
-/// twice the effort when nothing was too much to ask for.
+/// Lowers the deadline of all robots: boldly first, unless it is far from the bound, less so after
+/// each failure, and again with twice the effort when nothing was too much to ask for.
 void Searcher::improve() {
   if (best_.tracks.empty()) return;
   straighten_longest_ways();
   int floor = scene_.lower_bound;
-  double part = 0.0;  // of the way from the floor to the best makespan that is not dared
+  const bool far = best_.makespan > kFar * floor;
+  double part = far ? 0.5 : 0.0;  // of the way from floor to best makespan that is not dared
   const std::int64_t patience = kPatience + kPatiencePerRobot * motion_.size();
   int doublings = 0;
   while (best_.makespan > scene_.goal && !ended_ && !deadline_.expired()) {

@@ -3,29 +3,21 @@
 #include <algorithm>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <numeric>
 #include <utility>
 
 #include "planner/algorithms/taking_turns.hpp"
+#include "planner/algorithms/windows.hpp"
 
 namespace mvtp {
 namespace {
 
-constexpr int kExpansions = 500;  ///< of the first search for a robot
-/// If robots on their ways alone have so many conflicts each, the plan is found window by window
-/// of time: what comes later changes too often to be worth the work.
-constexpr double kCrowded = 1.0;
-constexpr int kWindow = 16;  ///< [buckets]
-constexpr int kSight = 20;   ///< searches see so much further than the window [buckets]
-/// The plan is looked for within so much of the longest way alone; a deadline does not make it
-/// harder to find, but much better. It is put off by kRelax whenever the repair comes to a halt.
-constexpr double kLimit = 1.2;
-constexpr double kCrowdedLimit = 1.25;
-constexpr double kRelax = 1.25;
-constexpr double kNoLimit = 1e9;  ///< [instants]
-/// Expansions per robot without progress until the repair has come to a halt; half of them before
-/// robots take turns, which costs little where it fails.
-constexpr std::int64_t kPatiencePerRobot = 1'500;
+constexpr int kExpansions = 500;     ///< of the first search for a robot
+constexpr int kDelays = 4;           ///< ways alone begin at multiples of so many buckets
+constexpr double kNoLimit = 1e9;     ///< [instants]
+constexpr int kRobotsPerHalt = 100;  ///< turns take time with the square of the robots
+constexpr std::int64_t kPatienceWithTurns = 1500;  ///< expansions per robot without progress
 
 }  // namespace
 
@@ -39,10 +31,12 @@ FirstPlan::FirstPlan(JointMotion& motion, Repair& repair, const std::vector<Time
 
 bool FirstPlan::find() {
   motion_.place_all(alone_);
-  const bool crowded = double(motion_.conflicts().size()) > kCrowded * motion_.size();
+  const bool crowd = needs_windows(motion_);
   motion_.clear();
-  set_limit((crowded ? kCrowdedLimit : kLimit) * longest_way_alone());
-  return crowded ? resolve_by_windows() : place_one_by_one() && resolve();
+  temper_ = crowd ? kCrowded : kCalm;
+  set_limit(temper_.limit * alone_[std::size_t(longest_way_first().front())].arrival());
+  if (!crowd) return place_one_by_one() && resolve();
+  return spread_out() && resolve_by_windows(motion_, [this] { return resolve(); });
 }
 
 void FirstPlan::set_limit(double limit) {
@@ -50,22 +44,40 @@ void FirstPlan::set_limit(double limit) {
   repair_.set_limit(int(limit_));
 }
 
-std::int64_t FirstPlan::patience() const { return kPatiencePerRobot * motion_.size(); }
-
-/// The arrival of the last robot if each were alone [instants].
-int FirstPlan::longest_way_alone() const {
-  return std::ranges::max_element(alone_, {}, &TimedTrack::arrival)->arrival();
-}
-
-/// False if the time ran out before everyone was placed.
-bool FirstPlan::place_one_by_one() {
+std::vector<int> FirstPlan::longest_way_first() const {
   std::vector<int> order(alone_.size());
   std::iota(order.begin(), order.end(), 0);
   std::ranges::stable_sort(order, std::greater<>(),
                            [&](int i) { return alone_[std::size_t(i)].arrival(); });
-  for (const int i : order) {
+  return order;
+}
+
+/// False if the time ran out before everyone was placed.
+bool FirstPlan::place_one_by_one() {
+  for (const int i : longest_way_first()) {
     if (deadline_.expired()) return false;
     plan_softly(i);
+  }
+  return true;
+}
+
+/// Everyone drives the way alone, begun when it meets fewest of those placed so far. All the time
+/// there is gets used, so that far fewer are under way at once. False if the time ran out.
+bool FirstPlan::spread_out() {
+  const int step = kDelays * motion_.time().bucket;
+  for (const int i : longest_way_first()) {
+    if (deadline_.expired()) return false;
+    const TimedTrack& way = alone_[std::size_t(i)];
+    TimedTrack best;
+    int fewest = std::numeric_limits<int>::max();
+    for (int wait = 0; fewest > 0 && (wait == 0 || wait + way.arrival() <= limit_); wait += step) {
+      TimedTrack track = motion_.track_after(i, wait, way.steps());
+      const int met = motion_.overlaps(i, track, fewest);
+      if (met >= fewest) continue;
+      fewest = met;
+      best = std::move(track);
+    }
+    motion_.place(i, std::move(best));
   }
   return true;
 }
@@ -79,24 +91,16 @@ void FirstPlan::plan_softly(int i) {
 
 /// Until nobody overlaps before the horizon.
 bool FirstPlan::resolve() {
-  while (!repair_.run(turns_taken_ ? patience() : patience() / 2, interrupt_)) {
+  const std::int64_t patience = temper_.patience * motion_.size();
+  const int halts_before_turns = temper_.halts + motion_.size() / kRobotsPerHalt;
+  for (int halts = 1; !repair_.run(patience, interrupt_); ++halts) {
     if (over()) return false;
-    if (!std::exchange(turns_taken_, true) && take_turns()) return true;
+    const bool turns = halts >= halts_before_turns && !std::exchange(turns_taken_, true);
+    if (turns && take_turns()) return true;
     if (over()) return false;
-    set_limit(kRelax * limit_);
+    set_limit(temper_.relax * limit_);
   }
   return true;
-}
-
-/// From the ways alone on: conflicts are resolved up to a horizon that is moved on.
-bool FirstPlan::resolve_by_windows() {
-  motion_.set_horizon(kWindow, kWindow + kSight);
-  for (int i = 0; i < motion_.size(); ++i) motion_.place(i, alone_[std::size_t(i)]);
-  for (int end = kWindow; resolve(); end += kWindow) {
-    if (!motion_.has_horizon() || end * motion_.time().bucket > motion_.makespan()) return true;
-    motion_.set_horizon(end + kWindow, end + kWindow + kSight);
-  }
-  return false;
 }
 
 /// True if nobody overlaps any more, with no horizon; if not, nothing has changed.
@@ -105,14 +109,15 @@ bool FirstPlan::take_turns() {
   const double limit = limit_;
   set_limit(kNoLimit);
   TakingTurns turns(motion_, alone_, deadline_);
-  turns.run(patience());
+  const std::int64_t patience = kPatienceWithTurns * motion_.size();
+  turns.run(patience);
   const bool most = turns.gone() > motion_.size() / 2;
   for (int i = 0; i < motion_.size() && most; ++i) {
     if (turns.has_gone(i)) continue;
     (void)motion_.remove(i);
     plan_softly(i);
   }
-  if (most && repair_.run(patience(), interrupt_)) return true;
+  if (most && repair_.run(patience, interrupt_)) return true;
   motion_.restore(before);
   set_limit(limit);
   return false;

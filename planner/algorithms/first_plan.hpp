@@ -12,11 +12,13 @@ namespace mvtp {
 /// A plan for all robots from their ways alone, whatever its makespan.
 ///
 /// 1. One after the other, those with the longest way first, robots are placed by a search that may
-///    drive through others at a price. Where very many ways alone overlap, all start from these
-///    instead, and what follows is done window by window of time.
+///    drive through others at a price. In a crowd, where very many ways alone overlap, they drive
+///    these instead, begun when they meet fewest, and what follows is done window by window of
+///    time.
 /// 2. What overlaps is repaired, within a deadline for all.
 /// 3. When that comes to a halt, robots take turns (TakingTurns), and those left without a way are
-///    placed as in 1 and repaired. If this fails too, the deadline is put off, again and again.
+///    placed as in 1 and repaired. If this fails too, the deadline is put off, again and again; in
+///    a crowd it is so first, and by little.
 class FirstPlan {
  public:
   /// All parameters outlive this object. @param alone  the robots' ways if they were alone
@@ -27,14 +29,23 @@ class FirstPlan {
   [[nodiscard]] bool find();
 
  private:
+  /// What differs in a crowd.
+  struct Temper {
+    double limit;           ///< of all arrivals at first, in longest ways alone
+    double relax;           ///< the limit becomes so much later at every halt ...
+    std::int64_t patience;  ///< ... after so many expansions per robot without progress
+    int halts;              ///< so many on end before robots take turns, and more for more robots
+  };
+  static constexpr Temper kCalm{1.2, 1.25, 750, 1};
+  static constexpr Temper kCrowded{1.25, 1.1, 300, 2};
+
   [[nodiscard]] bool place_one_by_one();
+  [[nodiscard]] bool spread_out();
   [[nodiscard]] bool resolve();
-  [[nodiscard]] bool resolve_by_windows();
   [[nodiscard]] bool take_turns();
-  [[nodiscard]] int longest_way_alone() const;
+  [[nodiscard]] std::vector<int> longest_way_first() const;
   void plan_softly(int i);
   void set_limit(double limit);
-  [[nodiscard]] std::int64_t patience() const;
   [[nodiscard]] bool over() const { return deadline_.expired() || interrupt_(); }
 
   JointMotion& motion_;
@@ -42,6 +53,7 @@ class FirstPlan {
   const std::vector<TimedTrack>& alone_;
   const Deadline& deadline_;
   Repair::Interrupt interrupt_;
+  Temper temper_ = kCalm;
   double limit_ = 0.0;  ///< of all arrivals [instants]
   bool turns_taken_ = false;
 };

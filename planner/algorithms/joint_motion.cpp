@@ -55,6 +55,16 @@ void JointMotion::place(int i, TimedTrack track) {
   present_[std::size_t(i)] = 1;
 }
 
+int JointMotion::overlaps(int i, const TimedTrack& track, int most) {
+  counted_.assign(robots_.size(), 0);
+  int count = 0;
+  for_each_contact(i, track, 0, [&](int j, int) {
+    if (count < most && counted_[std::size_t(j)]++ == 0) ++count;
+    return count < most;
+  });
+  return count;
+}
+
 TimedTrack JointMotion::track_after(int i, int wait, std::span<const Arc> way, bool leaves) const {
   std::vector<Arc> steps(std::size_t(wait), Arc{});
   steps.insert(steps.end(), way.begin(), way.end());
@@ -63,9 +73,10 @@ TimedTrack JointMotion::track_after(int i, int wait, std::span<const Arc> way, b
 
 bool JointMotion::place_later(int i, std::span<const Arc> way, int latest, bool leaves) {
   for (int wait = 0; wait <= latest; wait += time_.bucket) {
-    place(i, track_after(i, wait, way, leaves));
-    if (conflicts_of(i).empty()) return true;
-    remove(i);
+    TimedTrack track = track_after(i, wait, way, leaves);
+    if (overlaps(i, track, 1) > 0) continue;
+    place(i, std::move(track));
+    return true;
   }
   return false;
 }

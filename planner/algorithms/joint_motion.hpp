@@ -39,6 +39,8 @@ class JointMotion {
 
   /// Robot i, absent so far, moves along `track`.
   void place(int i, TimedTrack track);
+  /// How many others robot i, absent so far, would overlap on `track`; counted up to `most`.
+  [[nodiscard]] int overlaps(int i, const TimedTrack& track, int most);
   /// Robot i standing at its start for `wait` instants, and then on this way.
   [[nodiscard]] TimedTrack track_after(int i, int wait, std::span<const Arc> way,
                                        bool leaves = false) const;
@@ -111,6 +113,7 @@ class JointMotion {
   double cost_ = 0.0;
   std::vector<float> prices_;
   std::vector<int> found_;
+  std::vector<char> counted_;
 };
 
 }  // namespace mvtp

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "planner/algorithms/windows.hpp"
+
 namespace mvtp {
 
 Repair::Repair(JointMotion& motion, const std::vector<TimedTrack>& alone,
@@ -166,7 +168,8 @@ bool Repair::lower(int limit, std::int64_t patience, int expansions, const Inter
     if (unreachable || deadline_.expired()) return false;
     motion_.place(i, track);
   }
-  return run(patience, interrupt);
+  const auto resolve = [&] { return run(patience, interrupt); };
+  return needs_windows(motion_) ? resolve_by_windows(motion_, resolve) : resolve();
 }
 
 bool Repair::shorten(int i, int expansions) {

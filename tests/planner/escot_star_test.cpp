@@ -136,6 +136,23 @@ TEST_F(StarParts, RemovingAndPlacingAgainChangesNothing) {
   EXPECT_EQ(motion.cost(), cost);
 }
 
+//   What would overlap is what does once it is there.
+TEST_F(StarParts, OverlapsAreCountedBeforehand) {
+  JointMotion motion(robots, time);
+  place_all_alone(motion);
+  constexpr int kAll = 1000;
+  int most = 0;
+  for (int i = 0; i < motion.size(); ++i) {
+    const int expected = int(motion.conflicts_of(i).size());
+    TimedTrack track = motion.remove(i);
+    EXPECT_EQ(motion.overlaps(i, track, kAll), expected);
+    EXPECT_EQ(motion.overlaps(i, track, 1), std::min(expected, 1));
+    motion.place(i, std::move(track));
+    most = std::max(most, expected);
+  }
+  EXPECT_GT(most, 2);
+}
+
 TEST_F(StarParts, RepairEndsWithoutConflictsOrSaysSo) {
   JointMotion motion(robots, time);
   Repair repair(motion, alone, {}, 1, never);

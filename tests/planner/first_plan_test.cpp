@@ -1,0 +1,99 @@
+#include "planner/algorithms/first_plan.hpp"
+
+#include <gtest/gtest.h>
+
+#include "planner/algorithms/windows.hpp"
+#include "planner/problem/validate.hpp"
+#include "tests/planner/joint_scene.hpp"
+#include "tests/planner/scenes.hpp"
+
+namespace mvtp {
+namespace {
+
+const Repair::Interrupt kNever = [] { return false; };
+
+/// Queues of three on five lanes to the east and on five to the north, 6 m apart, and one robot
+/// that has much further to go, beside them all: the ones have time to go when the others are
+/// through.
+Instance crossing_lanes() {
+  Instance instance{.agents = {}, .map = empty_map(90), .dt = 1.0};
+  for (int lane = 0; lane < 5; ++lane) {
+    const double side = 22.0 + 6 * lane;
+    for (int place = 0; place < 3; ++place) {
+      const double start = 16.0 - 6 * place;
+      const double north = std::numbers::pi / 2;
+      instance.agents.push_back(agent({start, side, 0}, {start + 48, side, 0}));
+      instance.agents.push_back(agent({side, start, north}, {side, start + 48, north}));
+    }
+  }
+  instance.agents.push_back(agent({3, 86, 0}, {85, 86, 0}));
+  for (std::size_t i = 0; i < instance.agents.size(); ++i) {
+    instance.agents[i].name = "agent" + std::to_string(i);
+  }
+  return instance;
+}
+
+void expect_valid(const JointScene& scene, const JointMotion& motion) {
+  for (const Violation& violation :
+       find_violations(scene.instance, scene.plan_of(motion), CollisionRule::kContinuous)) {
+    ADD_FAILURE() << violation.message;
+  }
+}
+
+//   Nobody needs to be planned anew who only has to begin later.
+TEST(FirstPlan, ACrowdIsSpreadOut) {
+  const JointScene scene(crossing_lanes());
+  JointMotion motion(scene.robots, scene.time);
+  motion.place_all(scene.alone);
+  ASSERT_TRUE(needs_windows(motion)) << motion.conflicts().size();
+  Repair repair(motion, scene.alone, {}, 1, scene.never);
+  ASSERT_TRUE(FirstPlan(motion, repair, scene.alone, scene.never, kNever).find());
+  expect_valid(scene, motion);
+  EXPECT_EQ(repair.expansions(), 0);
+  EXPECT_LE(motion.makespan(), 1.25 * scene.alone.back().arrival());
+}
+
+TEST(FirstPlan, CrowdsAndOthersEndWithoutConflicts) {
+  for (const int robots : {6, 40}) {
+    const JointScene scene(random_instance(11, robots, 5, 45));
+    JointMotion motion(scene.robots, scene.time);
+    motion.place_all(scene.alone);
+    EXPECT_EQ(needs_windows(motion), robots == 40) << motion.conflicts().size();
+    Repair repair(motion, scene.alone, {}, 1, scene.never);
+    ASSERT_TRUE(FirstPlan(motion, repair, scene.alone, scene.never, kNever).find());
+    EXPECT_FALSE(motion.has_horizon());
+    expect_valid(scene, motion);
+  }
+}
+
+TEST(Windows, EndOnceNobodyOverlapsAtAnyTime) {
+  const JointScene scene(random_instance(11, 30, 5, 45));
+  JointMotion motion(scene.robots, scene.time);
+  motion.place_all(scene.alone);
+  const std::size_t all = motion.conflicts().size();
+  Repair repair(motion, scene.alone, {}, 1, scene.never);
+  int windows = 0;
+  ASSERT_TRUE(resolve_by_windows(motion, [&] {
+    EXPECT_TRUE(motion.has_horizon());
+    if (windows++ == 0) {
+      EXPECT_LT(motion.conflicts().size(), all);
+    }
+    return repair.run(5'000'000, kNever);
+  }));
+  EXPECT_GT(windows, 2);
+  EXPECT_FALSE(motion.has_horizon());
+  EXPECT_TRUE(motion.conflicts().empty());
+  expect_valid(scene, motion);
+}
+
+TEST(Windows, EndWhenOneIsGivenUp) {
+  const JointScene scene(random_instance(11, 30, 5, 45));
+  JointMotion motion(scene.robots, scene.time);
+  motion.place_all(scene.alone);
+  int windows = 0;
+  EXPECT_FALSE(resolve_by_windows(motion, [&] { return ++windows < 2; }));
+  EXPECT_EQ(windows, 2);
+}
+
+}  // namespace
+}  // namespace mvtp
