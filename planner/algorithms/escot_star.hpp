@@ -18,7 +18,7 @@ struct EscotStarOptions {
 ///
 /// 1. Every robot alone (find_ways_alone), by a search that could drive through others at a price
 ///    (SoftAstar).
-/// 2. From these a plan for all, by repair of what overlaps in large neighbourhoods (Repair), under
+/// 2. From these a plan for all, by repair of what overlaps, one robot at a time (Repair), under
 ///    a deadline for all from the start; where that halts, in turn (FirstPlan, TakingTurns).
 /// 3. A deadline for all robots is lowered towards the lower bound; whoever is late is planned anew
 ///    and the rest repaired.

@@ -62,7 +62,7 @@ bool Repair::run(std::int64_t patience, const Interrupt& interrupt) {
   while (!motion_.conflicts().empty()) {
     if (expansions() > end || deadline_.expired() || interrupt()) return false;
     stalled_ = expansions() > end - patience + options_.stall * motion_.size();
-    try_neighbourhood();
+    try_one();
     if (motion_.conflicts().size() < fewest) {
       fewest = motion_.conflicts().size();
       end = expansions() + patience;
@@ -71,49 +71,25 @@ bool Repair::run(std::int64_t patience, const Interrupt& interrupt) {
   return true;
 }
 
-Repair::Neighbourhood Repair::choose() {
-  Neighbourhood chosen;
-  std::vector<int>& group = chosen.group;
+/// Either robot of any pair in conflict.
+Repair::Choice Repair::choose() {
   const std::vector<JointMotion::Pair>& conflicts = motion_.conflicts();
   const JointMotion::Pair pair = conflicts[std::size_t(random_.below(int(conflicts.size())))];
-  group.push_back(random_.below(2) == 0 ? pair.first : pair.second);
-  const bool singly = double(conflicts.size()) > options_.singly_above * motion_.size();
-  const int size = singly ? 1 : 1 + random_.below(options_.max_group);
-  while (int(group.size()) < size) {
-    std::vector<int> neighbours;
-    for (const int i : group) {
-      for (const int j : motion_.conflicts_of(i)) {
-        if (std::ranges::find(group, j) == group.end()) neighbours.push_back(j);
-      }
-    }
-    if (neighbours.empty()) break;
-    group.push_back(neighbours[std::size_t(random_.below(int(neighbours.size())))]);
+  const int robot = random_.below(2) == 0 ? pair.first : pair.second;
+  int from = 0;
+  if (random_.below(100) < options_.tail_percent) {
+    from = motion_.first_conflict(robot) - 1 - random_.below(options_.tail_buckets);
   }
-  random_.shuffle(group);
-  for (const int i : group) {
-    int from = 0;
-    if (random_.below(100) < options_.tail_percent) {
-      from = motion_.first_conflict(i) - 1 - random_.below(options_.tail_buckets);
-    }
-    chosen.from.push_back(std::max(from, 0));
-  }
-  return chosen;
+  return {robot, std::max(from, 0)};
 }
 
-/// Plans the absent robots of a group in turn; false as soon as the conflicts cost more than
-/// `most`.
-bool Repair::plan_group(const Neighbourhood& chosen, const std::vector<TimedTrack>& old,
-                        double most) {
+/// Places the robot, absent so far; or leaves it absent.
+bool Repair::plan_anew(const Choice& choice, const TimedTrack& old) {
   const bool larger = tried_ % options_.larger_every == 0;
   const bool finely = stalled_ && tried_ % (2 * options_.larger_every) == 0;
   const SoftOptions options =
       soft_options(options_.expansions * (larger ? options_.larger_factor : 1), finely);
-  for (std::size_t k = 0; k < chosen.group.size(); ++k) {
-    const int i = chosen.group[k];
-    if (!plan(i, options, &old[k], chosen.from[k]) && !drive_alone(i)) return false;
-    if (motion_.cost() > most) return false;
-  }
-  return true;
+  return plan(choice.robot, options, &old, choice.from) || drive_alone(choice.robot);
 }
 
 /// For want of anything better robot i, absent so far, drives the way alone, begun at any time.
@@ -127,25 +103,19 @@ bool Repair::drive_alone(int i) {
   return true;
 }
 
-void Repair::try_neighbourhood() {
+void Repair::try_one() {
   ++tried_;
-  const Neighbourhood chosen = choose();
+  const Choice choice = choose();
+  const int i = choice.robot;
   const double before = motion_.cost();
-  std::vector<JointMotion::Pair> conflicts;
-  for (const int i : chosen.group) {
-    for (const int j : motion_.conflicts_of(i)) conflicts.emplace_back(i, j);
+  const std::vector<int> overlapped = motion_.conflicts_of(i);
+  TimedTrack old = motion_.remove(i);
+  const bool planned = plan_anew(choice, old);
+  if (!planned || motion_.cost() > before) {
+    if (planned) motion_.remove(i);
+    motion_.place(i, std::move(old));
   }
-  std::vector<TimedTrack> old;
-  for (const int i : chosen.group) old.push_back(motion_.remove(i));
-  if (!plan_group(chosen, old, before)) {
-    for (const int i : chosen.group) {
-      if (motion_.present(i)) motion_.remove(i);
-    }
-    for (std::size_t k = 0; k < old.size(); ++k) {
-      motion_.place(chosen.group[k], std::move(old[k]));
-    }
-  }
-  for (const auto& [i, j] : conflicts) {
+  for (const int j : overlapped) {
     if (!motion_.in_conflict(i, j)) continue;
     motion_.set_weight(i, j, float(motion_.weight(i, j)) + options_.weight_step);
   }

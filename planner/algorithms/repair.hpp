@@ -30,27 +30,26 @@ class RandomNumbers {
   std::mt19937_64 engine_;
 };
 
-/// What the search by large neighbourhoods does; the effect of each value was measured on random
-/// instances of all densities.
+/// What the repair does; the effect of each value was measured on random instances of all
+/// densities.
 struct RepairOptions {
-  double price = 10.0;        ///< of overlapping a robot for one bucket [s]; 5 is clearly worse
-  double weight = 2.0;        ///< of the cost-to-go; 1.5 is slower at density, 3 fails more often
-  int expansions = 300;       ///< of one search; the rarer larger ones get through tight places
-  int larger_every = 8;       ///< every so many neighbourhoods searches may expand ...
-  int larger_factor = 8;      ///< ... so many times more
-  int tail_percent = 90;      ///< so often only what follows shortly before a conflict is planned
-  int tail_buckets = 8;       ///< so many buckets before it at most
-  int max_group = 2;          ///< robots that are planned anew together ...
-  double singly_above = 0.3;  ///< ... unless there are more conflicts than so many per robot
-  float weight_step = 0.5F;   ///< a pair that stays in conflict becomes so much heavier
-  int stall = 120;            ///< expansions per robot without progress: some searches are finer
+  double price = 10.0;       ///< of overlapping a robot for one bucket [s]; 5 is clearly worse
+  double weight = 2.0;       ///< of the cost-to-go; 1.5 is slower at density, 3 fails more often
+  int expansions = 300;      ///< of one search; the rarer larger ones get through tight places
+  int larger_every = 8;      ///< every so many searches may expand ...
+  int larger_factor = 8;     ///< ... so many times more
+  int tail_percent = 90;     ///< so often only what follows shortly before a conflict is planned
+  int tail_buckets = 8;      ///< so many buckets before it at most
+  float weight_step = 0.5F;  ///< a pair that stays in conflict becomes so much heavier
+  int stall = 120;           ///< expansions per robot without progress: some searches are finer
 };
 
-/// Plans robots anew, one or two at a time, until nobody overlaps anybody.
+/// Plans robots anew, one at a time, until nobody overlaps anybody.
 ///
-/// LNS2 (Li et al. 2022) with the weights of guided local search: a neighbourhood is accepted if
-/// the weighted number of pairs in conflict does not rise, and pairs that stay in conflict get
-/// heavier. All budgets are in expansions, so that equal seeds give equal results.
+/// LNS2 (Li et al. 2022) with neighbourhoods of one robot and the weights of guided local search: a
+/// new way is accepted if the weighted number of pairs in conflict does not rise, and pairs that
+/// stay in conflict get heavier. All budgets are in expansions, so that equal seeds give equal
+/// results.
 class Repair {
  public:
   /// Called now and then; true ends the work under way.
@@ -87,16 +86,15 @@ class Repair {
   bool shorten(int i, int expansions);
 
  private:
-  struct Neighbourhood {
-    std::vector<int> group;
-    std::vector<int> from;  ///< the bucket from which each is planned anew
+  struct Choice {
+    int robot;
+    int from;  ///< the bucket from which it is planned anew
   };
 
   [[nodiscard]] SoftProblem problem(int i);
-  [[nodiscard]] Neighbourhood choose();
-  void try_neighbourhood();
-  [[nodiscard]] bool plan_group(const Neighbourhood& chosen, const std::vector<TimedTrack>& old,
-                                double most);
+  [[nodiscard]] Choice choose();
+  void try_one();
+  [[nodiscard]] bool plan_anew(const Choice& choice, const TimedTrack& old);
 
   [[nodiscard]] bool drive_alone(int i);
 
