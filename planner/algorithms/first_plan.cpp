@@ -64,20 +64,21 @@ bool FirstPlan::place_one_by_one() {
 /// Everyone drives the way alone, begun when it meets fewest of those placed so far. All the time
 /// there is gets used, so that far fewer are under way at once. False if the time ran out.
 bool FirstPlan::spread_out() {
-  const int step = kDelays * motion_.time().bucket;
+  const int bucket = motion_.time().bucket;
   for (const int i : longest_way_first()) {
     if (deadline_.expired()) return false;
     const TimedTrack& way = alone_[std::size_t(i)];
-    TimedTrack best;
+    int best = 0;
     int fewest = std::numeric_limits<int>::max();
-    for (int wait = 0; fewest > 0 && (wait == 0 || wait + way.arrival() <= limit_); wait += step) {
-      TimedTrack track = motion_.track_after(i, wait, way.steps());
-      const int met = motion_.overlaps(i, track, fewest);
-      if (met >= fewest) continue;
-      fewest = met;
-      best = std::move(track);
+    for (int wait = 0; fewest > 0; wait += kDelays) {
+      if (wait > 0 && wait * bucket + way.arrival() > limit_) break;
+      const int met = motion_.overlaps(i, way, fewest, wait);
+      if (met < fewest) {
+        fewest = met;
+        best = wait;
+      }
     }
-    motion_.place(i, std::move(best));
+    motion_.place(i, motion_.track_after(i, best * bucket, way.steps()));
   }
   return true;
 }

@@ -18,15 +18,18 @@ JointMotion::JointMotion(std::vector<MacroRobot> robots, TimeGrid time)
 }
 
 template <class Visit>
-void JointMotion::for_each_contact(int i, const TimedTrack& track, int from, Visit&& visit) {
+void JointMotion::for_each_contact(int i, const TimedTrack& track, int wait, int from,
+                                   Visit&& visit) {
   const MacroCar& own = *robot(i).car;
-  const int buckets =
-      std::max(occupancy_.horizon(), (track.arrival() + time_.bucket - 1) / time_.bucket);
+  const int arrival = wait + (track.arrival() + time_.bucket - 1) / time_.bucket;
+  const int buckets = std::max(occupancy_.horizon(), arrival);
+  waiting_.assign(std::size_t(time_.bucket) + 1, *track.boxes(0));
   for (int k = from; k <= buckets && k < horizon_; ++k) {
     const int t = k * time_.bucket;
-    const BoxPose* boxes = track.boxes(t);
-    const bool rests = track.arrival() <= t;
-    const BoxPose& middle = rests ? *boxes : *track.boxes(t + time_.bucket / 2);
+    const int driven = t - wait * time_.bucket;
+    const BoxPose* boxes = driven < 0 ? waiting_.data() : track.boxes(driven);
+    const bool rests = driven < 0 || track.arrival() <= driven;
+    const BoxPose& middle = rests ? *boxes : *track.boxes(driven + time_.bucket / 2);
     BoxShape shape = own.shape();
     if (rests) shape.travel = 0.0F;
     const float radius = rests ? shape.half_diagonal() : own.reach();
@@ -46,7 +49,7 @@ void JointMotion::for_each_contact(int i, const TimedTrack& track, int from, Vis
 }
 
 void JointMotion::place(int i, TimedTrack track) {
-  for_each_contact(i, track, 0, [&](int j, int) {
+  for_each_contact(i, track, 0, 0, [&](int j, int) {
     if (!in_conflict(i, j)) add_conflict(i, j);
     return true;
   });
@@ -55,10 +58,10 @@ void JointMotion::place(int i, TimedTrack track) {
   present_[std::size_t(i)] = 1;
 }
 
-int JointMotion::overlaps(int i, const TimedTrack& track, int most) {
+int JointMotion::overlaps(int i, const TimedTrack& track, int most, int wait) {
   counted_.assign(robots_.size(), 0);
   int count = 0;
-  for_each_contact(i, track, 0, [&](int j, int) {
+  for_each_contact(i, track, wait, 0, [&](int j, int) {
     if (count < most && counted_[std::size_t(j)]++ == 0) ++count;
     return count < most;
   });
@@ -72,10 +75,10 @@ TimedTrack JointMotion::track_after(int i, int wait, std::span<const Arc> way, b
 }
 
 bool JointMotion::place_later(int i, std::span<const Arc> way, int latest, bool leaves) {
-  for (int wait = 0; wait <= latest; wait += time_.bucket) {
-    TimedTrack track = track_after(i, wait, way, leaves);
-    if (overlaps(i, track, 1) > 0) continue;
-    place(i, std::move(track));
+  const TimedTrack track = track_after(i, 0, way, leaves);
+  for (int wait = 0; wait * time_.bucket <= latest; ++wait) {
+    if (overlaps(i, track, 1, wait) > 0) continue;
+    place(i, track_after(i, wait * time_.bucket, way, leaves));
     return true;
   }
   return false;
@@ -101,7 +104,7 @@ void JointMotion::set_horizon(int conflicts, int sight) {
   sight_ = sight;
   for (int i = 0; i < size(); ++i) {
     if (!present(i)) continue;
-    for_each_contact(i, track(i), before, [&](int j, int) {
+    for_each_contact(i, track(i), 0, before, [&](int j, int) {
       if (j != i && !in_conflict(i, j)) add_conflict(i, j);
       return true;
     });
@@ -145,7 +148,7 @@ std::vector<int> JointMotion::conflicts_of(int i) const {
 
 int JointMotion::first_conflict(int i) {
   int first = -1;
-  for_each_contact(i, track(i), 0, [&](int j, int k) {
+  for_each_contact(i, track(i), 0, 0, [&](int j, int k) {
     if (j == i) return true;
     first = k;
     return false;

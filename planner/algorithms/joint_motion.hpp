@@ -39,8 +39,9 @@ class JointMotion {
 
   /// Robot i, absent so far, moves along `track`.
   void place(int i, TimedTrack track);
-  /// How many others robot i, absent so far, would overlap on `track`; counted up to `most`.
-  [[nodiscard]] int overlaps(int i, const TimedTrack& track, int most);
+  /// How many others robot i, absent so far, would overlap on `track`, begun so many buckets later;
+  /// counted up to `most`.
+  [[nodiscard]] int overlaps(int i, const TimedTrack& track, int most, int wait = 0);
   /// Robot i standing at its start for `wait` instants, and then on this way.
   [[nodiscard]] TimedTrack track_after(int i, int wait, std::span<const Arc> way,
                                        bool leaves = false) const;
@@ -94,10 +95,10 @@ class JointMotion {
   }
   void add_conflict(int i, int j);
   void drop_conflict(int i, int j);
-  /// Calls visit(j, bucket) for robots that `track` overlaps from bucket `from` to the horizon,
-  /// until it returns false.
+  /// Calls visit(j, bucket) for robots that `track`, begun `wait` buckets later, overlaps from
+  /// bucket `from` to the horizon, until it returns false.
   template <class Visit>
-  void for_each_contact(int i, const TimedTrack& track, int from, Visit&& visit);
+  void for_each_contact(int i, const TimedTrack& track, int wait, int from, Visit&& visit);
 
   std::vector<MacroRobot> robots_;
   TimeGrid time_;
@@ -114,6 +115,7 @@ class JointMotion {
   std::vector<float> prices_;
   std::vector<int> found_;
   std::vector<char> counted_;
+  std::vector<BoxPose> waiting_;  ///< a bucket of time
 };
 
 }  // namespace mvtp

@@ -147,6 +147,11 @@ TEST_F(StarParts, OverlapsAreCountedBeforehand) {
     TimedTrack track = motion.remove(i);
     EXPECT_EQ(motion.overlaps(i, track, kAll), expected);
     EXPECT_EQ(motion.overlaps(i, track, 1), std::min(expected, 1));
+    const int wait = 1 + i % 20;
+    const int later = motion.overlaps(i, track, kAll, wait);
+    motion.place(i, motion.track_after(i, wait * time.bucket, track.steps()));
+    EXPECT_EQ(later, int(motion.conflicts_of(i).size()));
+    motion.remove(i);
     motion.place(i, std::move(track));
     most = std::max(most, expected);
   }
