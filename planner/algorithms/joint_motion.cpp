@@ -1,6 +1,7 @@
 #include "planner/algorithms/joint_motion.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace mvtp {
 
@@ -23,7 +24,7 @@ void JointMotion::for_each_contact(int i, const TimedTrack& track, int wait, int
   const MacroCar& own = *robot(i).car;
   const int arrival = wait + (track.arrival() + time_.bucket - 1) / time_.bucket;
   const int buckets = std::max(occupancy_.horizon(), arrival);
-  waiting_.assign(std::size_t(time_.bucket) + 1, *track.boxes(0));
+  if (wait > 0) waiting_.assign(std::size_t(time_.bucket) + 1, *track.boxes(0));
   for (int k = from; k <= buckets && k < horizon_; ++k) {
     const int t = k * time_.bucket;
     const int driven = t - wait * time_.bucket;
@@ -62,7 +63,7 @@ int JointMotion::overlaps(int i, const TimedTrack& track, int most, int wait) {
   counted_.assign(robots_.size(), 0);
   int count = 0;
   for_each_contact(i, track, wait, 0, [&](int j, int) {
-    if (count < most && counted_[std::size_t(j)]++ == 0) ++count;
+    if (std::exchange(counted_[std::size_t(j)], char{1}) == 0) ++count;
     return count < most;
   });
   return count;

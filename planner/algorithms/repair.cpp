@@ -103,6 +103,12 @@ bool Repair::drive_alone(int i) {
   return true;
 }
 
+/// Robot i moves as before, whatever was planned for it since.
+void Repair::put_back(int i, TimedTrack old) {
+  if (motion_.present(i)) motion_.remove(i);
+  motion_.place(i, std::move(old));
+}
+
 void Repair::try_one() {
   ++tried_;
   const Choice choice = choose();
@@ -110,11 +116,7 @@ void Repair::try_one() {
   const double before = motion_.cost();
   const std::vector<int> overlapped = motion_.conflicts_of(i);
   TimedTrack old = motion_.remove(i);
-  const bool planned = plan_anew(choice, old);
-  if (!planned || motion_.cost() > before) {
-    if (planned) motion_.remove(i);
-    motion_.place(i, std::move(old));
-  }
+  if (!plan_anew(choice, old) || motion_.cost() > before) put_back(i, std::move(old));
   for (const int j : overlapped) {
     if (!motion_.in_conflict(i, j)) continue;
     motion_.set_weight(i, j, float(motion_.weight(i, j)) + options_.weight_step);
@@ -144,12 +146,11 @@ bool Repair::lower(int limit, std::int64_t patience, int expansions, const Inter
 
 bool Repair::shorten(int i, int expansions) {
   TimedTrack old = motion_.remove(i);
-  const bool planned = plan(i, soft_options(expansions));
-  if (planned && motion_.conflicts().empty() && motion_.track(i).arrival() < old.arrival()) {
+  if (plan(i, soft_options(expansions)) && motion_.conflicts().empty() &&
+      motion_.track(i).arrival() < old.arrival()) {
     return true;
   }
-  if (planned) motion_.remove(i);
-  motion_.place(i, std::move(old));
+  put_back(i, std::move(old));
   return false;
 }
 

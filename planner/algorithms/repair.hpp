@@ -95,8 +95,8 @@ class Repair {
   [[nodiscard]] Choice choose();
   void try_one();
   [[nodiscard]] bool plan_anew(const Choice& choice, const TimedTrack& old);
-
   [[nodiscard]] bool drive_alone(int i);
+  void put_back(int i, TimedTrack old);
 
   JointMotion& motion_;
   const std::vector<TimedTrack>& alone_;

@@ -138,6 +138,13 @@ float SoftAstar::price(int bucket, const BoxPose* boxes, float travel, float rad
   return price_of_nearby(bucket, boxes, travel);
 }
 
+void SoftAstar::look_around(int bucket, const BoxPose& middle, float radius) {
+  const OtherRobots& others = problem_->others;
+  around_ = 0;
+  if (bucket >= others.horizon) return;
+  around_ = others.occupancy->near(bucket, middle.x, middle.y, radius, around_list_.data());
+}
+
 bool SoftAstar::anyone_nearby(int bucket, const BoxPose& halfway, float radius,
                               const SweptBox& swept) {
   const Occupancy& occupancy = *problem_->others.occupancy;
@@ -219,13 +226,7 @@ void SoftAstar::expand(int node) {
   // Everyone whom any of the actions might touch, once for all of them.
   const MacroCar& car = *problem_->car;
   const Node& from = nodes_[std::size_t(node)];
-  const BoxPose middle = box_pose(from.at, car.ahead());
-  const OtherRobots& others = problem_->others;
-  around_ = 0;
-  if (from.bucket < others.horizon) {
-    around_ = others.occupancy->near(from.bucket, middle.x, middle.y, car.reach_of_all(),
-                                     around_list_.data());
-  }
+  look_around(from.bucket, box_pose(from.at, car.ahead()), car.reach_of_all());
   const int actions = options_.slowly ? int(car.actions().size()) : MacroCar::kQuick;
   for (int a = 0; a < actions; ++a) try_action(node, a);
 }
@@ -336,14 +337,10 @@ double SoftAstar::follow(const Pose& start, int bucket, std::span<const Arc> arc
 /// For a bucket, from its beginning on. @return false if the map is in the way
 bool SoftAstar::ride_action(Ride& ride, const MacroCar::Action& action) {
   const MacroCar& car = *problem_->car;
-  const OtherRobots& others = problem_->others;
   const BoxPose halfway = moved(action.boxes[std::size_t(car.time().bucket / 2)], ride.at);
   if (!car.is_free({ride.at.x, ride.at.y, ride.theta}, action.arc, halfway)) return false;
-  if (ride.bucket < others.horizon) {
-    around_ = others.occupancy->near(ride.bucket, halfway.x, halfway.y, action.radius,
-                                     around_list_.data());
-    ride.price += double(price_of_action(ride.bucket, ride.at, halfway, action));
-  }
+  look_around(ride.bucket, halfway, action.radius);
+  ride.price += double(price_of_action(ride.bucket, ride.at, halfway, action));
   ride.at = ride.at.then(action.end);
   ride.theta += action.arc.length * action.arc.curvature;
   ++ride.bucket;

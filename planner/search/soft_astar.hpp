@@ -122,6 +122,8 @@ class SoftAstar {
   void prepare();
   void price_of_resting();
   [[nodiscard]] float price(int bucket, const BoxPose* boxes, float travel, float radius);
+  /// Keeps whom a body within the circle might touch during a bucket, as far as others are seen.
+  void look_around(int bucket, const BoxPose& middle, float radius);
   /// Keeps of those around whom a motion might touch. @return whether there is anyone
   [[nodiscard]] bool anyone_nearby(int bucket, const BoxPose& halfway, float radius,
                                    const SweptBox& swept);

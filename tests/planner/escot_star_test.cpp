@@ -158,6 +158,19 @@ TEST_F(StarParts, OverlapsAreCountedBeforehand) {
   EXPECT_GT(most, 2);
 }
 
+//   However long the two stand in each other.
+TEST(JointMotion, CountsEachOneOnce) {
+  const Instance instance{
+      .agents = {agent({5, 5, 0}, {30, 20, 0}, 0), agent({5, 30, 0}, {30, 20, 0}, 1),
+                 agent({5, 37, 0}, {35, 37, 0}, 2)},
+      .map = empty_map(40)};
+  const JointScene scene(instance);
+  JointMotion motion(scene.robots, scene.time);
+  motion.place(0, scene.alone[0]);
+  motion.place(2, motion.track_after(2, 600 * scene.time.bucket, scene.alone[2].steps()));
+  EXPECT_EQ(motion.overlaps(1, scene.alone[1], 3), 1);
+}
+
 TEST_F(StarParts, RepairEndsWithoutConflictsOrSaysSo) {
   JointMotion motion(robots, time);
   Repair repair(motion, alone, {}, 1, never);

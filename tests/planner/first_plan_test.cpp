@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include "planner/algorithms/windows.hpp"
-#include "planner/problem/validate.hpp"
 #include "tests/planner/joint_scene.hpp"
 #include "tests/planner/scenes.hpp"
 
@@ -17,27 +16,20 @@ const Repair::Interrupt kNever = [] { return false; };
 /// through.
 Instance crossing_lanes() {
   Instance instance{.agents = {}, .map = empty_map(90), .dt = 1.0};
+  const auto add = [&](const Pose& start, const Pose& goal) {
+    instance.agents.push_back(agent(start, goal, int(instance.agents.size())));
+  };
   for (int lane = 0; lane < 5; ++lane) {
     const double side = 22.0 + 6 * lane;
     for (int place = 0; place < 3; ++place) {
       const double start = 16.0 - 6 * place;
       const double north = std::numbers::pi / 2;
-      instance.agents.push_back(agent({start, side, 0}, {start + 48, side, 0}));
-      instance.agents.push_back(agent({side, start, north}, {side, start + 48, north}));
+      add({start, side, 0}, {start + 48, side, 0});
+      add({side, start, north}, {side, start + 48, north});
     }
   }
-  instance.agents.push_back(agent({3, 86, 0}, {85, 86, 0}));
-  for (std::size_t i = 0; i < instance.agents.size(); ++i) {
-    instance.agents[i].name = "agent" + std::to_string(i);
-  }
+  add({3, 86, 0}, {85, 86, 0});
   return instance;
-}
-
-void expect_valid(const JointScene& scene, const JointMotion& motion) {
-  for (const Violation& violation :
-       find_violations(scene.instance, scene.plan_of(motion), CollisionRule::kContinuous)) {
-    ADD_FAILURE() << violation.message;
-  }
 }
 
 //   Nobody needs to be planned anew who only has to begin later.
@@ -48,7 +40,7 @@ TEST(FirstPlan, ACrowdIsSpreadOut) {
   ASSERT_TRUE(needs_windows(motion)) << motion.conflicts().size();
   Repair repair(motion, scene.alone, {}, 1, scene.never);
   ASSERT_TRUE(FirstPlan(motion, repair, scene.alone, scene.never, kNever).find());
-  expect_valid(scene, motion);
+  scene.expect_valid(motion);
   EXPECT_EQ(repair.expansions(), 0);
   EXPECT_LE(motion.makespan(), 1.25 * scene.alone.back().arrival());
 }
@@ -62,7 +54,7 @@ TEST(FirstPlan, CrowdsAndOthersEndWithoutConflicts) {
     Repair repair(motion, scene.alone, {}, 1, scene.never);
     ASSERT_TRUE(FirstPlan(motion, repair, scene.alone, scene.never, kNever).find());
     EXPECT_FALSE(motion.has_horizon());
-    expect_valid(scene, motion);
+    scene.expect_valid(motion);
   }
 }
 
@@ -83,7 +75,7 @@ TEST(Windows, EndOnceNobodyOverlapsAtAnyTime) {
   EXPECT_GT(windows, 2);
   EXPECT_FALSE(motion.has_horizon());
   EXPECT_TRUE(motion.conflicts().empty());
-  expect_valid(scene, motion);
+  scene.expect_valid(motion);
 }
 
 TEST(Windows, EndWhenOneIsGivenUp) {

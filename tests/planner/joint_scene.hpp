@@ -10,6 +10,7 @@
 #include "planner/algorithms/joint_motion.hpp"
 #include "planner/algorithms/ways_alone.hpp"
 #include "planner/problem/plan.hpp"
+#include "planner/problem/validate.hpp"
 
 namespace mvtp {
 
@@ -48,6 +49,14 @@ struct JointScene {
       plan.trajectories.push_back(trajectory);
     }
     return plan;
+  }
+
+  /// The referee finds nothing in the plan of these tracks.
+  void expect_valid(const JointMotion& motion) const {
+    for (const Violation& violation :
+         find_violations(instance, plan_of(motion), CollisionRule::kContinuous)) {
+      ADD_FAILURE() << violation.message;
+    }
   }
 
   TimeGrid time{0.1, 12};

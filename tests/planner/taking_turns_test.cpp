@@ -25,10 +25,7 @@ class Turns : public testing::Test {
 
   void expect_all_gone() const {
     EXPECT_EQ(gone_, std::vector<bool>(gone_.size(), true));
-    for (const Violation& violation :
-         find_violations(scene_->instance, scene_->plan_of(*motion_), CollisionRule::kContinuous)) {
-      ADD_FAILURE() << violation.message;
-    }
+    scene_->expect_valid(*motion_);
   }
 
   std::optional<JointScene> scene_;
