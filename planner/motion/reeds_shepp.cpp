@@ -247,10 +247,12 @@ ReedsSheppTable::ReedsSheppTable() : lengths_(std::size_t((kCells + 1) * (kCells
   for (std::atomic<float>& length : lengths_) length.store(-1.0F, std::memory_order_relaxed);
 }
 
-float ReedsSheppTable::entry(std::size_t index) const {
-  std::atomic<float>& length = lengths_[index];
-  const float known = length.load(std::memory_order_relaxed);
-  if (known >= 0.0F) return known;
+inline float ReedsSheppTable::entry(std::size_t index) const {
+  const float known = lengths_[index].load(std::memory_order_relaxed);
+  return known >= 0.0F ? known : compute(index);
+}
+
+float ReedsSheppTable::compute(std::size_t index) const {
   const auto cell = [&](std::size_t stride, std::size_t count) {
     return float(index / stride % count);
   };
@@ -258,7 +260,7 @@ float ReedsSheppTable::entry(std::size_t index) const {
   const Pose to{double(cell(kRow * (kCells + 1), kCells + 1) * kCell),
                 double(cell(kRow, kCells + 1) * kCell), wrap_to_pi(double(heading * kHeading))};
   const float computed = float(reeds_shepp_length({}, to, 1.0));
-  length.store(computed, std::memory_order_relaxed);  // any thread would find the same
+  lengths_[index].store(computed, std::memory_order_relaxed);  // any thread would find the same
   return computed;
 }
 

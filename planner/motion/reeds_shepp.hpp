@@ -59,6 +59,7 @@ class ReedsSheppTable {
   [[nodiscard]] float inside(float x, float y, float theta) const;
 
   [[nodiscard]] float entry(std::size_t index) const;
+  [[nodiscard]] float compute(std::size_t index) const;
 
   mutable std::vector<std::atomic<float>> lengths_;  ///< negative: not computed yet
 };
