@@ -13,10 +13,9 @@
 namespace mvtp {
 namespace {
 
-constexpr int kExpansions = 500;     ///< of the first search for a robot
-constexpr int kDelays = 4;           ///< ways alone begin at multiples of so many buckets
-constexpr double kNoLimit = 1e9;     ///< [instants]
-constexpr int kRobotsPerHalt = 100;  ///< turns take time with the square of the robots
+constexpr int kExpansions = 500;  ///< of the first search for a robot
+constexpr int kDelays = 4;        ///< ways alone begin at multiples of so many buckets
+constexpr double kNoLimit = 1e9;  ///< [instants]
 constexpr std::int64_t kPatienceWithTurns = 1500;  ///< expansions per robot without progress
 
 }  // namespace
@@ -93,7 +92,7 @@ void FirstPlan::plan_softly(int i) {
 /// Until nobody overlaps before the horizon.
 bool FirstPlan::resolve() {
   const std::int64_t patience = temper_.patience * motion_.size();
-  const int halts_before_turns = temper_.halts + motion_.size() / kRobotsPerHalt;
+  const int halts_before_turns = temper_.halts + motion_.size() / temper_.robots_per_halt;
   for (int halts = 1; !repair_.run(patience, interrupt_); ++halts) {
     if (over()) return false;
     const bool turns = halts >= halts_before_turns && !std::exchange(turns_taken_, true);

@@ -34,10 +34,11 @@ class FirstPlan {
     double limit;           ///< of all arrivals at first, in longest ways alone
     double relax;           ///< the limit becomes so much later at every halt ...
     std::int64_t patience;  ///< ... after so many expansions per robot without progress
-    int halts;              ///< so many on end before robots take turns, and more for more robots
+    int halts;              ///< so many on end before robots take turns ...
+    int robots_per_halt;    ///< ... and one more for so many: turns take time with their square
   };
-  static constexpr Temper kCalm{1.2, 1.25, 750, 1};
-  static constexpr Temper kCrowded{1.25, 1.1, 300, 2};
+  static constexpr Temper kCalm{1.2, 1.25, 750, 1, 100};
+  static constexpr Temper kCrowded{1.25, 1.05, 150, 4, 50};
 
   [[nodiscard]] bool place_one_by_one();
   [[nodiscard]] bool spread_out();

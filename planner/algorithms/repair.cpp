@@ -13,7 +13,8 @@ Repair::Repair(JointMotion& motion, const std::vector<TimedTrack>& alone,
       options_(options),
       deadline_(deadline),
       search_(motion.size()),
-      random_(seed) {}
+      random_(seed),
+      last_tried_(std::size_t(motion.size()), 0) {}
 
 SoftProblem Repair::problem(int i) {
   SoftProblem problem;
@@ -71,11 +72,12 @@ bool Repair::run(std::int64_t patience, const Interrupt& interrupt) {
   return true;
 }
 
-/// Either robot of any pair in conflict.
+/// Of any pair in conflict the robot that was left alone for longer.
 Repair::Choice Repair::choose() {
   const std::vector<JointMotion::Pair>& conflicts = motion_.conflicts();
   const JointMotion::Pair pair = conflicts[std::size_t(random_.below(int(conflicts.size())))];
-  const int robot = random_.below(2) == 0 ? pair.first : pair.second;
+  const auto last_tried = [&](int i) { return last_tried_[std::size_t(i)]; };
+  const int robot = std::ranges::min(pair.first, pair.second, {}, last_tried);
   int from = 0;
   if (random_.below(100) < options_.tail_percent) {
     from = motion_.first_conflict(robot) - 1 - random_.below(options_.tail_buckets);
@@ -85,8 +87,8 @@ Repair::Choice Repair::choose() {
 
 /// Places the robot, absent so far; or leaves it absent.
 bool Repair::plan_anew(const Choice& choice, const TimedTrack& old) {
-  const bool larger = tried_ % options_.larger_every == 0;
-  const bool finely = stalled_ && tried_ % (2 * options_.larger_every) == 0;
+  const bool larger = random_.below(options_.larger_every) == 0;
+  const bool finely = larger && stalled_ && random_.below(2) == 0;
   const SoftOptions options =
       soft_options(options_.expansions * (larger ? options_.larger_factor : 1), finely);
   return plan(choice.robot, options, &old, choice.from) || drive_alone(choice.robot);
@@ -113,6 +115,7 @@ void Repair::try_one() {
   ++tried_;
   const Choice choice = choose();
   const int i = choice.robot;
+  last_tried_[std::size_t(i)] = tried_;
   const double before = motion_.cost();
   const std::vector<int> overlapped = motion_.conflicts_of(i);
   TimedTrack old = motion_.remove(i);

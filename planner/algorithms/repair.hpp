@@ -36,7 +36,7 @@ struct RepairOptions {
   double price = 10.0;       ///< of overlapping a robot for one bucket [s]; 5 is clearly worse
   double weight = 2.0;       ///< of the cost-to-go; 1.5 is slower at density, 3 fails more often
   int expansions = 300;      ///< of one search; the rarer larger ones get through tight places
-  int larger_every = 8;      ///< every so many searches may expand ...
+  int larger_every = 8;      ///< one search in so many may expand ...
   int larger_factor = 8;     ///< ... so many times more
   int tail_percent = 90;     ///< so often only what follows shortly before a conflict is planned
   int tail_buckets = 8;      ///< so many buckets before it at most
@@ -48,7 +48,9 @@ struct RepairOptions {
 ///
 /// LNS2 (Li et al. 2022) with neighbourhoods of one robot and the weights of guided local search: a
 /// new way is accepted if the weighted number of pairs in conflict does not rise, and pairs that
-/// stay in conflict get heavier. All budgets are in expansions, so that equal seeds give equal
+/// stay in conflict get heavier. Of a pair it is the turn of the robot that was left alone for
+/// longer. Which searches are larger is drawn by lot: counted off, they would always fall to the
+/// same robot of a last pair. All budgets are in expansions, so that equal seeds give equal
 /// results.
 class Repair {
  public:
@@ -106,6 +108,7 @@ class Repair {
   RandomNumbers random_;
   int limit_ = std::numeric_limits<int>::max();
   int tried_ = 0;
+  std::vector<int> last_tried_;  ///< by robot, the value of tried_
   bool stalled_ = false;
 };
 
