@@ -70,7 +70,7 @@ int JointMotion::overlaps(int i, const TimedTrack& track, int most, int wait) {
 }
 
 TimedTrack JointMotion::track_after(int i, int wait, std::span<const Arc> way, bool leaves) const {
-  std::vector<Arc> steps(std::size_t(wait), Arc{});
+  std::vector<Arc> steps(std::size_t(wait * time_.bucket), Arc{});
   steps.insert(steps.end(), way.begin(), way.end());
   return {robot(i).car->vehicle(), robot(i).start, std::move(steps), time_.bucket, leaves};
 }
@@ -79,7 +79,7 @@ bool JointMotion::place_later(int i, std::span<const Arc> way, int latest, bool 
   const TimedTrack track = track_after(i, 0, way, leaves);
   for (int wait = 0; wait * time_.bucket <= latest; ++wait) {
     if (overlaps(i, track, 1, wait) > 0) continue;
-    place(i, track_after(i, wait * time_.bucket, way, leaves));
+    place(i, track_after(i, wait, way, leaves));
     return true;
   }
   return false;

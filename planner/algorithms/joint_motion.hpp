@@ -42,7 +42,7 @@ class JointMotion {
   /// How many others robot i, absent so far, would overlap on `track`, begun so many buckets later;
   /// counted up to `most`.
   [[nodiscard]] int overlaps(int i, const TimedTrack& track, int most, int wait = 0);
-  /// Robot i standing at its start for `wait` instants, and then on this way.
+  /// Robot i standing at its start for `wait` buckets, and then on this way.
   [[nodiscard]] TimedTrack track_after(int i, int wait, std::span<const Arc> way,
                                        bool leaves = false) const;
   /// Robot i, absent so far, drives the way from its start, begun as late as it must so that it

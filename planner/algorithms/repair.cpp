@@ -99,9 +99,8 @@ bool Repair::plan_anew(const Choice& choice, const TimedTrack& old) {
 bool Repair::drive_alone(int i) {
   const TimedTrack& way = alone_[std::size_t(i)];
   if (way.arrival() > limit_) return false;
-  const int bucket = motion_.time().bucket;
-  const int latest = std::min(limit_ - way.arrival(), motion_.makespan()) / bucket;
-  motion_.place(i, motion_.track_after(i, random_.below(latest + 1) * bucket, way.steps()));
+  const int latest = std::min(limit_ - way.arrival(), motion_.makespan()) / motion_.time().bucket;
+  motion_.place(i, motion_.track_after(i, random_.below(latest + 1), way.steps()));
   return true;
 }
 

@@ -149,7 +149,7 @@ TEST_F(StarParts, OverlapsAreCountedBeforehand) {
     EXPECT_EQ(motion.overlaps(i, track, 1), std::min(expected, 1));
     const int wait = 1 + i % 20;
     const int later = motion.overlaps(i, track, kAll, wait);
-    motion.place(i, motion.track_after(i, wait * time.bucket, track.steps()));
+    motion.place(i, motion.track_after(i, wait, track.steps()));
     EXPECT_EQ(later, int(motion.conflicts_of(i).size()));
     motion.remove(i);
     motion.place(i, std::move(track));
@@ -167,7 +167,7 @@ TEST(JointMotion, CountsEachOneOnce) {
   const JointScene scene(instance);
   JointMotion motion(scene.robots, scene.time);
   motion.place(0, scene.alone[0]);
-  motion.place(2, motion.track_after(2, 600 * scene.time.bucket, scene.alone[2].steps()));
+  motion.place(2, motion.track_after(2, 600, scene.alone[2].steps()));
   EXPECT_EQ(motion.overlaps(1, scene.alone[1], 3), 1);
 }
 
