@@ -22,13 +22,18 @@ struct Replan {
   double ms = 0.0;        ///< wall clock
 };
 
-/// Who lets the vehicles of a traffic drive.
+/// Who lets some of the vehicles of a traffic drive. Several may control one traffic: each takes over
+/// other vehicles. The Simulation steps the traffic, nobody else does.
 class Controller {
  public:
   virtual ~Controller() = default;
 
-  /// One step of the traffic; a decision before it where one is due.
-  virtual void step() = 0;
+  /// Before a step of the traffic: decides where a decision is due.
+  virtual void decide() = 0;
+  /// After every controller has decided: says to the traffic what happens in the step.
+  virtual void act() = 0;
+  /// After the step: looks at what became of it.
+  virtual void observe() {}
   [[nodiscard]] virtual bool drives(const std::string& id) const = 0;
   /// Does the vehicle stand because it is parked and its stay is not over?
   [[nodiscard]] virtual bool rests(const std::string& /*id*/) const { return false; }
@@ -40,7 +45,8 @@ class OwnDrivers : public Controller {
  public:
   explicit OwnDrivers(Traffic& traffic) : traffic_(traffic) {}
 
-  void step() override { traffic_.step(); }
+  void decide() override {}
+  void act() override {}
   [[nodiscard]] bool drives(const std::string& /*id*/) const override { return false; }
   [[nodiscard]] bool rests(const std::string& id) const override {
     const std::optional<ParkingStop> stop = traffic_.parking_stop(id);

@@ -77,16 +77,18 @@ void Coordinator::prepare() {
   }
 }
 
-void Coordinator::step() {
+void Coordinator::decide() {
   taken_over_.clear();
   handed_back_.clear();
-  if (step_ % grid_.steps_per_decision == 0) decide();
+  if (step_ % grid_.steps_per_decision == 0) replan();
+}
+
+void Coordinator::act() {
   place_all();
-  traffic_.step();
   ++step_;
 }
 
-void Coordinator::decide() {
+void Coordinator::replan() {
   hand_back_the_finished();
   const std::vector<Newcomer> newcomers = find_newcomers();
   if (planner_is_dead()) return hold_back(newcomers);

@@ -41,7 +41,8 @@ class Coordinator : public Controller {
  public:
   Coordinator(Traffic& traffic, Zone& zone, const CoordinatorOptions& options);
 
-  void step() override;
+  void decide() override;
+  void act() override;
 
   /// Builds the paths and tables that the vehicles in sight of the network will need.
   void prepare();
@@ -51,7 +52,7 @@ class Coordinator : public Controller {
   }
   [[nodiscard]] const std::map<std::string, Driven>& driven() const { return driven_; }
   [[nodiscard]] const std::vector<Replan>& replans() const override { return replans_; }
-  /// Ids taken over and handed back during the last step().
+  /// Ids taken over and handed back at the last decision.
   [[nodiscard]] const std::vector<std::string>& taken_over() const { return taken_over_; }
   [[nodiscard]] const std::vector<std::string>& handed_back() const { return handed_back_; }
   /// Sightings of vehicles on an approach in a lane that does not lead where they go.
@@ -67,7 +68,7 @@ class Coordinator : public Controller {
     int movement;
   };
 
-  void decide();
+  void replan();
   void hand_back_the_finished();
   [[nodiscard]] std::vector<Newcomer> find_newcomers();
   [[nodiscard]] Driven admit(const Newcomer& newcomer);

@@ -126,15 +126,16 @@ const VehicleType& LotCoordinator::type_of(const std::string& id) {
                                : types_.emplace(id, traffic_.type(id)).first->second;
 }
 
-void LotCoordinator::step() {
+void LotCoordinator::decide() {
   welcome();
   watch_the_gates();
-  if (step_ % steps_per_decision_ == 0) decide();
+  if (step_ % steps_per_decision_ == 0) replan();
   advance();
+}
+
+void LotCoordinator::act() {
   place_all();
-  traffic_.step();
   ++step_;
-  arrive();
 }
 
 /// Those who come for the first time, and mean to park here.
@@ -334,7 +335,7 @@ std::vector<StandingCar> LotCoordinator::solid(std::span<const int> free_to_use)
   return result;
 }
 
-void LotCoordinator::decide() {
+void LotCoordinator::replan() {
   ++decisions_;
   take_over_the_parked();
   end_stays();

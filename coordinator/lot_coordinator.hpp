@@ -93,7 +93,9 @@ class LotCoordinator : public Controller {
   LotCoordinator(Traffic& traffic, const ParkingLot& lot, const LotOptions& options);
 
   /// @throws InputError for a vehicle for which every slot is too small
-  void step() override;
+  void decide() override;
+  void act() override;
+  void observe() override { arrive(); }
 
   [[nodiscard]] bool drives(const std::string& id) const override;
   [[nodiscard]] bool rests(const std::string& id) const override;
@@ -133,7 +135,7 @@ class LotCoordinator : public Controller {
   void adopt_parked(const std::string& id, Guest& guest);
   void watch_the_gates();
   [[nodiscard]] double speed_behind_the_last(const LotLane& lane, const Guest& guest) const;
-  void decide();
+  void replan();
   void take_over_the_parked();
   void end_stays();
   void break_down();

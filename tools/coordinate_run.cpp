@@ -15,6 +15,7 @@
 #include "coordinator/lateral_limits.hpp"
 #include "coordinator/lot_coordinator.hpp"
 #include "coordinator/report.hpp"
+#include "coordinator/simulation.hpp"
 #include "planner/problem/input_error.hpp"
 #include "planner/problem/text_file.hpp"
 #include "tools/lot_options.hpp"
@@ -112,6 +113,8 @@ class Run {
     } else {
       open_lot();
     }
+    simulation_ = std::make_unique<Simulation>(*traffic_);
+    simulation_->add(*controller_);
   }
 
   void check_controller() const {
@@ -172,7 +175,7 @@ class Run {
   }
 
   void step() {
-    controller_->step();
+    simulation_->step();
     for (const std::string& id : traffic_->departed()) routes_[id] = traffic_->route(id);
     std::vector<Sighting> sightings;
     bool moving = false;
@@ -310,6 +313,7 @@ class Run {
   std::unique_ptr<Zone> zone_;
   std::vector<ParkingLot> lots_;
   std::unique_ptr<Controller> controller_;
+  std::unique_ptr<Simulation> simulation_;
   Coordinator* coordinator_ = nullptr;  ///< the controller, if it is that of a zone
   std::unique_ptr<LotRecorder> lot_recorder_;
   std::map<std::string, std::vector<std::string>> routes_;

@@ -6,6 +6,7 @@
 #include <random>
 
 #include "coordinator/audit.hpp"
+#include "coordinator/simulation.hpp"
 #include "planner/problem/input_error.hpp"
 #include "tests/coordinator/fake_traffic.hpp"
 
@@ -42,10 +43,11 @@ struct ClosedLoop {
         audit(area, traffic.step_length()),
         car(traffic.type("car")) {
     coordinator.prepare();
+    simulation.add(coordinator);
   }
 
   void step() {
-    coordinator.step();
+    simulation.step();
     std::vector<Sighting> sightings;
     for (const VehicleState& v : traffic.vehicles()) {
       sightings.push_back({&v, &car, coordinator.drives(v.id)});
@@ -62,6 +64,7 @@ struct ClosedLoop {
   DrivableArea area;
   Zone zone;
   Coordinator coordinator;
+  Simulation simulation{traffic};
   Audit audit;
   VehicleType car;
 };

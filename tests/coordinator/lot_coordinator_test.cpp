@@ -8,6 +8,7 @@
 
 #include "coordinator/audit.hpp"
 #include "coordinator/drivable_area.hpp"
+#include "coordinator/simulation.hpp"
 #include "planner/problem/input_error.hpp"
 #include "tests/coordinator/fake_lot.hpp"
 
@@ -22,10 +23,12 @@ class LotRun {
       : traffic(lot, std::move(stays)),
         coordinator(traffic, lot, options),
         area_({}, std::array{lot}),
-        audit(area_, 0.1) {}
+        audit(area_, 0.1) {
+    simulation.add(coordinator);
+  }
 
   void step() {
-    coordinator.step();
+    simulation.step();
     std::vector<Sighting> sightings;
     for (const VehicleState& v : traffic.vehicles()) {
       // Before they are let in, cars stand where the ground has no room drawn for them.
@@ -62,6 +65,7 @@ class LotRun {
 
   FakeLotTraffic traffic;
   LotCoordinator coordinator;
+  Simulation simulation{traffic};
 
  private:
   DrivableArea area_;
