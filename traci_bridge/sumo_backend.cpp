@@ -32,20 +32,25 @@ namespace {
 // moveToXY's bits "keep the route" and "off the road is allowed": poses are exact and the route
 // stays. Every other value snaps to lanes, or rewrites the route.
 constexpr int kKeepRoute = 3;
-constexpr int kNewRoute = 2;  // the same, but the route is that of the lane it comes to
-constexpr double kAnyDistance = 100.0;
+constexpr int kNewRoute = 2;          // the same, but the route is that of the lane it comes to
+constexpr int kOntoRoute = 1;         // onto the nearest lane of the route, and its middle
+constexpr double kAnyDistance = 1e6;  // [m]
 // Speed and lane-change modes in which SUMO neither corrects the commanded pose nor the speed.
 constexpr int kObey = 0;
 /// A vehicle that was just handed back first finds its place in its lane [s]; SUMO changes lanes at
 /// once, 3 m aside, where its sublane model is off.
 constexpr double kNoLaneChange = 1.0;
-constexpr double kHoldGap = 1.0;     // from a held vehicle's front to the end of its lane [m]
-constexpr double kForever = 1.0e6;   // [s]
-constexpr double kOwnSpeed = -1.0;   // TraCI: the driver's choice again
-constexpr int kStoppedBit = 1;       // of getStopState()
-constexpr int kParkedBits = 129;     // of getStopState(): stopped, in a parking area
-constexpr double kStanding = 0.1;    // [m/s]
-constexpr int kParkingAreaBit = 64;  // of TraCINextStopData::stopFlags
+constexpr double kHoldGap = 1.0;    // from a held vehicle's front to the end of its lane [m]
+constexpr double kForever = 1.0e6;  // [s]
+constexpr double kOwnSpeed = -1.0;  // TraCI: the driver's choice again
+constexpr int kStoppedBit = 1;      // of getStopState()
+constexpr int kParkedBits = 129;    // of getStopState(): stopped, in a parking area
+constexpr double kStanding = 0.1;   // [m/s]
+// How far the tail is behind the begin of the lane where SUMO's idea of it cannot get stale within
+// a step: for any speed up to 40 m/s.
+constexpr double kTailRoom = 2.0;                     // [m]
+constexpr double kTailTime = 40.0;                    // [m/s]
+constexpr int kParkingAreaBit = 64;                   // of TraCINextStopData::stopFlags
 const char* const kTurningRadius = "turning-radius";  // our parameter of a vType [m]
 
 #ifdef LIBTRACI
@@ -83,7 +88,7 @@ class Backend final : public SumoTraffic {
         network_(std::move(launch.network)),
         outputs_(std::move(launch.outputs)) {
     ask([&] {
-      ends_ = ends_of_edges(network_);
+      index_network();
       connection_ = std::make_unique<SumoConnection>(launch.arguments, log_);
       step_length_ = api::Simulation::getDeltaT();
       observe();
@@ -175,7 +180,9 @@ class Backend final : public SumoTraffic {
     const auto found = controlled_.find(id);
     if (found == controlled_.end()) return;
     ask([&] {
+      settle(id);
       restore_route(id, found->second);
+      if (api::Vehicle::getLaneID(id).empty()) put_onto_route(id, found->second);
       // SUMO only knows a speed it has measured itself, cut off at the limit of the lane.
       api::Vehicle::setPreviousSpeed(id, found->second.speed);
       api::Vehicle::setSpeedMode(id, found->second.speed_mode);
@@ -195,7 +202,10 @@ class Backend final : public SumoTraffic {
     const std::size_t length = piece_length(rest, edges);
     const bool whole = !found->second.piece && !meets_itself(known);
     if (whole || length == 0) return;
-    ask([&] { cut_route(id, found->second, rest, length); });
+    ask([&] {
+      settle(id);
+      cut_route(id, found->second, rest, length);
+    });
   }
 
   /// SUMO puts a vehicle onto any lane of the rest of its route that it comes near, and fails an
@@ -280,13 +290,13 @@ class Backend final : public SumoTraffic {
       if (stops.empty()) return std::nullopt;
       const libsumo::TraCINextStopData& next = stops.front();
       return Stop{.lane = next.lane,
-                        .edge = network_.lanes.contains(next.lane)
-                                    ? network_.lanes.at(next.lane).edge
-                                    : next.lane.substr(0, next.lane.rfind('_')),
-                        .position = next.endPos,
-                        .duration = std::max(next.duration, 0.0),
-                        .until = next.until < 0.0 ? -1.0 : next.until,
-                        .reached = next.arrival >= 0.0};
+                  .edge = network_.lanes.contains(next.lane)
+                              ? network_.lanes.at(next.lane).edge
+                              : next.lane.substr(0, next.lane.rfind('_')),
+                  .position = next.endPos,
+                  .duration = std::max(next.duration, 0.0),
+                  .until = next.until < 0.0 ? -1.0 : next.until,
+                  .reached = next.arrival >= 0.0};
     });
   }
 
@@ -327,6 +337,7 @@ class Backend final : public SumoTraffic {
       leave_parking_areas();
       for (const auto& [id, vehicle] : controlled_) {
         if (leaving_.contains(id)) continue;
+        settle(id);
         const SumoPosition& p = vehicle.position;
         api::Vehicle::moveToXY(id, vehicle.enters ? vehicle.rest_of_route.front() : "",
                                vehicle.enters ? vehicle.lane_index : -1, p.x_m, p.y_m, p.angle_deg,
@@ -385,6 +396,11 @@ class Backend final : public SumoTraffic {
   struct Resumption {
     double time = 0.0;
     int mode = 0;
+  };
+
+  struct LanePlace {
+    std::string lane;
+    double position = 0.0;  ///< [m]
   };
 
   struct NextStop {
@@ -483,6 +499,74 @@ class Backend final : public SumoTraffic {
 
   static bool is_parked(const std::string& id) {
     return (api::Vehicle::getStopState(id) & kParkedBits) == kParkedBits;
+  }
+
+  /// Puts a vehicle that we place onto the lane again where it is already, in SUMO's own way.
+  ///
+  /// As long as a placed vehicle stays on its lane, SUMO does not look again on which lanes its
+  /// tail is, and inside a junction it may take an edge further on or back for the one before it.
+  /// Once the vehicle or a follower of it asks, an assertion fails. SUMO looks when a vehicle
+  /// enters a lane, so it goes onto another one first. Only where need be: each time, SUMO counts
+  /// the lane once more as driven (routeLength of its tripinfo).
+  void settle(const std::string& id) {
+    const auto found = network_.lanes.find(api::Vehicle::getLaneID(id));
+    if (found == network_.lanes.end()) return;
+    const Lane& lane = found->second;
+    const double position = std::min(api::Vehicle::getLanePosition(id), lane.length);
+    if (!has_stale_tail(id, lane, position) && !is_misplaced(id, lane)) return;
+    const std::optional<LanePlace> other = place_beside(id, lane, position);
+    if (!other) return;
+    try {
+      api::Vehicle::moveTo(id, other->lane, other->position);
+      api::Vehicle::moveTo(id, lane.id, position);
+    } catch (const libsumo::TraCIException&) {
+      static_cast<void>(log_.take_errors());  // not on the route: it is placed all the same
+    }
+  }
+
+  /// May its tail have left a lane that lies between two others on which SUMO believes it to be?
+  [[nodiscard]] bool has_stale_tail(const std::string& id, const Lane& lane,
+                                    double position) const {
+    const auto before = shortest_before_.find(lane.id);
+    if (before == shortest_before_.end()) return false;
+    const double length = api::Vehicle::getLength(id);
+    return before->second < length &&
+           position - length < std::max(kTailRoom, kTailTime * step_length_);
+  }
+
+  /// Does SUMO take another edge for the one that leads to this internal lane?
+  [[nodiscard]] bool is_misplaced(const std::string& id, const Lane& lane) const {
+    const auto inside = inside_.find(lane.id);
+    if (inside == inside_.end()) return false;
+    const std::span<const std::string> rest = route_edges(id);
+    return rest.front() != network_.lanes.at(inside->second->from_lane).edge;
+  }
+
+  /// A place on another lane of the vehicle's route, near to where it is.
+  [[nodiscard]] std::optional<LanePlace> place_beside(const std::string& id, const Lane& lane,
+                                                      double position) const {
+    if (const auto inside = inside_.find(lane.id); inside != inside_.end()) {
+      const Lane& from = network_.lanes.at(inside->second->from_lane);
+      return LanePlace{from.id, from.length};
+    }
+    for (const std::string& sibling : network_.edges.at(lane.edge)) {
+      if (sibling == lane.id) continue;
+      return LanePlace{sibling, std::min(position, network_.lanes.at(sibling).length)};
+    }
+    const std::span<const std::string> rest = route_edges(id);
+    const auto [first, last] = leaving_lane_.equal_range(lane.id);
+    for (auto way = first; way != last; ++way) {
+      const Connection& c = *way->second;
+      const bool follows = rest.size() > 1 && network_.lanes.at(c.to_lane).edge == rest[1];
+      if (follows && !c.via.empty()) return LanePlace{c.via.front(), 0.0};
+    }
+    return std::nullopt;
+  }
+
+  /// From open ground onto the road, in the next step: SUMO's driver knows no way back.
+  static void put_onto_route(const std::string& id, const Controlled& vehicle) {
+    const SumoPosition& p = vehicle.position;
+    api::Vehicle::moveToXY(id, "", -1, p.x_m, p.y_m, p.angle_deg, kOntoRoute, kAnyDistance);
   }
 
   void refresh(const std::string& id, Route& route) const {
@@ -728,18 +812,29 @@ class Backend final : public SumoTraffic {
   /// The junctions where each edge begins and ends; "" where the network ends.
   using Ends = std::map<std::string, std::pair<std::string, std::string>>;
 
-  static Ends ends_of_edges(const RoadNetwork& network) {
-    Ends ends;
-    for (const auto& [edge, lanes] : network.edges) ends[edge];
-    for (const auto& [id, junction] : network.junctions) {
+  void index_network() {
+    for (const auto& [edge, lanes] : network_.edges) ends_[edge];
+    for (const auto& [id, junction] : network_.junctions) {
       for (const std::string& lane : junction.incoming_lanes) {
-        ends[network.lanes.at(lane).edge].second = id;
+        ends_[network_.lanes.at(lane).edge].second = id;
       }
       for (const Connection& c : junction.connections) {
-        ends[network.lanes.at(c.to_lane).edge].first = id;
+        ends_[network_.lanes.at(c.to_lane).edge].first = id;
+        leaving_lane_.emplace(c.from_lane, &c);
+        const Lane* before = &network_.lanes.at(c.from_lane);
+        for (const std::string& via : c.via) {
+          inside_[via] = &c;
+          note_before(via, *before);
+          before = &network_.lanes.at(via);
+        }
+        note_before(c.to_lane, *before);
       }
     }
-    return ends;
+  }
+
+  void note_before(const std::string& lane, const Lane& before) {
+    double& shortest = shortest_before_.emplace(lane, before.length).first->second;
+    shortest = std::min(shortest, before.length);
   }
 
   std::string configuration_;
@@ -762,6 +857,9 @@ class Backend final : public SumoTraffic {
   std::set<std::string> capped_;
   std::map<std::string, Hold> held_;
   Ends ends_;
+  std::multimap<std::string, const Connection*> leaving_lane_;  ///< by the lane they leave
+  std::map<std::string, const Connection*> inside_;             ///< by internal lane
+  std::map<std::string, double> shortest_before_;  ///< of the lanes that lead onto each lane [m]
   mutable std::map<std::string, Route> routes_;
   mutable std::map<std::string, bool> meeting_;  ///< by the name of a route
   std::map<std::vector<std::string>, std::string> named_pieces_;

@@ -1,4 +1,4 @@
-#include "tools/coordinate_run.hpp"
+#include "tools/coordinate/run.hpp"
 
 #include <fmt/format.h>
 
@@ -18,9 +18,9 @@
 #include "coordinator/simulation.hpp"
 #include "planner/problem/input_error.hpp"
 #include "planner/problem/text_file.hpp"
-#include "tools/lot_options.hpp"
-#include "tools/lot_recorder.hpp"
-#include "tools/run_recorder.hpp"
+#include "tools/coordinate/lot_options.hpp"
+#include "tools/coordinate/lot_recorder.hpp"
+#include "tools/coordinate/run_recorder.hpp"
 #include "tools/version.hpp"
 #include "traci_bridge/configuration.hpp"
 #include "traci_bridge/parking_file.hpp"
