@@ -12,7 +12,6 @@
 namespace mvtp {
 namespace {
 
-constexpr int kRefereeSteps = 2;  ///< of the simulation between two looks at a new plan
 constexpr double kBlend = 20.0;   ///< [m] over which the offset at takeover disappears
 
 /// Comfortable braking towards lower speed limits.
@@ -132,7 +131,7 @@ void Coordinator::replan() {
     std::ranges::shuffle(order, random);
   }
   RoadDecision decision = decide_on_road(now, incumbent, order, options_.escot);
-  const bool refused = find_planned_contact(now, decision.plan, kRefereeSteps).has_value();
+  const bool refused = !find_planned_contacts(now, decision.plan, plan_).empty();
 
   Replan record{.time = traffic_.time(),
                 .vehicles = int(now.vehicles.size()),
