@@ -1,6 +1,7 @@
 #include "coordinator/referee.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <optional>
@@ -14,13 +15,62 @@ namespace {
 
 constexpr int kSlice = 5;       ///< steps that are looked at together
 constexpr double kBulge = 0.3;  ///< [m] beyond its places at the steps a body reaches between them
+/// A point on an arc of less than a right angle moves at most so much further than its chord.
+constexpr double kArc = 1.12;
+
+/// A body at one moment.
+struct Place {
+  Pose rear_axle;
+  double c = 1.0;  ///< cosine and
+  double s = 0.0;  ///< sine of its heading
+  std::array<Point, 4> corners;
+};
+
+Place place_of(const Pose& p, const Vehicle& body) {
+  Place place{.rear_axle = p, .c = std::cos(p.theta), .s = std::sin(p.theta), .corners = {}};
+  const double half = body.width / 2.0;
+  const std::array<Point, 4> local = {
+      {{body.front, half}, {-body.rear, half}, {-body.rear, -half}, {body.front, -half}}};
+  for (std::size_t i = 0; i < 4; ++i) {
+    place.corners[i] = {p.x + place.c * local[i].x - place.s * local[i].y,
+                        p.y + place.s * local[i].x + place.c * local[i].y};
+  }
+  return place;
+}
+
+/// How far all corners of `b` lie beyond one side of `a`, the best of the four [m].
+double beyond_a_side(const Place& a, const Vehicle& body, const Place& b) {
+  double ahead = 1e300, behind = 1e300, left = 1e300, right = 1e300;
+  for (const Point& p : b.corners) {
+    const double dx = p.x - a.rear_axle.x;
+    const double dy = p.y - a.rear_axle.y;
+    const double along = a.c * dx + a.s * dy;
+    const double aside = a.c * dy - a.s * dx;
+    ahead = std::min(ahead, along - body.front);
+    behind = std::min(behind, -along - body.rear);
+    left = std::min(left, aside - body.width / 2.0);
+    right = std::min(right, -aside - body.width / 2.0);
+  }
+  return std::max({ahead, behind, left, right});
+}
+
+/// No point of the body moves further than this between two places [m].
+double travel(const Place& from, const Place& to) {
+  double squared = 0.0;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const double dx = to.corners[i].x - from.corners[i].x;
+    const double dy = to.corners[i].y - from.corners[i].y;
+    squared = std::max(squared, dx * dx + dy * dy);
+  }
+  return kArc * std::sqrt(squared);
+}
 
 /// A vehicle during some steps: its poses at their ends, and the ground it needs.
 struct Drive {
   std::size_t entry = 0;  ///< in the plan
   const RoadVehicle* vehicle = nullptr;
   const Vehicle* body = nullptr;
-  std::vector<Pose> poses;  ///< at the begin, and at the end of each step until it leaves
+  std::vector<Place> places;  ///< at the begin, and at the end of each step until it leaves
   double x_low = 1e300, x_high = -1e300, y_low = 1e300, y_high = -1e300;
 };
 
@@ -30,22 +80,16 @@ Drive drive_of(const RoadScene& scene, const JointPlan& plan, std::size_t entry,
   Drive drive{.entry = entry, .vehicle = &v, .body = &scene.body(v)};
   const GuidePath& path = scene.library->path(v.path);
   const Vehicle& body = *drive.body;
-  const double middle = (body.front - body.rear) / 2.0;
   for (std::int64_t k = from; k <= from + kSlice; ++k) {
     const InertialState state = plan.entries[entry].trajectory->at(k);
     if (state.s >= PathTrajectory::kGone) break;
-    const Pose p = path.at(state.s);
-    drive.poses.push_back(p);
-    const double c = std::cos(p.theta);
-    const double s = std::sin(p.theta);
-    const double x = p.x + middle * c;
-    const double y = p.y + middle * s;
-    const double half_x = (std::abs(c) * body.length() + std::abs(s) * body.width) / 2.0 + kBulge;
-    const double half_y = (std::abs(s) * body.length() + std::abs(c) * body.width) / 2.0 + kBulge;
-    drive.x_low = std::min(drive.x_low, x - half_x);
-    drive.x_high = std::max(drive.x_high, x + half_x);
-    drive.y_low = std::min(drive.y_low, y - half_y);
-    drive.y_high = std::max(drive.y_high, y + half_y);
+    drive.places.push_back(place_of(path.at(state.s), body));
+    for (const Point& p : drive.places.back().corners) {
+      drive.x_low = std::min(drive.x_low, p.x - kBulge);
+      drive.x_high = std::max(drive.x_high, p.x + kBulge);
+      drive.y_low = std::min(drive.y_low, p.y - kBulge);
+      drive.y_high = std::max(drive.y_high, p.y + kBulge);
+    }
   }
   return drive;
 }
@@ -75,7 +119,7 @@ class Referee {
     std::vector<Drive> drives;
     for (std::size_t e = 0; e < plan_.entries.size(); ++e) {
       Drive drive = drive_of(scene_, plan_, e, from);
-      if (!drive.poses.empty()) drives.push_back(std::move(drive));
+      if (!drive.places.empty()) drives.push_back(std::move(drive));
     }
     std::ranges::sort(drives, {}, &Drive::x_low);
     for (std::size_t i = 0; i < drives.size(); ++i) {
@@ -97,18 +141,24 @@ class Referee {
     // Those who overlap when the plan begins are listed until they are apart.
     bool overlap = known != found_.end();
     if (from == scene_.step) overlap = touch(a, b, 0);
-    const std::size_t steps = std::min(a.poses.size(), b.poses.size()) - 1;
+    const std::size_t steps = std::min(a.places.size(), b.places.size()) - 1;
+    double apart = 0.0;  // at least so far they are, at the begin of the step
     for (std::size_t i = 0; i < steps; ++i) {
       if (overlap) {
         overlap = touch(a, b, i + 1);
         continue;
       }
-      const NearestMoment nearest = nearest_moment(
-          StepMotion(a.poses[i], a.poses[i + 1]), *a.body,
-          StepMotion(b.poses[i], b.poses[i + 1]), *b.body, 0.0, -Audit::kTolerance);
-      if (nearest.gap >= -Audit::kTolerance) continue;
-      found_[pair] = from + std::int64_t(i) + 1;
-      return;
+      const double closing =
+          travel(a.places[i], a.places[i + 1]) + travel(b.places[i], b.places[i + 1]);
+      if (closing >= apart) {
+        apart = std::max(beyond_a_side(a.places[i], *a.body, b.places[i]),
+                         beyond_a_side(b.places[i], *b.body, a.places[i]));
+      }
+      if (closing >= apart && meet(a, b, i)) {
+        found_[pair] = from + std::int64_t(i) + 1;
+        return;
+      }
+      apart -= closing;
     }
     if (overlap) {
       found_[pair] = std::nullopt;
@@ -118,7 +168,16 @@ class Referee {
   }
 
   static bool touch(const Drive& a, const Drive& b, std::size_t i) {
-    return clearance(a.poses[i], *a.body, b.poses[i], *b.body) < -Audit::kTolerance;
+    return clearance(a.places[i].rear_axle, *a.body, b.places[i].rear_axle, *b.body) <
+           -Audit::kTolerance;
+  }
+
+  /// In step i, at its end or before it?
+  static bool meet(const Drive& a, const Drive& b, std::size_t i) {
+    const StepMotion motion_a(a.places[i].rear_axle, a.places[i + 1].rear_axle);
+    const StepMotion motion_b(b.places[i].rear_axle, b.places[i + 1].rear_axle);
+    return nearest_moment(motion_a, *a.body, motion_b, *b.body, 0.0, -Audit::kTolerance).gap <
+           -Audit::kTolerance;
   }
 
   const RoadScene& scene_;
