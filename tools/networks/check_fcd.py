@@ -203,7 +203,7 @@ def coordinated_vehicles(path):
         return {row["id"] for row in csv.DictReader(file) if row["coordinated"] == "1"}
 
 
-def result(fcd, config, vehicles=None, sampling=0.005):
+def result(fcd, config, vehicles=None, sampling=0.002):
     """What the command prints with --json."""
     sizes = read_sizes(configured_files(config))
     ours = coordinated_vehicles(vehicles) if vehicles else set()
@@ -225,7 +225,7 @@ def main():
     parser.add_argument("fcd", help="trajectories, SUMO's fcd.xml")
     parser.add_argument("-c", "--configuration", required=True, help="the scenario's *.sumocfg")
     parser.add_argument("--vehicles", help="the run's vehicles.csv: who was coordinated")
-    parser.add_argument("--sampling", type=float, default=0.005, help="[s] (0.005)")
+    parser.add_argument("--sampling", type=float, default=0.002, help="[s] (0.002)")
     parser.add_argument("--coordinated", action="store_true",
                         help="fail for pairs with a once coordinated vehicle only")
     parser.add_argument("--json", action="store_true", help="print JSON")
