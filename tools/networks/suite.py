@@ -112,9 +112,10 @@ class Runner:
         return [command, program.st_size, int(program.st_mtime), self.options.memory]
 
     def end_of(self, scenario):
+        """When a run ends at the latest [s]; None: when all have arrived."""
         begin, end = time_of(scenario.configuration)
-        if self.options.end:
-            return begin + self.options.end
+        if self.options.end is not None:
+            return begin + self.options.end if self.options.end > 0 else None
         if self.options.short:
             return begin + SHORT_END
         generated_ends = {n.name: n.begin + n.end for n in generated.NETWORKS}
@@ -127,9 +128,10 @@ class Runner:
         folder = os.path.join(self.options.output, "runs", self.controller, scenario.name)
         end = self.end_of(scenario)
         command = [self.options.mvtp, "coordinate", "-c", scenario.configuration, "--output-dir",
-                   folder, "--no-view", "--quiet", "--seed", str(self.options.seed), "--end",
-                   f"{end:g}", "--controller", self.controller, *self.options.mvtp_option,
-                   "--", "--precision", "6"]
+                   folder, "--no-view", "--quiet", "--seed", str(self.options.seed),
+                   "--controller", self.controller, *self.options.mvtp_option]
+        command += ["--end", f"{end:g}"] if end is not None else []
+        command += ["--", "--precision", "6"]
         record = os.path.join(folder, "result.json")
         if os.path.exists(record) and not self.options.again:
             with open(record, encoding="utf-8") as file:
@@ -139,7 +141,7 @@ class Runner:
         shutil.rmtree(folder, ignore_errors=True)
         os.makedirs(folder)
         measured = self.measure(command)
-        row = judge(scenario, folder, end, measured)
+        row = judge(scenario, folder, measured)
         if self.stopped:
             return row
         with open(record + ".part", "w", encoding="utf-8") as file:
@@ -182,10 +184,16 @@ class Runner:
                 "message": text.splitlines()[-1] if text else ""}
 
     def stop(self):
+        """Ends what runs: politely, and after five seconds for good."""
         self.stopped = True
-        with self.lock:
-            for pid in self.running:
-                send(pid, signal.SIGTERM)
+        for sign, wait in ((signal.SIGTERM, 5.0), (signal.SIGKILL, 0.0)):
+            with self.lock:
+                left = set(self.running)
+            for pid in left:
+                send(pid, sign)
+            limit = time.monotonic() + wait
+            while self.running and time.monotonic() < limit:
+                time.sleep(0.1)
 
 
 def send(pid, sign):
@@ -208,7 +216,7 @@ def late_vehicles(path, end):
     return late, due
 
 
-def judge(scenario, folder, end, measured):
+def judge(scenario, folder, measured):
     row = dict.fromkeys(COLUMNS, "")
     row |= {"network": scenario.name, "exit": measured["exit"], "message": measured["message"],
             "wall_s": round(measured["wall"], 1), "memory_mb": round(measured["memory"])}
@@ -222,6 +230,7 @@ def judge(scenario, folder, end, measured):
     if measured["memory"] > MEMORY_LIMIT:
         reasons.append(f"{measured['memory']:.0f} MB")
     if summary:
+        end = time_of(scenario.configuration)[0] + summary["simulated_s"]
         reasons += judge_summary(row, summary, folder, end)
         reasons += second_opinion(row, scenario, folder)
     row["verdict"] = "fail" if reasons else "pass"
@@ -333,7 +342,7 @@ def parse_options():
                         help="given to mvtp as it is, e.g. --mvtp-option=--tries=5; repeatable")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--end", type=float, help="simulated time after the begin [s] "
-                        f"(default: the scenario's, else {FOREIGN_END})")
+                        f"(default: the scenario's, else {FOREIGN_END}; 0: until all have arrived)")
     parser.add_argument("--timeout", type=float, default=600.0, help="per run [s] (600)")
     parser.add_argument("--memory", type=int, default=3000, metavar="MB",
                         help="a run that wants more is refused it (3000)")

@@ -3,6 +3,7 @@
 import csv
 import json
 import os
+import subprocess
 import sys
 import tempfile
 import unittest
@@ -60,8 +61,11 @@ class Judge(unittest.TestCase):
                 writer = csv.writer(file)
                 writer.writerow(["id", "intended_departure_s", "arrival_s", "free_flow_s"])
                 writer.writerows(vehicles)
+            configuration = os.path.join(folder, "x.sumocfg")
+            with open(configuration, "w", encoding="utf-8") as file:
+                file.write('<configuration><time><begin value="0"/></time></configuration>')
             run = {"exit": 0, "message": "", "wall": 10.0, "memory": 100.0, "timeout": False}
-            return suite.judge(suite.Scenario("x", "x.sumocfg"), folder, 300.0,
+            return suite.judge(suite.Scenario("x", configuration), folder,
                                run | (measured or {}))
 
     def test_a_good_run_passes(self):
@@ -86,6 +90,57 @@ class Judge(unittest.TestCase):
         self.assertIn("timeout", self.judge(None, measured={"timeout": True})["reasons"])
         self.assertIn("2000 MB", self.judge(GOOD, measured={"memory": 2000.0})["reasons"])
         self.assertIn("no vehicle", self.judge(GOOD | {"vehicles": 0})["reasons"])
+
+
+STUB = """#!/usr/bin/env python3
+import json, os, sys, time
+folder = sys.argv[sys.argv.index("--output-dir") + 1]
+with open(os.environ["STUB_CALLS"], "a") as file:
+    file.write("called\\n")
+if os.environ.get("STUB_HANGS"):
+    time.sleep(60)
+open(os.path.join(folder, "vehicles.csv"), "w").write(
+    "id,intended_departure_s,arrival_s,free_flow_s\\n")
+open(os.path.join(folder, "summary.json"), "w").write(os.environ["STUB_SUMMARY"])
+"""
+
+
+class Command(unittest.TestCase):
+    """The whole command, with a program that only pretends."""
+
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = folder.name
+        self.calls = os.path.join(self.folder, "calls")
+        self.stub = os.path.join(self.folder, "mvtp")
+        with open(self.stub, "w", encoding="utf-8") as file:
+            file.write(STUB)
+        os.chmod(self.stub, 0o755)
+
+    def suite(self, *arguments, **environment):
+        command = [sys.executable, suite.__file__, "--mvtp", self.stub, "--only", "t-priority",
+                   "--generated", "-o", os.path.join(self.folder, "out"), *arguments]
+        done = subprocess.run(command, env=os.environ | {
+            "STUB_CALLS": self.calls, "STUB_SUMMARY": json.dumps(GOOD)} | environment,
+            capture_output=True, text=True, check=False)
+        with open(self.calls, encoding="utf-8") as file:
+            return done.returncode, len(file.readlines())
+
+    def row(self):
+        with open(os.path.join(self.folder, "out", "table.csv"), encoding="utf-8") as file:
+            return next(csv.DictReader(file))
+
+    def test_a_run_that_is_there_is_not_repeated(self):
+        self.assertEqual(self.suite(), (0, 1))
+        self.assertEqual(self.suite(), (0, 1))
+        self.assertEqual(self.suite("--seed", "2"), (0, 2))
+        self.assertEqual(self.suite("--seed", "2", "--again"), (0, 3))
+        self.assertEqual(self.row()["verdict"], "pass")
+
+    def test_a_failure_is_exit_1_and_a_run_that_hangs_is_ended(self):
+        self.assertEqual(self.suite("--timeout", "1", STUB_HANGS="1"), (1, 1))
+        self.assertEqual(self.row()["reasons"], "timeout")
 
 
 if __name__ == "__main__":
