@@ -135,11 +135,18 @@ def depth(a, size_a, b, size_b):
 def deepest(a, b, samples):
     """(depth, share of the step) at the deepest of the samples; 0 samples: at the step only."""
     size_a, size_b = (a.length, a.width), (b.length, b.width)
-    best = (depth(a.at(1.0), size_a, b.at(1.0), size_b), 1.0)
-    for k in range(samples):
-        found = depth(a.at(k / samples), size_a, b.at(k / samples), size_b)
-        if found > best[0]:
-            best = (found, k / samples)
+
+    def look(share):
+        return depth(a.at(share), size_a, b.at(share), size_b), share
+
+    if not samples:
+        return look(1.0)
+    best = max(look(k / samples) for k in range(samples + 1))
+    # A short clip lies between two samples: close in on it.
+    width = 1.0 / samples
+    while best[0] > -0.2 and width > 1e-5:
+        width /= 2
+        best = max(best, look(max(0.0, best[1] - width)), look(min(1.0, best[1] + width)))
     return best
 
 

@@ -31,7 +31,7 @@ class Folder:
         with open(self.path(name), "w", encoding="utf-8") as file:
             file.write(text)
 
-    def check(self, steps, coordinated=()):
+    def check(self, steps, coordinated=(), sampling=0.002):
         """steps: per 0.1 s a list of (id, type, x, y, angle, speed)."""
         text = "<fcd-export>"
         for k, vehicles in enumerate(steps):
@@ -44,7 +44,7 @@ class Folder:
         self.write("vehicles.csv", "id,coordinated\n" +
                    "".join(f"{c},1\n" for c in coordinated))
         return check_fcd.result(self.path("fcd.xml"), self.path("x.sumocfg"),
-                                self.path("vehicles.csv"))
+                                self.path("vehicles.csv"), sampling)
 
 
 class CheckFcd(unittest.TestCase):
@@ -78,6 +78,15 @@ class CheckFcd(unittest.TestCase):
         self.assertEqual(found["overlap_pairs"], 1)
         self.assertAlmostEqual(found["pairs"][0]["depth_m"], 0.19, 2)
         self.assertAlmostEqual(found["pairs"][0]["deepest_s"], 0.05, 2)
+
+    def test_a_clip_shorter_than_the_sampling(self):
+        half = (5.0 + 1.8) / 2
+        def at(t):
+            return [("a", "car", half - 0.524 + 1.39 * t + 2.5, 0, 90, 13.9),
+                    ("b", "car", 0, -(half + 0.504 - 1.39 * t) + 2.5, 0, 13.9)]
+        found = self.check([at(0), at(1)], sampling=0.1)
+        self.assertEqual(found["overlap_pairs"], 1)
+        self.assertAlmostEqual(found["pairs"][0]["depth_m"], 0.01, 3)
 
     def test_a_lane_change_within_a_step_is_no_motion_unless_coordinated(self):
         steps = [[("a", "car", 0, -3.2, 90, 10), ("b", "car", 1, 0, 90, 10)],
