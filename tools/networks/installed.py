@@ -22,9 +22,10 @@ COMPLETED = {
     "acosta": (f"{REAL}/acosta", "acosta_buslanes.net.xml", ["acosta.rou.xml"],
                ["acosta_vtypes.add.xml", "acosta_bus_stops.add.xml", "acosta_busses.add.xml",
                 "acosta_tls.add.xml"]),
+    # Its signal programs do not match its network: those of the network are taken.
     "pasubio": (f"{REAL}/pasubio", "pasubio_buslanes.net.xml", ["pasubio.rou.xml"],
-                ["pasubio_vtypes.add.xml", "pasubio_bus_stops.add.xml", "pasubio_busses.add.xml",
-                 "pasubio_tls.add.xml"]),
+                ["pasubio_vtypes.add.xml", "pasubio_bus_stops.add.xml",
+                 "pasubio_busses.add.xml"]),
     "joined": (f"{REAL}/joined", "joined_buslanes.net.xml", ["joined.rou.xml"],
                ["joined_vtypes.add.xml", "joined_bus_stops.add.xml", "joined_busses.add.xml",
                 "joined_tls.add.xml"]),
@@ -59,15 +60,18 @@ def configurations(folder):
     return sorted(found)
 
 
-def missing_files(configuration):
-    """Input files that a configuration names and that are not there."""
+def input_files(configuration):
+    """The network, route and additional files that a configuration names."""
     folder = os.path.dirname(configuration)
     names = []
     for element in ET.parse(configuration).getroot().iter():
         if element.tag in ("net-file", "net", "route-files", "additional-files"):
             names += (element.get("value") or "").split(",")
-    return [n.strip() for n in names if n.strip() and
-            not os.path.exists(os.path.join(folder, n.strip()))]
+    return [os.path.join(folder, n.strip()) for n in names if n.strip()]
+
+
+def missing_files(configuration):
+    return [os.path.basename(f) for f in input_files(configuration) if not os.path.exists(f)]
 
 
 def copied(source, folder):

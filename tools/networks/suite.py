@@ -18,8 +18,10 @@ import concurrent.futures
 import csv
 import dataclasses
 import fnmatch
+import hashlib
 import json
 import os
+import re
 import resource
 import shutil
 import signal
@@ -107,9 +109,16 @@ class Runner:
         self.lock = threading.Lock()
         self.stopped = False
 
-    def key(self, command):
+    def key(self, command, scenario):
+        """What a result depends on: a run with the same key is not repeated."""
         program = os.stat(self.options.mvtp)
-        return [command, program.st_size, int(program.st_mtime), self.options.memory]
+        content = hashlib.sha256()
+        for path in [scenario.configuration, *installed.input_files(scenario.configuration)]:
+            with open(path, "rb") as file:
+                # SUMO's tools write the time of day into a comment.
+                content.update(re.sub(rb"<!--.*?-->", b"", file.read(), flags=re.DOTALL))
+        return [command, program.st_size, int(program.st_mtime), self.options.memory,
+                content.hexdigest()]
 
     def end_of(self, scenario):
         """When a run ends at the latest [s]; None: when all have arrived."""
@@ -132,11 +141,12 @@ class Runner:
                    "--controller", self.controller, *self.options.mvtp_option]
         command += ["--end", f"{end:g}"] if end is not None else []
         command += ["--", "--precision", "6"]
+        key = self.key(command, scenario)
         record = os.path.join(folder, "result.json")
         if os.path.exists(record) and not self.options.again:
             with open(record, encoding="utf-8") as file:
                 known = json.load(file)
-            if known.get("key") == self.key(command):
+            if known.get("key") == key:
                 return known["row"]
         shutil.rmtree(folder, ignore_errors=True)
         os.makedirs(folder)
@@ -145,7 +155,7 @@ class Runner:
         if self.stopped:
             return row
         with open(record + ".part", "w", encoding="utf-8") as file:
-            json.dump({"key": self.key(command), "row": row}, file, indent=1)
+            json.dump({"key": key, "row": row}, file, indent=1)
         os.replace(record + ".part", record)
         if not self.options.keep_fcd and os.path.exists(os.path.join(folder, "fcd.xml")):
             os.remove(os.path.join(folder, "fcd.xml"))

@@ -136,6 +136,8 @@ class Command(unittest.TestCase):
         self.assertEqual(self.suite(), (0, 1))
         self.assertEqual(self.suite("--seed", "2"), (0, 2))
         self.assertEqual(self.suite("--seed", "2", "--again"), (0, 3))
+        os.utime(self.stub, (1, 1))  # another program
+        self.assertEqual(self.suite("--seed", "2"), (0, 4))
         self.assertEqual(self.row()["verdict"], "pass")
 
     def test_a_failure_is_exit_1_and_a_run_that_hangs_is_ended(self):
