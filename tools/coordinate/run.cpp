@@ -199,7 +199,7 @@ class Run {
     report_.audit = audit_->figures();
     report_.events = audit_->events();
     report_.replans = controller_->replans();
-    if (coordinator_) report_.wrong_lane_sightings = coordinator_->wrong_lane_sightings();
+    if (coordinator_) report_.wrong_lane_sightings = coordinator_->guest_sightings();
     const std::vector<Trip> trips = read_trips(path("tripinfo.xml"));
     report_.vehicles = vehicle_records(trips);
     if (lot_recorder_) {
