@@ -111,7 +111,7 @@ TEST_F(Compare, RefusesBadInputBeforeAnyRun) {
 
 TEST_F(Compare, TellsWhatARunHasAgainstTheInput) {
   expect_refused(command("--quiet --junction nowhere"),
-                 "--junction nowhere: the network has no junction with this id");
+                 "--junction nowhere: the network has no junction with this id; there is C");
 }
 
 TEST_F(Compare, AnInterruptEndsTheRunsToo) {
