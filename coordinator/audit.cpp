@@ -1,154 +1,125 @@
 #include "coordinator/audit.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 namespace mvtp {
 namespace {
 
-using Corners = std::array<Point, 4>;
+constexpr double kNear = 3.0;  // [m]: larger clearances are nobody's minimum
 
-Corners corners(const Pose& rear_axle, const Vehicle& body) {
-  const double half = body.width / 2.0;
-  Corners result;
-  const std::array<Point, 4> local = {
-      {{body.front, half}, {-body.rear, half}, {-body.rear, -half}, {body.front, -half}}};
-  for (std::size_t i = 0; i < 4; ++i) {
-    const Pose p = compose(rear_axle, {local[i].x, local[i].y, 0.0});
-    result[i] = {p.x, p.y};
-  }
-  return result;
-}
+/// The way between two poses, seen along the heading half way between them.
+struct Displacement {
+  double along = 0.0;   ///< [m], of every point on the axis of the body
+  double aside = 0.0;   ///< [m], of the rear axle, to the left
+  double turned = 0.0;  ///< [rad]
+};
 
-/// How far all corners of `b` lie beyond the best side of `a` [m]; negative: none separates them.
-double separation(const Corners& a, const Corners& b) {
-  double best = -1e300;
-  for (std::size_t i = 0; i < 4; ++i) {
-    const Point& p = a[i];
-    const Point& q = a[(i + 1) % 4];
-    const double length = std::hypot(q.x - p.x, q.y - p.y);
-    const Point outward{(q.y - p.y) / length, -(q.x - p.x) / length};
-    double nearest = 1e300;
-    for (const Point& c : b) {
-      nearest = std::min(nearest, (c.x - p.x) * outward.x + (c.y - p.y) * outward.y);
-    }
-    // Corners run front left, rear left, rear right, front right: counter-clockwise.
-    best = std::max(best, nearest);
-  }
-  return best;
-}
-
-double distance_to_side(const Point& p, const Point& a, const Point& b) {
-  const double dx = b.x - a.x;
-  const double dy = b.y - a.y;
-  const double f =
-      std::clamp(((p.x - a.x) * dx + (p.y - a.y) * dy) / (dx * dx + dy * dy), 0.0, 1.0);
-  return std::hypot(p.x - a.x - f * dx, p.y - a.y - f * dy);
-}
-
-/// Two disjoint rectangles are nearest at a corner of one of them.
-double corner_distance(const Corners& a, const Corners& b) {
-  double nearest = 1e300;
-  for (const Point& p : a) {
-    for (std::size_t i = 0; i < 4; ++i) {
-      nearest = std::min(nearest, distance_to_side(p, b[i], b[(i + 1) % 4]));
-    }
-  }
-  return nearest;
+Displacement displacement(const Pose& before, const Pose& now) {
+  const double turned = wrap_to_pi(now.theta - before.theta);
+  const Pose d = relative({before.x, before.y, before.theta + 0.5 * turned}, now);
+  return {d.x, d.y, turned};
 }
 
 /// The arc over a chord: at speed in a bend the chord is shorter by enough to look like braking.
 double arc_length(double chord, double turned) {
-  const double half = 0.5 * turned;
+  const double half = 0.5 * std::abs(turned);
   return half > 1e-6 ? chord * half / std::sin(half) : chord;
 }
 
-Point front_bumper(const Pose& rear_axle, const Vehicle& body) {
-  const Pose p = compose(rear_axle, {body.front, 0.0, 0.0});
-  return {p.x, p.y};
+/// How far the rear axle went between two poses [m]; negative in reverse.
+double driven(const Displacement& d) {
+  return std::copysign(arc_length(std::hypot(d.along, d.aside), d.turned), d.along);
+}
+
+double reach(const Vehicle& body) {
+  return std::hypot(std::max(body.front, body.rear), body.width / 2.0);
 }
 
 }  // namespace
 
-double clearance(const Pose& a, const Vehicle& body_a, const Pose& b, const Vehicle& body_b) {
-  const Corners ca = corners(a, body_a);
-  const Corners cb = corners(b, body_b);
-  const double gap = std::max(separation(ca, cb), separation(cb, ca));
-  if (gap <= 0.0) return gap;
-  return std::min(corner_distance(ca, cb), corner_distance(cb, ca));
-}
-
 void Audit::observe(double time, std::span<const Sighting> sightings,
                     std::span<const Pedestrian> people) {
-  compare_pairs(time, sightings);
-  compare_with_people(time, sightings, people);
+  const std::vector<Passage> moved = passages(sightings);
+  compare_pairs(time, moved);
+  compare_with_people(time, moved, people);
   for (const Sighting& s : sightings) follow(time, s);
   std::erase_if(tracks_, [&](const auto& track) {
     const auto seen = std::ranges::lower_bound(sightings, track.first, {},
                                                [](const Sighting& s) { return s.state->id; });
     return seen == sightings.end() || seen->state->id != track.first;
   });
+  people_.clear();
+  for (const Pedestrian& person : people) people_.emplace(person.id, person.position);
 }
 
-void Audit::compare_with_people(double time, std::span<const Sighting> sightings,
-                                std::span<const Pedestrian> people) {
+std::vector<Audit::Passage> Audit::passages(std::span<const Sighting> sightings) const {
+  std::vector<Passage> result;
   for (const Sighting& s : sightings) {
-    if (!s.coordinated) continue;
-    const Vehicle& body = s.type->body;
-    for (const Pedestrian& person : people) {
-      const Pose p = relative(s.state->pose, {person.position.x, person.position.y, 0.0});
-      const double ahead = std::max({p.x - body.front, -body.rear - p.x, 0.0});
-      const double aside = std::max(std::abs(p.y) - body.width / 2.0, 0.0);
-      const double gap = std::hypot(ahead, aside) - person.radius;
-      figures_.min_person_clearance = std::min(figures_.min_person_clearance, gap);
-      if (gap >= -kTolerance || !touched_people_.insert({s.state->id, person.id}).second) continue;
-      events_.push_back({time, s.state->id + " touches " + person.id, person.position});
+    const auto found = tracks_.find(s.state->id);
+    const bool moves = found != tracks_.end() && !leaps(s, found->second);
+    const Pose& from = moves ? found->second.pose : s.state->pose;
+    const StepMotion motion(from, s.state->pose);
+    const Point way = motion.velocity(0.0);
+    result.push_back({.seen = &s,
+                      .motion = motion,
+                      .from = moves ? 0.0 : 1.0,
+                      .middle = motion.at(0.5),
+                      .reach = reach(s.type->body) + 0.5 * std::hypot(way.x, way.y)});
+  }
+  return result;
+}
+
+bool Audit::leaps(const Sighting& now, const Track& before) const {
+  if (now.coordinated) return false;
+  const Displacement d = displacement(before.pose, now.state->pose);
+  const double fast = std::max(before.speed, now.state->speed);
+  return std::abs(d.aside) > kLeap || d.along > fast * dt_ + kLeap || d.along < -kLeap;
+}
+
+void Audit::compare_with_people(double time, std::span<const Passage> passages,
+                                std::span<const Pedestrian> people) {
+  for (const Pedestrian& person : people) {
+    const auto found = people_.find(person.id);
+    const Point before = found == people_.end() ? person.position : found->second;
+    const double walked = std::hypot(person.position.x - before.x, person.position.y - before.y);
+    // Who appears or is put elsewhere did not walk there.
+    const bool walks = found != people_.end() && walked <= person.speed * dt_ + kLeap;
+    for (const Passage& p : passages) {
+      if (!p.seen->coordinated) continue;
+      const double apart =
+          std::hypot(p.middle.x - person.position.x, p.middle.y - person.position.y);
+      const double least = apart - p.reach - person.radius - (walks ? walked : 0.0);
+      if (least >= figures_.min_person_clearance) continue;
+      const NearestMoment nearest =
+          nearest_moment(p.motion, p.seen->type->body, walks ? before : person.position, person,
+                         walks ? p.from : 1.0, std::min(figures_.min_person_clearance, 1e6));
+      figures_.min_person_clearance = std::min(figures_.min_person_clearance, nearest.gap);
+      const std::string& id = p.seen->state->id;
+      if (nearest.gap >= -kTolerance || !touched_people_.insert({id, person.id}).second) continue;
+      events_.push_back({time, id + " touches " + person.id, person.position});
     }
   }
   figures_.people_touched = std::int64_t(touched_people_.size());
 }
 
-void Audit::compare_pairs(double time, std::span<const Sighting> sightings) {
-  constexpr double kNear = 3.0;  // [m]: larger clearances are nobody's minimum
-  std::vector<std::size_t> by_x(sightings.size());
-  for (std::size_t i = 0; i < by_x.size(); ++i) by_x[i] = i;
-  const auto reach = [&](std::size_t i) {
-    const Vehicle& body = sightings[i].type->body;
-    return std::hypot(std::max(body.front, body.rear), body.width / 2.0);
-  };
-  const auto x_of = [&](std::size_t i) { return sightings[i].state->pose.x; };
-  std::ranges::sort(by_x, {}, x_of);
-  double widest = 0.0;
-  for (const std::size_t i : by_x) widest = std::max(widest, reach(i));
+void Audit::compare_pairs(double time, std::span<const Passage> passages) {
+  std::vector<std::size_t> by_west(passages.size());
+  for (std::size_t i = 0; i < by_west.size(); ++i) by_west[i] = i;
+  const auto west = [&](std::size_t i) { return passages[i].middle.x - passages[i].reach; };
+  std::ranges::sort(by_west, {}, west);
 
   latest_clearance_.reset();
   std::set<std::size_t> touching;
-  for (std::size_t n = 0; n < by_x.size(); ++n) {
-    const std::size_t i = by_x[n];
-    for (std::size_t m = n + 1; m < by_x.size(); ++m) {
-      const std::size_t j = by_x[m];
-      if (x_of(j) - x_of(i) > reach(i) + widest + kNear) break;
-      const Sighting& a = sightings[i];
-      const Sighting& b = sightings[j];
-      if (distance(a.state->pose, b.state->pose) > reach(i) + reach(j) + kNear) continue;
-      const double gap = clearance(a.state->pose, a.type->body, b.state->pose, b.type->body);
-      if (gap >= kNear) continue;
-      figures_.min_clearance = std::min(figures_.min_clearance, gap);
-      latest_clearance_ = std::min(latest_clearance_.value_or(kNear), gap);
-      for (const Sighting* s : {&a, &b}) {
-        double& least = clearances_.try_emplace(s->state->id, kNear).first->second;
-        least = std::min(least, gap);
-      }
-      if (gap >= -kTolerance) continue;
-      touching.insert({i, j});
-      const auto pair = std::minmax(a.state->id, b.state->id);
-      if (overlapping_.insert(pair).second) {
-        events_.push_back({time,
-                           "overlap of " + pair.first + " and " + pair.second,
-                           {a.state->pose.x, a.state->pose.y}});
-      }
-      if (a.coordinated || b.coordinated) overlapping_coordinated_.insert(pair);
+  for (std::size_t n = 0; n < by_west.size(); ++n) {
+    const Passage& a = passages[by_west[n]];
+    for (std::size_t m = n + 1; m < by_west.size(); ++m) {
+      const Passage& b = passages[by_west[m]];
+      if (west(by_west[m]) > a.middle.x + a.reach + kNear) break;
+      if (distance(a.middle, b.middle) > a.reach + b.reach + kNear) continue;
+      if (compare(time, a, b)) touching.insert({by_west[n], by_west[m]});
     }
   }
   figures_.overlap_vehicle_steps += std::int64_t(touching.size());
@@ -156,72 +127,132 @@ void Audit::compare_pairs(double time, std::span<const Sighting> sightings) {
   figures_.overlap_pairs_coordinated = std::int64_t(overlapping_coordinated_.size());
 }
 
+bool Audit::compare(double time, const Passage& a, const Passage& b) {
+  const NearestMoment nearest = nearest_moment(a.motion, a.seen->type->body, b.motion,
+                                               b.seen->type->body, std::max(a.from, b.from), kNear);
+  const double gap = nearest.gap;
+  if (gap >= kNear) return false;
+  figures_.min_clearance = std::min(figures_.min_clearance, gap);
+  latest_clearance_ = std::min(latest_clearance_.value_or(kNear), gap);
+  for (const Passage* p : {&a, &b}) {
+    double& least = clearances_.try_emplace(p->seen->state->id, kNear).first->second;
+    least = std::min(least, gap);
+  }
+  if (gap >= -kTolerance) return false;
+  const auto pair = std::minmax(a.seen->state->id, b.seen->state->id);
+  if (overlapping_.insert(pair).second) {
+    const Pose where = a.motion.at(nearest.t);
+    events_.push_back({time - (1.0 - nearest.t) * dt_,
+                       "overlap of " + pair.first + " and " + pair.second,
+                       {where.x, where.y}});
+  }
+  if (a.seen->coordinated || b.seen->coordinated) overlapping_coordinated_.insert(pair);
+  return true;
+}
+
 void Audit::follow(double time, const Sighting& s) {
+  const Point where{s.state->pose.x, s.state->pose.y};
   if (area_.share_outside(s.state->pose, s.type->body, kRoadTolerance) > 0.0) {
     ++figures_.off_road_steps;
     figures_.off_road_steps_coordinated += s.coordinated ? 1 : 0;
-    if (events_.size() < 1000) {
-      events_.push_back(
-          {time, s.state->id + " is off the road", {s.state->pose.x, s.state->pose.y}});
-    }
+    if (events_.size() < 1000) events_.push_back({time, s.state->id + " is off the road", where});
   }
   Track now{.pose = s.state->pose,
-            .front = front_bumper(s.state->pose, s.type->body),
             .speed = s.state->speed,
-            .coordinated = s.coordinated};
+            .recent = {},
+            .coordinated = s.coordinated,
+            .handed_back = -1e9};
   const auto found = tracks_.find(s.state->id);
   if (found != tracks_.end()) {
     const Track& before = found->second;
     now.handed_back = before.coordinated && !s.coordinated ? time : before.handed_back;
-    if (before.coordinated != s.coordinated) {
-      figures_.max_jump = std::max(figures_.max_jump, jump(before, now));
+    if (before.coordinated || s.coordinated) {
+      const double jumped = jump(before, now, s.type->body);
+      figures_.max_jump = std::max(figures_.max_jump, jumped);
+      if (jumped > kJump) {
+        events_.push_back({time,
+                           fmt::format("{} jumps {:.2f} m at its {}", s.state->id, jumped,
+                                       s.coordinated ? "takeover" : "hand-back"),
+                           where});
+      }
     }
     if (s.coordinated) judge_motion(time, s, before, now);
     const double braking = (before.speed - now.speed) / dt_;
     if (!s.coordinated && time - now.handed_back < kAfterHandback &&
         braking > s.type->body.max_decel + 0.1) {
       ++figures_.hard_brakings_after_handback;
-      events_.push_back({time,
-                         s.state->id + " brakes hard after its hand-back",
-                         {s.state->pose.x, s.state->pose.y}});
+      events_.push_back({time, s.state->id + " brakes hard after its hand-back", where});
     }
   }
-  tracks_.insert_or_assign(s.state->id, now);
+  tracks_.insert_or_assign(s.state->id, std::move(now));
 }
 
 void Audit::judge_motion(double time, const Sighting& s, const Track& before, Track& now) {
-  const Vehicle& body = s.type->body;
-  const double turned = std::abs(wrap_to_pi(now.pose.theta - before.pose.theta));
-  const double driven = arc_length(distance(before.pose, now.pose), turned);
-  now.driven_speed = driven / dt_;
-  figures_.max_speed = std::max(figures_.max_speed, now.driven_speed);
-  if (driven > 0.05) {
+  const Displacement d = displacement(before.pose, now.pose);
+  const Stretch latest{driven(d), d.turned};
+  const double driven_speed = std::abs(latest.driven) / dt_;
+  figures_.max_speed = std::max(figures_.max_speed, driven_speed);
+  if (std::abs(latest.driven) > 0.05) {
     figures_.max_curvature_ratio =
-        std::max(figures_.max_curvature_ratio, turned / driven * body.min_turning_radius);
+        std::max(figures_.max_curvature_ratio,
+                 std::abs(latest.turned / latest.driven) * s.type->body.min_turning_radius);
   }
+  if (!before.recent.empty()) {  // else the step of the takeover: no speed to compare with
+    judge_acceleration(time, s, before.recent.back().driven / dt_, latest.driven / dt_);
+    if (before.recent.back().driven * latest.driven >= 0.0) now.recent = before.recent;
+  }
+  now.recent.push_back(latest);
+  // A metre evens out a heading that is off for one slow step, and leaves one at speed as it is.
+  double length = 0.0;
+  double turned = 0.0;
+  std::size_t first = now.recent.size();
+  while (first > 0 && std::abs(length) < 1.0 &&
+         double(now.recent.size() - first) * dt_ < 1.0 - 1e-9) {
+    --first;
+    length += now.recent[first].driven;
+    turned += now.recent[first].turned;
+  }
+  now.recent.erase(now.recent.begin(), now.recent.begin() + std::ptrdiff_t(first));
+  const double span = double(now.recent.size()) * dt_;
   figures_.max_lateral_accel =
-      std::max(figures_.max_lateral_accel, turned / dt_ * now.driven_speed);
-  if (before.driven_speed < 0.0) return;  // the step of the takeover has no speed to compare with
-  const double accel = (now.driven_speed - before.driven_speed) / dt_;
+      std::max(figures_.max_lateral_accel, std::abs(turned) / span * std::abs(length) / span);
+}
+
+void Audit::judge_acceleration(double time, const Sighting& s, double before, double now) {
+  const Vehicle& body = s.type->body;
+  const double change = (std::abs(now) - std::abs(before)) / dt_;
+  double accel = std::max(change, 0.0);
+  double decel = std::max(-change, 0.0);
+  if (before * now < 0.0) {
+    // It came to rest on the way: what is left of the step after the hardest braking allowed is
+    // there to speed up the other way.
+    const double left = dt_ - std::abs(before) / body.max_decel;
+    decel = std::abs(left > 0.0 ? before : now - before) / dt_;
+    accel = left > 0.0 ? std::abs(now) / left : 0.0;
+  }
   figures_.max_accel = std::max(figures_.max_accel, accel);
-  figures_.max_decel = std::max(figures_.max_decel, -accel);
+  figures_.max_decel = std::max(figures_.max_decel, decel);
   constexpr double kNoise = 0.05;  // [m/s^2] from differentiating positions twice
-  if (accel > body.max_accel + kNoise || -accel > body.max_decel + kNoise) {
+  if (accel > body.max_accel + kNoise || decel > body.max_decel + kNoise) {
     ++figures_.accel_violations;
     events_.push_back(
-        {time, s.state->id + " exceeds its acceleration", {now.front.x, now.front.y}});
+        {time, s.state->id + " exceeds its acceleration", {s.state->pose.x, s.state->pose.y}});
   }
 }
 
-double Audit::jump(const Track& before, const Track& now) const {
-  const double heading = before.pose.theta + 0.5 * wrap_to_pi(now.pose.theta - before.pose.theta);
-  const double dx = now.front.x - before.front.x;
-  const double dy = now.front.y - before.front.y;
-  const double along = dx * std::cos(heading) + dy * std::sin(heading);
-  const double aside = -dx * std::sin(heading) + dy * std::cos(heading);
+double Audit::jump(const Track& before, const Track& now, const Vehicle& body) const {
+  const Displacement d = displacement(before.pose, now.pose);
+  // A body that follows a bend turns about some point of its axis, which does not move sideways.
+  const double front = d.aside + body.front * d.turned;
+  const double rear = d.aside - body.rear * d.turned;
+  const double aside = front * rear <= 0.0 ? 0.0 : std::min(std::abs(front), std::abs(rear));
+  const double farthest = std::hypot(d.along, std::max(std::abs(front), std::abs(rear)));
+  const double turned = std::abs(d.turned) - std::hypot(d.along, aside) / body.min_turning_radius;
+  const double swung = std::max(0.0, turned) * std::max(body.front, body.rear);
+  if (before.coordinated && now.coordinated) return aside + swung;
   const auto [slow, fast] = std::minmax(before.speed, now.speed);
-  const double excess = std::max({0.0, along - fast * dt_, slow * dt_ - along});
-  return std::hypot(excess, aside);
+  const double excess = std::max({0.0, std::abs(d.along) - fast * dt_, slow * dt_ - farthest});
+  return std::hypot(excess, aside + swung);
 }
 
 }  // namespace mvtp

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "coordinator/drivable_area.hpp"
+#include "coordinator/footprint_motion.hpp"
 #include "coordinator/traffic.hpp"
 
 namespace mvtp {
@@ -24,9 +25,10 @@ struct Sighting {
 
 /// What the audit found over a whole run; the keys of summary.json.
 struct AuditFigures {
-  std::int64_t overlap_pairs = 0;              ///< pairs of vehicles that ever overlapped
+  bool between_steps = true;       ///< overlaps and clearances are those at and between the steps
+  std::int64_t overlap_pairs = 0;  ///< pairs of vehicles that ever overlapped
   std::int64_t overlap_pairs_coordinated = 0;  ///< those with a coordinated vehicle
-  std::int64_t overlap_vehicle_steps = 0;
+  std::int64_t overlap_vehicle_steps = 0;      ///< steps at whose end or before it one overlapped
   double min_clearance = std::numeric_limits<double>::infinity();  ///< [m] between two footprints
   std::int64_t people_touched = 0;  ///< pairs of a coordinated vehicle and a person
   double min_person_clearance = std::numeric_limits<double>::infinity();  ///< [m] between those
@@ -36,12 +38,14 @@ struct AuditFigures {
   // Coordinated vehicles in their zone, at the rear axle, from the poses alone.
   double max_accel = 0.0;             ///< [m/s^2]
   double max_decel = 0.0;             ///< [m/s^2]
-  double max_lateral_accel = 0.0;     ///< [m/s^2]
+  double max_lateral_accel = 0.0;     ///< [m/s^2], over the last metre or second
   double max_curvature_ratio = 0.0;   ///< curvature x smallest turning radius
   double max_speed = 0.0;             ///< [m/s]
   std::int64_t accel_violations = 0;  ///< vehicle-steps beyond the vehicle's own accel or decel
 
-  double max_jump = 0.0;  ///< [m] at takeover and hand-back, beyond what the speed explains
+  /// [m] moved in a way that no driving explains: sideways or by turning on the spot; at takeover
+  /// and hand-back also along, beyond what the speed explains.
+  double max_jump = 0.0;
   std::int64_t hard_brakings_after_handback = 0;  ///< vehicle-steps
 };
 
@@ -52,14 +56,22 @@ struct AuditEvent {
   Point where;
 };
 
-/// The footprint audit: every vehicle at every step of the traffic, coordinated or not.
+/// The footprint audit: every vehicle at every step of the traffic and between the steps,
+/// coordinated or not.
 ///
 /// Works on what the traffic shows, with geometry of its own, and knows nothing of any plan.
+/// Between two steps a body moves with a constant twist (footprint_motion.hpp), and overlaps deeper
+/// than 1.1 mm are found at any moment, none of less than 1 mm is reported. Two cases are no motion
+/// and count at the step only: who was not there in the last step, and a vehicle under the
+/// traffic's own control that leaps by more than kLeap (a lane change within one step, a teleport).
 class Audit {
  public:
   static constexpr double kTolerance = 1e-3;      ///< [m] of overlap that counts as touching
   static constexpr double kRoadTolerance = 0.05;  ///< [m] beside the road that counts as on it
   static constexpr double kAfterHandback = 3.0;   ///< [s]
+  static constexpr double kJump = 0.05;           ///< [m] that show at a takeover or hand-back
+  /// Sideways at the rear axle, or along beyond what its speed explains [m].
+  static constexpr double kLeap = 1.0;
 
   Audit(const DrivableArea& area, double step_length) : area_(area), dt_(step_length) {}
 
@@ -75,21 +87,40 @@ class Audit {
   [[nodiscard]] const std::map<std::string, double>& clearances() const { return clearances_; }
 
  private:
+  /// What a coordinated vehicle did in one step, at the rear axle.
+  struct Stretch {
+    double driven = 0.0;  ///< [m], negative in reverse
+    double turned = 0.0;  ///< [rad]
+  };
+
   struct Track {
-    Pose pose;  ///< rear axle
-    Point front;
-    double speed = 0.0;          ///< as the traffic says [m/s]
-    double driven_speed = -1.0;  ///< rear axle, over the last step; < 0: not coordinated then
+    Pose pose;                    ///< rear axle
+    double speed = 0.0;           ///< as the traffic says [m/s]
+    std::vector<Stretch> recent;  ///< the last metre or second in one direction, oldest first
     bool coordinated = false;
     double handed_back = -1e9;  ///< when [s]
   };
 
-  void compare_with_people(double time, std::span<const Sighting> sightings,
+  /// A sighting with the way that led there.
+  struct Passage {
+    const Sighting* seen = nullptr;
+    StepMotion motion;
+    double from = 1.0;   ///< share of the step from which on the motion counts: 0, or 1 for none
+    Pose middle;         ///< the rear axle half way
+    double reach = 0.0;  ///< of the body around it during the step [m]
+  };
+
+  [[nodiscard]] std::vector<Passage> passages(std::span<const Sighting> sightings) const;
+  [[nodiscard]] bool leaps(const Sighting& now, const Track& before) const;
+  void compare_with_people(double time, std::span<const Passage> passages,
                            std::span<const Pedestrian> people);
-  void compare_pairs(double time, std::span<const Sighting> sightings);
+  void compare_pairs(double time, std::span<const Passage> passages);
+  /// @return whether the two overlap.
+  bool compare(double time, const Passage& a, const Passage& b);
   void follow(double time, const Sighting& sighting);
   void judge_motion(double time, const Sighting& s, const Track& before, Track& now);
-  [[nodiscard]] double jump(const Track& before, const Track& now) const;
+  void judge_acceleration(double time, const Sighting& s, double before, double now);
+  [[nodiscard]] double jump(const Track& before, const Track& now, const Vehicle& body) const;
 
   const DrivableArea& area_;
   double dt_;
@@ -98,13 +129,10 @@ class Audit {
   std::vector<AuditEvent> events_;
   std::map<std::string, double> clearances_;
   std::map<std::string, Track> tracks_;
+  std::map<std::string, Point> people_;  ///< in the last step
   std::set<std::pair<std::string, std::string>> overlapping_;
   std::set<std::pair<std::string, std::string>> overlapping_coordinated_;
   std::set<std::pair<std::string, std::string>> touched_people_;
 };
-
-/// Distance between the footprints of two vehicles [m]; negative: how deep they overlap.
-[[nodiscard]] double clearance(const Pose& a, const Vehicle& body_a, const Pose& b,
-                               const Vehicle& body_b);
 
 }  // namespace mvtp
