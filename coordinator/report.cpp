@@ -48,7 +48,8 @@ Json delay_json(const RunReport& report) {
 }
 
 Json audit_json(const AuditFigures& a) {
-  return {{"overlap_pairs", a.overlap_pairs},
+  return {{"between_steps", a.between_steps},
+          {"overlap_pairs", a.overlap_pairs},
           {"overlap_pairs_coordinated", a.overlap_pairs_coordinated},
           {"overlap_vehicle_steps", a.overlap_vehicle_steps},
           {"min_clearance_m", std::isfinite(a.min_clearance) ? Json(a.min_clearance) : Json()},

@@ -128,6 +128,29 @@ TEST_F(Compare, AnInterruptEndsTheRunsToo) {
   }
 }
 
+TEST_F(Compare, AFailedRunIsARowAndTheOthersGoOn) {
+  const std::string car = "<vehicle id=\"%\" depart=\"@\"><route edges=\"#\"/></vehicle>";
+  const auto vehicle = [&](char id, const char* depart, const char* edges) {
+    std::string text = car;
+    text.replace(text.find('%'), 1, 1, id).replace(text.find('@'), 1, depart);
+    return text.replace(text.find('#'), 1, edges);
+  };
+  (void)directory_.file("x.rou.xml", "<routes>" + vehicle('a', "0", "Wi Eo") +
+                                         vehicle('b', "500", "Wi Eo") +
+                                         vehicle('c', "900", "Wi Atlantis") + "</routes>");
+  (void)directory_.file("x.sumocfg", std::string("<configuration><net-file value=\"") +
+                                         MVTP_NETWORKS +
+                                         "/crossroads.net.xml\"/><route-files value=\"x.rou.xml\"/>"
+                                         "<step-length value=\"0.1\"/></configuration>");
+  const Outcome outcome = run("compare -c x.sumocfg --seeds 1 --quiet --output-dir out");
+  EXPECT_EQ(outcome.exit_code, 1) << outcome.err;
+  EXPECT_THAT(outcome.out, ContainsRegex("\nFAILED: priority, seed 1: x.sumocfg: SUMO stopped "));
+  EXPECT_THAT(outcome.out,
+              ContainsRegex("\nFAILED: coordinated, seed 1: x.sumocfg: SUMO stopped "));
+  const std::string csv = content_of(directory_.path("out/compare.csv"));
+  EXPECT_THAT(csv, HasSubstr("\npriority,1,failed,"));
+}
+
 TEST_F(Compare, ACrashedRunIsToldAndNotHidden) {
   const std::string script = std::string("'") + MVTP_PROGRAM + "' compare -c '" + kScenario +
                              "' --end 600 --seeds 1 --jobs 1 --output-dir out & pid=$!\n"

@@ -189,7 +189,7 @@ class Comparison {
 
   /// Returns whether no signal cut it short.
   bool run_all() {
-    Progress progress("compare", options_.quiet);
+    Progress progress("compare", options_.quiet, TimeLeft::kShown);
     std::size_t done = 0;
     return run_jobs(jobs_, options_.jobs, [&](std::size_t i, int status) {
       judge(i, status);

@@ -94,7 +94,12 @@ class Run {
         std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     const std::vector<Trip> trips = close(status);
     judge(trips);
-    write_files();
+    try {
+      write_files();
+    } catch (const InputError& error) {  // a full disk, a folder that is gone
+      say(error.what());
+      return kNotAchieved;
+    }
     return conclude(status);
   }
 
@@ -204,8 +209,9 @@ class Run {
         report_.vehicles, [](const VehicleRecord& v) { return !v.arrival.has_value(); });
     if (!report_.message.empty()) say(report_.message);
     if (report_.vehicles.empty()) {
-      say(fmt::format("no vehicle departed until t = {:.2f} s; is the demand of {} empty, or later?",
-                      report_.end, options_.configuration));
+      say(fmt::format(
+          "no vehicle departed until t = {:.2f} s; is the demand of {} empty, or later?",
+          report_.end, options_.configuration));
     }
     if (report_.audit.overlap_pairs_coordinated > 0) {
       say(fmt::format("{} pairs with a coordinated vehicle overlapped; see {}",
