@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
 
 #include "tests/tools/program_fixture.hpp"
 
@@ -237,6 +238,102 @@ TEST_F(CoordinateRun, ListsOfJunctionsMayBeFollowedByOptions) {
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
   expect_refused("coordinate -c x.sumocfg --junction C,c1",
                  "--junction c1: the network has no junction with this id; did you mean C. [^\n]*");
+}
+
+/// Two small parking lots, and a crossing far from both; two cars come to each.
+class LotsAndJunction : public CoordinateRun {
+ protected:
+  void make() const {
+    std::string nodes = "<nodes>";
+    std::string edges = "<edges>";
+    std::string ways = "<connections>";
+    std::string lots = "<additional>";
+    std::string demand = "<routes><vType id=\"car\" length=\"4.5\" width=\"1.8\"/>";
+    for (const int lot : {0, 1}) {
+      const std::string n = std::to_string(lot);
+      const int y = 200 * lot;
+      nodes +=
+          node("in" + n, -100, y + 3) + node("gate" + n, 0, y + 8) + node("out" + n, -100, y + 13);
+      edges += edge("entry" + n, "in" + n, "gate" + n, at(-100, y + 3) + ' ' + at(0, y + 3)) +
+               edge("exit" + n, "gate" + n, "out" + n, at(0, y + 13) + ' ' + at(-100, y + 13));
+      lots += "<poly id=\"lot" + n + "\" type=\"parking.ground\" shape=\"" +
+              line(y, {-28, 1,  0,   1,  0,   0,  30, 0,  30, 22, 0,   22,
+                       0,   15, -28, 15, -28, 11, 0,  11, 0,  5,  -28, 5}) +
+              "\"/><parkingArea id=\"lot" + n + "\" lane=\"entry" + n +
+              "_0\" startPos=\"85\" endPos=\"95\">";
+      ways += "<connection from=\"entry" + n + "\" to=\"exit" + n +
+              "\" fromLane=\"0\" toLane=\"0\" shape=\"" +
+              line(y, {0, 3, -4, 5, -6, 8, -4, 11, 0, 13}) + "\"/>";
+      for (const int x : {12, 15, 18}) {
+        lots += "<space x=\"" + std::to_string(x) + "\" y=\"" + std::to_string(y + 22) +
+                "\" angle=\"180\" width=\"3\" length=\"5.5\"/>";
+      }
+      lots += "</parkingArea>";
+      for (const int k : {0, 1}) {
+        demand += "<vehicle id=\"p" + n + std::to_string(k) + "\" type=\"car\" depart=\"" +
+                  std::to_string(20 * lot + 10 * k) + "\"><route edges=\"entry" + n + " exit" + n +
+                  "\"/><stop parkingArea=\"lot" + n + "\" duration=\"60\"/></vehicle>";
+      }
+    }
+    nodes += node("W", -150, 600) + node("E", 150, 600) + node("S", 0, 450) + node("N", 0, 750) +
+             node("C", 0, 600) + "</nodes>";
+    edges += edge("we", "W", "C") + edge("ee", "C", "E") + edge("sn", "S", "C") +
+             edge("nn", "C", "N") + "</edges>";
+    demand += vehicle("x", 40, "we ee") + vehicle("y", 40, "sn nn") + "</routes>";
+    (void)directory_.file("x.nod.xml", nodes);
+    (void)directory_.file("x.edg.xml", edges);
+    (void)directory_.file("x.con.xml", ways + "</connections>");
+    (void)directory_.file("x.add.xml", lots + "</additional>");
+    (void)directory_.file("x.rou.xml", demand);
+    (void)directory_.file("x.sumocfg",
+                          "<configuration><net-file value=\"x.net.xml\"/><route-files "
+                          "value=\"x.rou.xml\"/><additional-files value=\"x.add.xml\"/>" +
+                              kStep + "</configuration>");
+    const Outcome outcome = shell(
+        "netconvert -n x.nod.xml -e x.edg.xml -x x.con.xml -o x.net.xml --no-turnarounds "
+        "--offset.disable-normalization");
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  }
+
+ private:
+  static std::string at(int x, int y) { return std::to_string(x) + ',' + std::to_string(y); }
+  /// Points x, y, x, y, ..., moved by `up`.
+  static std::string line(int up, const std::vector<int>& numbers) {
+    std::string text;
+    for (std::size_t i = 0; i + 1 < numbers.size(); i += 2) {
+      text += (i == 0 ? "" : " ") + at(numbers[i], numbers[i + 1] + up);
+    }
+    return text;
+  }
+  static std::string node(const std::string& id, int x, int y) {
+    return "<node id=\"" + id + "\" x=\"" + std::to_string(x) + "\" y=\"" + std::to_string(y) +
+           "\" type=\"priority\"/>";
+  }
+  static std::string edge(const std::string& id, const std::string& from, const std::string& to,
+                          const std::string& shape = "") {
+    return "<edge id=\"" + id + "\" from=\"" + from + "\" to=\"" + to + "\" speed=\"8\"" +
+           (shape.empty() ? "" : " spreadType=\"center\" shape=\"" + shape + "\"") + "/>";
+  }
+};
+
+TEST_F(LotsAndJunction, AreCoordinatedInOneRun) {
+  make();
+  const Outcome outcome = coordinate("--quiet");
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  const json s = summary();
+  EXPECT_EQ(s["completed"], 6);
+  EXPECT_EQ(s["parking"]["lot"], "lot0, lot1");
+  EXPECT_EQ(s["parking"]["lots"].size(), 2U);
+  EXPECT_EQ(s["parking"]["gate_to_parked_s"]["vehicles"], 4);
+  ASSERT_EQ(s["zones"].size(), 1U);
+  EXPECT_EQ(s["zones"][0]["junctions"], json::array({"C"}));
+  const std::string vehicles = content_of(directory_.path("out/vehicles.csv"));
+  for (const char* id : {"p00", "p01", "p10", "p11", "x", "y"}) {
+    EXPECT_THAT(vehicles, ContainsRegex("\n" + std::string(id) + ",car,.*,1,")) << id;
+  }
+  for (const char* name : {"lot.svg", "lot2.svg", "visits.csv", "occupancy.csv"}) {
+    EXPECT_TRUE(fs::exists(directory_.path(std::string("out/") + name))) << name;
+  }
 }
 
 TEST_F(CoordinateRun, AClosingTableAndTheProgressUnlessQuiet) {
