@@ -69,6 +69,16 @@ void close_xml(const fs::path& path) {
   std::ofstream(path, std::ios::app) << "</" << root << ">\n";
 }
 
+/// What SUMO's last words say about why it aborted; empty if nothing.
+std::string failed_assertion(const fs::path& log) {
+  std::ifstream file(log);
+  std::string found;
+  for (std::string line; std::getline(file, line);) {
+    if (line.find("Assertion") != std::string::npos) found = line;
+  }
+  return found;
+}
+
 }  // namespace
 
 RunFolder::RunFolder(const std::string& folder, const std::string& option) : folder_(folder) {
@@ -126,11 +136,13 @@ bool complete_crashed_run(const fs::path& folder, const std::string& message) {
     const fs::path part = folder / part_of(name);
     if (fs::exists(part, error)) close_xml(part);
   }
+  const std::string reason = failed_assertion(folder / part_of("sumo.log"));
   const fs::path summary = folder / part_of(kSummary);
   Json figures = Json::parse(std::ifstream(summary), nullptr, /*allow_exceptions=*/false);
   const bool found = figures.is_object();
   if (found) {
-    Json patched = {{"status", "failed"}, {"message", message}};
+    const std::string why = message + (reason.empty() ? "" : ": " + reason);
+    Json patched = {{"status", "failed"}, {"message", why}};
     for (const auto& [key, value] : figures.items()) {
       if (!patched.contains(key)) patched[key] = value;
     }

@@ -75,6 +75,7 @@ TEST(RunFolder, ACrashedRunIsCompletedFromItsCheckpoint) {
   const TemporaryDirectory directory;
   (void)directory.file("summary.json.part", R"({"status": "failed", "vehicles": 3})");
   (void)directory.file("vehicles.csv.part", "id\na\n");
+  (void)directory.file("sumo.log.part", "Warning: x\nsumo: MSLane.cpp:7: Assertion `y' failed.\n");
   (void)directory.file(
       "fcd.xml.part",
       "<?xml version=\"1.0\"?>\n\n<!-- made\n<configuration>\n</configuration>\n"
@@ -84,12 +85,13 @@ TEST(RunFolder, ACrashedRunIsCompletedFromItsCheckpoint) {
   EXPECT_TRUE(complete_crashed_run(directory.path(""), "the simulation crashed"));
   const auto summary = nlohmann::json::parse(content_of(directory.path("summary.json")));
   EXPECT_EQ(summary["status"], "failed");
-  EXPECT_EQ(summary["message"], "the simulation crashed");
+  EXPECT_EQ(summary["message"],
+            "the simulation crashed: sumo: MSLane.cpp:7: Assertion `y' failed.");
   EXPECT_EQ(summary["vehicles"], 3);
   EXPECT_EQ(content_of(directory.path("vehicles.csv")), "id\na\n");
   EXPECT_THAT(content_of(directory.path("fcd.xml")),
               testing::EndsWith("        <vehicle id=\"a\"/>\n    </timestep>\n</fcd-export>\n"));
-  EXPECT_EQ(directory.size(), 3);
+  EXPECT_EQ(directory.size(), 4);
 }
 
 TEST(RunFolder, ACrashBeforeTheFirstCheckpointLeavesNoSummary) {
