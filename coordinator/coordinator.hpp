@@ -27,6 +27,7 @@ struct CoordinatorOptions {
   /// dropped. 0: no planning at all, as if the planner had died.
   double replan_budget_ms = 1e9;
   double budget_from = 0.0;
+  int threads = 0;  ///< that plan; 0: one per core
 };
 
 /// A vehicle under control.

@@ -489,8 +489,9 @@ std::vector<ControlZone> partition(const LaneGraph& graph, const std::vector<boo
     if (!coordinated[std::size_t(link.junction)]) continue;
     for_each_near(graph, link.to, chain, [&](int near) {
       if (coordinated[std::size_t(near)]) {
-        const auto [low, high] = std::minmax(find(near), find(link.junction));
-        root[std::size_t(high)] = low;
+        const int a = find(near);
+        const int b = find(link.junction);
+        root[std::size_t(std::max(a, b))] = std::min(a, b);
       }
     });
   }

@@ -82,6 +82,9 @@ class Traffic {
   /// False once no vehicle is left and none will enter.
   [[nodiscard]] virtual bool running() const = 0;
 
+  /// Vehicles that wait to enter the network, ordered by id; route() knows them too.
+  [[nodiscard]] virtual std::vector<std::string> pending() const { return {}; }
+
   /// All vehicles on the road after the last step, ordered by id.
   [[nodiscard]] virtual std::span<const VehicleState> vehicles() const = 0;
   /// The edges of its route, the one it is on (or, inside a junction, the one before) first.

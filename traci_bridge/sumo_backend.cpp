@@ -89,7 +89,8 @@ class Backend final : public SumoTraffic {
   explicit Backend(SumoLaunch launch)
       : configuration_(std::move(launch.configuration)),
         network_(std::move(launch.network)),
-        outputs_(std::move(launch.outputs)) {
+        outputs_(std::move(launch.outputs)),
+        log_(launch.log) {
     ask([&] {
       index_network();
       connection_ = std::make_unique<SumoConnection>(launch.arguments, log_);
@@ -372,6 +373,12 @@ class Backend final : public SumoTraffic {
     for (OutputFile& output : outputs_) output.commit();
     outputs_.clear();
   }
+
+  void keep_outputs() override {
+    for (OutputFile& output : outputs_) output.keep();
+  }
+
+  SumoWarnings warnings() const override { return log_.warnings(); }
 
  private:
   /// Is it on the road after the last step?
