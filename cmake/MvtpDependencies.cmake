@@ -7,6 +7,7 @@ find_package(nlohmann_json REQUIRED)
 find_package(CLI11 REQUIRED)
 find_package(fmt REQUIRED)
 find_package(ZLIB REQUIRED)
+find_package(TBB REQUIRED)
 
 # fcl's own target names neither Eigen nor its headers as system headers.
 add_library(mvtp_fcl INTERFACE)

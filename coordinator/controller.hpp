@@ -22,8 +22,20 @@ struct Replan {
   double ms = 0.0;        ///< wall clock
 };
 
-/// Who lets some of the vehicles of a traffic drive. Several may control one traffic: each takes over
-/// other vehicles. The Simulation steps the traffic, nobody else does.
+/// Something that the controller leaves to the traffic's own drivers, and why.
+struct LeftToTraffic {
+  std::string what;  ///< e.g. "junction C", "lane W_0 to E_1 for type bus"
+  std::string why;
+};
+
+/// Junctions whose vehicles are planned together.
+struct ZoneFigures {
+  std::vector<std::string> junctions;  ///< ids
+  int corridors = 0;                   ///< ways through them
+};
+
+/// Who lets some of the vehicles of a traffic drive. Several may control one traffic: each takes
+/// over other vehicles. The Simulation steps the traffic, nobody else does.
 class Controller {
  public:
   virtual ~Controller() = default;
@@ -38,6 +50,9 @@ class Controller {
   /// Does the vehicle stand because it is parked and its stay is not over?
   [[nodiscard]] virtual bool rests(const std::string& /*id*/) const { return false; }
   [[nodiscard]] virtual const std::vector<Replan>& replans() const = 0;
+  /// For the record: what is planned together, and what is not planned at all.
+  [[nodiscard]] virtual std::vector<ZoneFigures> zones() const { return {}; }
+  [[nodiscard]] virtual std::vector<LeftToTraffic> left_to_sumo() const { return {}; }
 };
 
 /// Leaves all vehicles to their own drivers.

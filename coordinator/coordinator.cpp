@@ -1,5 +1,7 @@
 #include "coordinator/coordinator.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -10,8 +12,7 @@
 namespace mvtp {
 namespace {
 
-constexpr int kRefereeSteps = 2;  ///< of the simulation between two looks at a new plan
-constexpr double kBlend = 20.0;  ///< [m] over which the offset at takeover disappears
+constexpr double kBlend = 20.0;   ///< [m] over which the offset at takeover disappears
 
 /// Comfortable braking towards lower speed limits.
 double envelope_braking(const Vehicle& body) { return std::min(3.5, 0.8 * body.max_decel); }
@@ -21,66 +22,63 @@ double smoothstep(double x) {
   return x * x * (3.0 - 2.0 * x);
 }
 
-/// A leader: holds its speed for three seconds, then speeds up gently. Predicting that a standing
-/// leader stands for ever would leave the vehicles behind it without any complete plan.
-PathTrajectory predict_leader(const RoadVehicle& v, const DecisionGrid& grid, std::int64_t step) {
-  constexpr double kHold = 3.0;
-  constexpr double kAcceleration = 1.0;
-  PathTrajectory t{.begin = step, .states = {v.now}};
-  while (t.states.back().s < v.s_end && t.states.size() < 3000) {
-    const InertialState last = t.states.back();
-    const bool holds = double(t.states.size()) * grid.dt <= kHold || last.v >= v.cruise_speed;
-    t.states.push_back(advance(last, holds ? 0.0 : kAcceleration, grid.dt));
-  }
-  return t;
+/// Where a plan has a vehicle at step k; at its end it stays.
+InertialState state_at(const PathTrajectory& t, std::int64_t k) {
+  return k < t.end() ? t.at(k) : t.states.back();
 }
 
-/// A vehicle in a wrong lane: halts at the line, and has found a way into its lane after a while.
-PathTrajectory predict_halt(const RoadVehicle& v, const DecisionGrid& grid, std::int64_t step) {
-  constexpr double kBraking = 3.0;
-  constexpr double kStand = 8.0;
-  PathTrajectory t{.begin = step, .states = {v.now}};
-  double stood = 0.0;
-  while (stood < kStand) {
-    const InertialState last = t.states.back();
-    const double room = v.s_entry_line - 1.0 - last.s - last.v * grid.dt;
-    const bool brakes = room <= stopping_distance(last.v, kBraking);
-    t.states.push_back(advance(last, brakes ? -kBraking : 0.0, grid.dt));
-    stood += t.states.back().v == 0.0 || t.states.size() > 600 ? grid.dt : 0.0;
-  }
-  return t;
+/// The classes of road vehicles; what runs on rails, on foot or on two wheels without an engine
+/// keeps its own driver.
+bool is_car_like(const std::string& vehicle_class) {
+  constexpr std::array<std::string_view, 12> kNot = {
+      "pedestrian", "bicycle", "tram",     "rail",         "rail_urban", "rail_fast",
+      "rail_electric", "ship", "container", "cable_car", "subway", "aircraft"};
+  return std::ranges::find(kNot, vehicle_class) == kNot.end();
 }
 
 }  // namespace
 
-Coordinator::Coordinator(Traffic& traffic, Zone& zone, const CoordinatorOptions& options)
-    : traffic_(traffic), zone_(zone), options_(options) {
+Coordinator::Coordinator(Traffic& traffic, const DrivableArea& area,
+                         const CoordinatorOptions& options)
+    : traffic_(traffic),
+      options_(options),
+      graph_(traffic.network()),
+      coordinated_(select_junctions(graph_, options.junctions, options.corridors.chain)),
+      finder_(graph_, coordinated_, options.corridors),
+      corridors_(graph_, area, options.limits),
+      predictor_(graph_, finder_, corridors_, options.corridors.takeover) {
   grid_.dt = traffic.step_length();
   grid_.steps_per_decision = std::max(1, int(std::lround(options.decision / grid_.dt)));
 }
 
-void Coordinator::prepare() {
-  for (const std::string& type : traffic_.types()) {
-    for (const auto& [id, junction] : traffic_.network().junctions) {
-      for (const Connection& c : junction.connections) {
-        const Lane& from = traffic_.network().lanes.at(c.from_lane);
-        const Lane& to = traffic_.network().lanes.at(c.to_lane);
-        const VehicleState waiting{.type = type, .lane = from.id, .lane_position = from.length};
-        const std::vector<std::string> route = {from.edge, to.edge};
-        if (from.drivable && to.drivable) (void)zone_.movement_for(waiting, route, type_of(type));
-      }
-    }
+std::vector<ZoneFigures> Coordinator::zones() const {
+  std::vector<ZoneFigures> zones;
+  for (const ControlZone& zone : partition(graph_, coordinated_, options_.corridors.chain)) {
+    ZoneFigures& figures = zones.emplace_back();
+    for (const int j : zone.junctions) figures.junctions.push_back(graph_.junction(j).id);
+    figures.corridors = zone.connections;
   }
-  const PathLibrary& library = zone_.library();
-  for (int a = 0; a < library.size(); ++a) {
-    for (int b = 0; b < library.size(); ++b) (void)library.contacts(a, b);
-  }
+  return zones;
+}
+
+std::vector<LeftToTraffic> Coordinator::left_to_sumo() const {
+  std::vector<LeftToTraffic> left;
+  for (const auto& [what, why] : undriven_) left.push_back({what, why});
+  return left;
 }
 
 void Coordinator::decide() {
   taken_over_.clear();
   handed_back_.clear();
-  if (step_ % grid_.steps_per_decision == 0) replan();
+  forget_the_vanished();
+  follow_plans();
+  if (step_ % grid_.steps_per_decision == 0) {
+    remember_lanes();
+    replan();
+  } else {
+    std::map<std::string, Driven> none;
+    leave_corridors(/*may_go_on=*/false, none);
+  }
 }
 
 void Coordinator::act() {
@@ -88,8 +86,25 @@ void Coordinator::act() {
   ++step_;
 }
 
+void Coordinator::follow_plans() {
+  for (auto& [id, driven] : driven_) {
+    driven.road.now = state_at(*plan_.find(driven.key), step_);
+  }
+}
+
+/// The traffic may take a vehicle off the road whenever it likes.
+void Coordinator::forget_the_vanished() {
+  std::erase_if(driven_, [&](const auto& entry) {
+    const auto& [id, driven] = entry;
+    if (find_state(id) != nullptr) return false;
+    std::erase_if(plan_.entries, [&](const auto& e) { return e.key == driven.key; });
+    return true;
+  });
+}
+
 void Coordinator::replan() {
-  hand_back_the_finished();
+  std::map<std::string, Driven> went_on;  // as they were before
+  leave_corridors(/*may_go_on=*/true, went_on);
   const std::vector<Newcomer> newcomers = find_newcomers();
   if (planner_is_dead()) return hold_back(newcomers);
   if (newcomers.empty() && driven_.empty()) return;
@@ -97,28 +112,26 @@ void Coordinator::replan() {
   const auto begin = std::chrono::steady_clock::now();
   forecasts_ = predict_others(newcomers);
   std::map<std::string, Driven> admitted;
-  for (const Newcomer& n : newcomers) admitted.emplace(n.state->id, admit(n));
-  std::vector<std::int64_t> order;
-  for (const auto& [id, driven] : admitted) order.push_back(driven.key);
-  std::ranges::sort(order);  // keys are given in the order of arrival
+  for (const Newcomer& n : newcomers) admitted.emplace(n.state->id, admit(n, next_key_++));
   driven_.insert(admitted.begin(), admitted.end());
 
-  RoadEscotOptions escot = options_.escot;
   JointPlan incumbent = plan_;
-  std::erase_if(incumbent.entries, [](const auto& e) { return !e.trajectory->complete; });
+  std::erase_if(incumbent.entries, [&](const auto& e) {
+    return !e.trajectory->complete || std::ranges::any_of(went_on, [&](const auto& before) {
+      return before.second.key == e.key;
+    });
+  });
   const RoadScene now = scene();
-  for (const RoadVehicle& v : now.vehicles) {
-    if (plan_.find(v.key) && !incumbent.find(v.key)) order.push_back(v.key);
-  }
-  if (stalled()) {  // a duplicate configuration [ESCoT, Alg. 2 l. 4-6]: another order, at random
+  std::vector<std::int64_t> order = without_plan(now, incumbent);
+  if (stagnates()) {  // a duplicate configuration [ESCoT, Alg. 2 l. 4-6]: another order, at random
     incumbent.entries.clear();
     order.clear();
     for (const RoadVehicle& v : now.vehicles) order.push_back(v.key);
-    std::mt19937_64 random(escot.seed + std::uint64_t(step_));
+    std::mt19937_64 random(options_.escot.seed + std::uint64_t(step_));
     std::ranges::shuffle(order, random);
   }
-  RoadDecision decision = decide_on_road(now, incumbent, order, escot);
-  const bool refused = find_planned_contact(now, decision.plan, kRefereeSteps).has_value();
+  RoadDecision decision = decide_on_road(now, incumbent, order, options_.escot);
+  const bool refused = !find_planned_contacts(now, decision.plan, plan_).empty();
 
   Replan record{.time = traffic_.time(),
                 .vehicles = int(now.vehicles.size()),
@@ -135,6 +148,7 @@ void Coordinator::replan() {
   replans_.push_back(record);
   if (record.fallback) {
     for (const auto& [id, driven] : admitted) driven_.erase(id);
+    for (auto& [id, before] : went_on) driven_.at(id) = std::move(before);
     return hold_back(newcomers);
   }
   plan_ = std::move(decision.plan);
@@ -142,79 +156,216 @@ void Coordinator::replan() {
     if (held_.erase(id) > 0) traffic_.hold(id, false);
     traffic_.take_over(id);
     taken_over_.push_back(id);
+    announce(id, driven);
   }
+  for (const auto& [id, before] : went_on) announce(id, driven_.at(id));
 }
 
-void Coordinator::hand_back_the_finished() {
+/// Keys of the vehicles without an incumbent, the first of them first: those under control by age,
+/// then newcomers in the order of arrival.
+std::vector<std::int64_t> Coordinator::without_plan(const RoadScene& now,
+                                                    const JointPlan& incumbent) const {
+  std::vector<std::int64_t> order;
+  for (const RoadVehicle& v : now.vehicles) {
+    if (!incumbent.find(v.key)) order.push_back(v.key);
+  }
+  return order;
+}
+
+/// Tells the traffic along which edges the vehicle will be placed.
+void Coordinator::announce(const std::string& id, const Driven& driven) {
+  std::vector<std::string> edges;
+  const CorridorCourse& course = corridors_[driven.corridor].course;
+  if (graph_.edge_of(course.pieces.front().lane) == LaneGraph::kNone) {
+    edges.push_back(graph_.edge_id(driven.route.front()));
+  }
+  for (const CorridorPiece& piece : course.pieces) {
+    const int edge = graph_.edge_of(piece.lane);
+    if (edge != LaneGraph::kNone) edges.push_back(graph_.edge_id(edge));
+  }
+  traffic_.drive_along(id, edges);
+}
+
+/// Those at the end of their corridor go on into the next, if a stop line is near, or are handed back.
+void Coordinator::leave_corridors(bool may_go_on, std::map<std::string, Driven>& went_on) {
   std::vector<std::string> finished;
   for (auto& [id, driven] : driven_) {
-    driven.road.now = plan_.find(driven.key)->at(step_);
-    if (driven.road.now.s >= driven.road.s_handback) finished.push_back(id);
+    if (driven.road.now.s < driven.road.s_handback) continue;
+    const std::optional<Newcomer> next = next_corridor(driven, *find_state(id));
+    if (!next) {
+      finished.push_back(id);
+    } else if (may_go_on) {
+      went_on.emplace(id, driven);
+      driven = admit(*next, driven.key);
+    }
   }
-  for (const std::string& id : finished) {
-    traffic_.hand_back(id);
-    handed_back_.push_back(id);
-    last_movement_[id] = driven_.at(id).movement;
-    const std::int64_t key = driven_.at(id).key;
-    std::erase_if(plan_.entries, [key](const auto& e) { return e.key == key; });
-    driven_.erase(id);
+  for (const std::string& id : finished) hand_back(id);
+}
+
+void Coordinator::hand_back(const std::string& id) {
+  const Driven& driven = driven_.at(id);
+  traffic_.hand_back(id);
+  handed_back_.push_back(id);
+  predictor_.handed_back(id, driven.corridor);
+  std::erase_if(plan_.entries, [&](const auto& e) { return e.key == driven.key; });
+  driven_.erase(id);
+}
+
+/// The corridor through the next junctions, for a vehicle near the end of its own; nullopt if there
+/// is none for it, or no stop line near.
+std::optional<Coordinator::Newcomer> Coordinator::next_corridor(const Driven& driven,
+                                                                const VehicleState& state) {
+  const Corridor& corridor = corridors_[driven.corridor];
+  const std::size_t here = corridor.piece_at(driven.road.now.s);
+  const CorridorPiece& piece = corridor.course.pieces[here];
+  if (graph_.edge_of(piece.lane) == LaneGraph::kNone) return std::nullopt;
+  // How many edges of the route lie behind.
+  std::size_t done = graph_.edge_of(corridor.course.pieces.front().lane) == LaneGraph::kNone ? 1 : 0;
+  for (std::size_t i = 0; i < here; ++i) {
+    done += graph_.edge_of(corridor.course.pieces[i].lane) != LaneGraph::kNone ? 1 : 0;
   }
+  std::vector<int> route(driven.route.begin() + std::ptrdiff_t(std::min(done, driven.route.size())),
+                         driven.route.end());
+  CourseQuery query = query_for(state, route);
+  query.lane = piece.last_lane();
+  query.position = (driven.road.now.s - corridor.stations[here]) / corridor.scales[here];
+  query.edges = route;
+  return newcomer_at(state, query, route);
+}
+
+std::optional<Coordinator::Newcomer> Coordinator::newcomer_at(const VehicleState& state,
+                                                              CourseQuery query,
+                                                              std::vector<int> route) {
+  query.edges = route;
+  const std::optional<CorridorCourse> course = finder_.find(query);
+  if (!course) return std::nullopt;
+  const VehicleType& type = type_of(state.type);
+  const int number = corridors_.corridor_for(*course, type.body);
+  const Corridor& corridor = corridors_[number];
+  if (!corridor.undriven.empty()) {
+    const auto& pieces = corridor.course.pieces;
+    undriven_.try_emplace(
+        fmt::format("type {} from lane {} to lane {}", type.id,
+                    graph_.lane(pieces[std::size_t(corridor.course.line_piece)].last_lane()).id,
+                    graph_.lane(corridor.exit_lane).id),
+        corridor.undriven);
+    return std::nullopt;
+  }
+  predictor_.watch(corridor);
+  const double s = corridor.station(query.lane, query.position, 0.0).value_or(0.0);
+  return Newcomer{.state = &state,
+                  .corridor = number,
+                  .to_line = corridor.s_line - s,
+                  .route = std::move(route)};
+}
+
+CourseQuery Coordinator::query_for(const VehicleState& v, std::span<const int> route) {
+  const VehicleType& type = type_of(v.type);
+  CourseQuery query{.lane = graph_.find_lane(v.lane),
+                    .position = v.lane_position,
+                    .edges = route,
+                    .length = type.body.length(),
+                    .vehicle_class = &type.vehicle_class};
+  const auto trail = trails_.find(v.id);
+  if (trail != trails_.end()) {
+    const bool is_there = trail->second.lane == query.lane;
+    query.previous_lane = is_there ? trail->second.before : trail->second.lane;
+  }
+  if (const std::optional<Stop> stop = traffic_.next_stop(v.id)) {
+    const int edge = graph_.find_edge(stop->edge);
+    const auto at = std::ranges::find(route, edge);
+    if (at != route.end()) {
+      query.stop_edge = std::size_t(at - route.begin());
+      query.stop_position = stop->position;
+    }
+  }
+  return query;
+}
+
+std::vector<int> Coordinator::route_of(const VehicleState& v) const {
+  std::vector<int> route;
+  for (const std::string& edge : traffic_.route_edges(v.id)) {
+    const int number = graph_.find_edge(edge);
+    if (number == LaneGraph::kNone) break;
+    route.push_back(number);
+  }
+  return route;
+}
+
+/// Which normal lanes vehicles have come over: their tails may still be there.
+void Coordinator::remember_lanes() {
+  std::unordered_map<std::string, Trail> trails;
+  for (const VehicleState& v : traffic_.vehicles()) {
+    Trail trail;
+    if (const auto known = trails_.find(v.id); known != trails_.end()) trail = known->second;
+    const int lane = graph_.find_lane(v.lane);
+    if (lane != LaneGraph::kNone && graph_.edge_of(lane) != LaneGraph::kNone && lane != trail.lane) {
+      const bool changed = trail.lane != LaneGraph::kNone &&
+                           graph_.edge_of(lane) == graph_.edge_of(trail.lane);
+      if (!changed) trail.before = trail.lane;
+      trail.lane = lane;
+    }
+    trails.emplace(v.id, trail);
+  }
+  trails_ = std::move(trails);
 }
 
 std::vector<Coordinator::Newcomer> Coordinator::find_newcomers() {
   std::vector<Newcomer> newcomers;
   for (const VehicleState& v : traffic_.vehicles()) {
-    if (driven_.contains(v.id) || !zone_.is_approaching(v)) continue;
-    const auto movement = zone_.movement_for(v, traffic_.route(v.id), type_of(v.type));
-    if (movement) {
-      newcomers.push_back({&v, *movement});
-    } else if (traffic_.route(v.id).size() > 1) {
+    const int lane = graph_.find_lane(v.lane);
+    if (lane == LaneGraph::kNone || !finder_.may_approach(lane, v.lane_position)) continue;
+    if (driven_.contains(v.id) || traffic_.is_taken_over(v.id)) continue;
+    if (v.halted_by_stop || !is_car_like(type_of(v.type).vehicle_class)) continue;
+    std::vector<int> route = route_of(v);
+    const CourseQuery query = query_for(v, route);
+    if (auto newcomer = newcomer_at(v, query, route)) {
+      newcomers.push_back(std::move(*newcomer));
+    } else if (const auto line = finder_.distance_to_line(query);
+               line && *line <= options_.corridors.takeover) {
       ++wrong_lane_sightings_;
     }
   }
   // Whoever is nearer to the line has arrived earlier; lanes keep their order this way.
-  const auto to_line = [&](const Newcomer& n) {
-    return traffic_.network().lanes.at(n.state->lane).length - n.state->lane_position;
-  };
-  std::ranges::stable_sort(newcomers, {}, to_line);
+  std::ranges::stable_sort(newcomers, {}, &Newcomer::to_line);
   return newcomers;
 }
 
-Driven Coordinator::admit(const Newcomer& newcomer) {
+Driven Coordinator::admit(const Newcomer& newcomer, std::int64_t key) {
   const VehicleState& v = *newcomer.state;
   const VehicleType& type = type_of(v.type);
-  const Movement& m = zone_.movement(newcomer.movement);
-  const GuidePath& path = zone_.library().path(m.path);
-  Driven driven{.key = next_key_++, .movement = newcomer.movement};
+  const Corridor& c = corridors_[newcomer.corridor];
+  const GuidePath& path = corridors_.library().path(c.path);
+  Driven driven{.key = key, .corridor = newcomer.corridor, .route = newcomer.route};
 
-  const double expected = m.lane_starts.at(v.lane) + v.lane_position;
+  const double expected = c.s_line - newcomer.to_line;
   driven.s_taken = path.project({v.pose.x, v.pose.y}, expected - 3.0, expected + 3.0);
   driven.offset = relative(path.at(driven.s_taken), v.pose);
   driven.offset.x = 0.0;
 
-  std::vector<double> limits = m.lateral_limits;
+  std::vector<double> limits = c.lateral_limits;
   for (std::size_t i = 0; i < limits.size(); ++i) {
-    limits[i] = std::min({limits[i], v.speed_factor * m.lane_limits[i], type.body.max_speed});
+    limits[i] = std::min({limits[i], v.speed_factor * c.lane_limits[i], type.body.max_speed});
   }
   RoadVehicle& road = driven.road;
   road.key = driven.key;
-  road.path = m.path;
+  road.path = c.path;
   road.now = {driven.s_taken, v.speed};
-  road.cruise_speed = std::min(v.speed_factor * m.lane_limits.back(), type.body.max_speed);
+  road.cruise_speed = std::min(v.speed_factor * c.lane_limits.back(), type.body.max_speed);
   road.envelope = std::make_shared<SpeedEnvelope>(std::move(limits), envelope_braking(type.body));
   road.min_gap = type.min_gap;
   road.tau = type.tau;
-  road.entry_lane = m.entry_lane;
-  road.s_entry_line = m.s_entry_line;
-  road.exit_lane = m.exit_lane;
-  road.s_exit_lane = m.s_exit_lane;
-  road.s_handback = m.s_handback;
-  road.s_end = m.s_end;
+  road.entry_lane = c.entry_lane;
+  road.s_entry_line = c.s_line;
+  road.exit_lane = c.exit_lane;
+  road.s_exit_lane = c.s_exit;
+  road.s_handback = c.s_handback;
+  road.s_end = c.s_end;
   return driven;
 }
 
 RoadScene Coordinator::scene() const {
-  RoadScene scene{.library = &zone_.library(), .grid = grid_, .step = step_};
+  RoadScene scene{.library = &corridors_.library(), .grid = grid_, .step = step_};
   for (const auto& [id, driven] : driven_) scene.vehicles.push_back(driven.road);
   std::ranges::sort(scene.vehicles, {}, &RoadVehicle::key);
   scene.forecasts = forecasts_;
@@ -222,57 +373,37 @@ RoadScene Coordinator::scene() const {
 }
 
 std::vector<Forecast> Coordinator::predict_others(const std::vector<Newcomer>& newcomers) {
+  constexpr double kSight = 150.0;  // [m] around those under control in which others matter
   std::set<std::string> ours;
-  for (const Newcomer& n : newcomers) ours.insert(n.state->id);
+  std::vector<Point> places;
+  for (const Newcomer& n : newcomers) {
+    ours.insert(n.state->id);
+    places.push_back({n.state->pose.x, n.state->pose.y});
+  }
+  for (const auto& [id, driven] : driven_) {
+    const Pose& pose = find_state(id)->pose;
+    places.push_back({pose.x, pose.y});
+  }
   std::vector<Forecast> forecasts;
   for (const VehicleState& v : traffic_.vehicles()) {
+    const int lane = graph_.find_lane(v.lane);
+    if (lane == LaneGraph::kNone || !predictor_.watches(lane)) continue;
     if (driven_.contains(v.id) || ours.contains(v.id)) continue;
-    if (auto forecast = predict(v)) {
+    const bool near = std::ranges::any_of(places, [&](const Point& p) {
+      return std::abs(p.x - v.pose.x) < kSight && std::abs(p.y - v.pose.y) < kSight;
+    });
+    if (!near) continue;
+    const std::vector<int> route = route_of(v);
+    if (auto forecast = predictor_.predict(v, query_for(v, route), type_of(v.type).body, grid_,
+                                           step_)) {
       forecasts.push_back(std::move(*forecast));
-    } else {
-      last_movement_.erase(v.id);
     }
   }
   return forecasts;
 }
 
-std::optional<Forecast> Coordinator::predict(const VehicleState& v) {
-  if (!zone_.touches(v.lane)) return std::nullopt;
-  const auto known = last_movement_.find(v.id);
-  std::optional<int> number;
-  if (known != last_movement_.end() && zone_.movement(known->second).lane_starts.contains(v.lane)) {
-    number = known->second;
-  } else {
-    number = zone_.movement_over(v.lane, type_of(v.type));
-  }
-  if (!number) return std::nullopt;
-  const Movement& m = zone_.movement(*number);
-  // On the approach everybody is a newcomer sooner or later, but for those in a wrong lane.
-  const bool before_line = v.lane == m.lanes[0];
-  if (before_line && !zone_.is_approaching(v)) return std::nullopt;
-
-  const GuidePath& path = zone_.library().path(m.path);
-  const double expected = m.lane_starts.at(v.lane) + v.lane_position;
-  Forecast forecast;
-  RoadVehicle& road = forecast.vehicle;
-  road.key = -1;
-  road.path = m.path;
-  road.now = {path.project({v.pose.x, v.pose.y}, expected - 3.0, expected + 3.0), v.speed};
-  road.cruise_speed =
-      std::min(v.speed_factor * m.lane_limits.back(), type_of(v.type).body.max_speed);
-  road.s_entry_line = m.s_entry_line;
-  road.exit_lane = m.exit_lane;
-  road.s_exit_lane = m.s_exit_lane;
-  road.s_handback = m.s_handback;
-  road.s_end = path.length();
-  if (road.now.s >= road.s_end) return std::nullopt;
-  forecast.trajectory =
-      before_line ? predict_halt(road, grid_, step_) : predict_leader(road, grid_, step_);
-  return forecast;
-}
-
 /// Has nothing moved since the last decision, though everybody is there to get away?
-bool Coordinator::stalled() {
+bool Coordinator::stagnates() {
   std::vector<InertialState> configuration;
   for (const auto& [id, driven] : driven_) configuration.push_back(driven.road.now);
   const bool all_stand =
@@ -301,12 +432,18 @@ void Coordinator::hold_back(const std::vector<Newcomer>& newcomers) {
 
 void Coordinator::place_all() {
   for (const auto& [id, driven] : driven_) {
-    const Movement& m = zone_.movement(driven.movement);
-    const InertialState next = plan_.find(driven.key)->at(step_ + 1);
+    const InertialState next = state_at(*plan_.find(driven.key), step_ + 1);
     const double left = 1.0 - smoothstep((next.s - driven.s_taken) / kBlend);
     const Pose aside{0.0, left * driven.offset.y, left * driven.offset.theta};
-    traffic_.place(id, compose(zone_.library().path(m.path).at(next.s), aside), next.v);
+    const GuidePath& path = corridors_.library().path(corridors_[driven.corridor].path);
+    traffic_.place(id, compose(path.at(next.s), aside), next.v);
   }
+}
+
+const VehicleState* Coordinator::find_state(const std::string& id) const {
+  const std::span<const VehicleState> states = traffic_.vehicles();
+  const auto state = std::ranges::lower_bound(states, id, {}, &VehicleState::id);
+  return state != states.end() && state->id == id ? &*state : nullptr;
 }
 
 const VehicleType& Coordinator::type_of(const std::string& id) {

@@ -5,16 +5,21 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <unordered_map>
 #include <vector>
 
 #include "coordinator/controller.hpp"
-#include "coordinator/zone.hpp"
+#include "coordinator/corridor.hpp"
+#include "coordinator/prediction.hpp"
 #include "planner/algorithms/road_escot.hpp"
 
 namespace mvtp {
 
 struct CoordinatorOptions {
   RoadEscotOptions escot;
+  CorridorOptions corridors;
+  CorridorLimits limits;
+  std::vector<std::string> junctions;  ///< ids; none: all with conflicting connections
   double decision = 0.5;  ///< [s] between two plans; rounded to whole steps of the traffic
   /// [ms] of wall clock for one plan, from `budget_from` [s] on; a plan that takes longer is
   /// dropped. 0: no planning at all, as if the planner had died.
@@ -25,73 +30,101 @@ struct CoordinatorOptions {
 /// A vehicle under control.
 struct Driven {
   std::int64_t key = 0;
-  int movement = 0;
-  RoadVehicle road;      ///< `now` as of the last decision
-  Pose offset;           ///< from the guide path at takeover, blended out while driving
-  double s_taken = 0.0;  ///< where that was [m]
+  int corridor = 0;
+  RoadVehicle road;        ///< `now` as of the last decision
+  Pose offset;             ///< from the path at takeover, blended out while driving
+  double s_taken = 0.0;    ///< where that was [m]
+  std::vector<int> route;  ///< edges from the first piece of the corridor on
 };
 
-/// The closed loop: takes vehicles over at the border of the zone, plans for all of them at every
-/// decision, places them at every step, and hands them back behind the junction.
+/// The closed loop at junctions: takes vehicles over before a coordinated stop line, plans for all of
+/// them at every decision, places them at every step, and hands them back where no other stop line is
+/// near; else they go over into the corridor through the next junctions.
 ///
 /// Safety: at every decision, "everyone brakes now" is free of contact among the vehicles driven.
-/// Liveness: the plan that is executed leads every vehicle out of the zone; a new plan replaces it
-/// only if it is complete and no worse. Both are properties of decide_on_road and are tested there.
+/// Liveness: the plan that is executed leads every vehicle to the end of its corridor; a new plan
+/// replaces it only if it is complete and no worse. Both are properties of decide_on_road and are
+/// tested there.
 class Coordinator : public Controller {
  public:
-  Coordinator(Traffic& traffic, Zone& zone, const CoordinatorOptions& options);
+  /// @throws InputError if one of the junctions is not in the network.
+  Coordinator(Traffic& traffic, const DrivableArea& area, const CoordinatorOptions& options);
 
   void decide() override;
   void act() override;
 
-  /// Builds the paths and tables that the vehicles in sight of the network will need.
-  void prepare();
-
-  [[nodiscard]] bool drives(const std::string& id) const override {
-    return driven_.contains(id);
-  }
+  [[nodiscard]] bool drives(const std::string& id) const override { return driven_.contains(id); }
   [[nodiscard]] const std::map<std::string, Driven>& driven() const { return driven_; }
   [[nodiscard]] const std::vector<Replan>& replans() const override { return replans_; }
+  [[nodiscard]] std::vector<ZoneFigures> zones() const override;
+  [[nodiscard]] std::vector<LeftToTraffic> left_to_sumo() const override;
   /// Ids taken over and handed back at the last decision.
   [[nodiscard]] const std::vector<std::string>& taken_over() const { return taken_over_; }
   [[nodiscard]] const std::vector<std::string>& handed_back() const { return handed_back_; }
-  /// Sightings of vehicles on an approach in a lane that does not lead where they go.
+  /// Sightings of vehicles near a stop line in a lane that does not lead where they go.
   [[nodiscard]] std::int64_t wrong_lane_sightings() const { return wrong_lane_sightings_; }
+  [[nodiscard]] const CorridorMap& corridors() const { return corridors_; }
 
   /// What the planner sees now; public so that the invariants can be tested from outside.
   [[nodiscard]] RoadScene scene() const;
   [[nodiscard]] const JointPlan& plan() const { return plan_; }
 
  private:
+  /// A vehicle that is to be driven from this decision on, if a plan for it is accepted.
   struct Newcomer {
-    const VehicleState* state;
-    int movement;
+    const VehicleState* state = nullptr;
+    int corridor = 0;
+    double to_line = 0.0;    ///< [m]
+    std::vector<int> route;  ///< edges
   };
 
   void replan();
-  void hand_back_the_finished();
+  void follow_plans();
+  void forget_the_vanished();
+  void leave_corridors(bool may_go_on, std::map<std::string, Driven>& went_on);
+  void hand_back(const std::string& id);
+  [[nodiscard]] std::optional<Newcomer> next_corridor(const Driven& driven,
+                                                      const VehicleState& state);
   [[nodiscard]] std::vector<Newcomer> find_newcomers();
-  [[nodiscard]] Driven admit(const Newcomer& newcomer);
+  [[nodiscard]] std::optional<Newcomer> newcomer_at(const VehicleState& state, CourseQuery query,
+                                                    std::vector<int> route);
+  [[nodiscard]] CourseQuery query_for(const VehicleState& state, std::span<const int> route);
+  [[nodiscard]] std::vector<int> route_of(const VehicleState& state) const;
+  [[nodiscard]] Driven admit(const Newcomer& newcomer, std::int64_t key);
+  void announce(const std::string& id, const Driven& driven);
+  [[nodiscard]] std::vector<std::int64_t> without_plan(const RoadScene& now,
+                                                       const JointPlan& incumbent) const;
   [[nodiscard]] bool planner_is_dead() const;
   void hold_back(const std::vector<Newcomer>& newcomers);
   [[nodiscard]] const VehicleType& type_of(const std::string& id);
   [[nodiscard]] std::vector<Forecast> predict_others(const std::vector<Newcomer>& newcomers);
-  [[nodiscard]] std::optional<Forecast> predict(const VehicleState& state);
-  [[nodiscard]] bool stalled();
+  [[nodiscard]] bool stagnates();
+  void remember_lanes();
   void place_all();
+  [[nodiscard]] const VehicleState* find_state(const std::string& id) const;
 
+  /// The normal lane that a vehicle is on, and the one it was on before.
+  struct Trail {
+    int lane = LaneGraph::kNone;
+    int before = LaneGraph::kNone;
+  };
   Traffic& traffic_;
-  Zone& zone_;
   CoordinatorOptions options_;
+  LaneGraph graph_;
+  std::vector<bool> coordinated_;
+  CourseFinder finder_;
+  CorridorMap corridors_;
+  Predictor predictor_;
   DecisionGrid grid_;
   std::int64_t step_ = 0;
   std::int64_t next_key_ = 0;
   std::map<std::string, Driven> driven_;
-  std::map<std::string, int> last_movement_;  ///< of vehicles handed back and still in sight
   JointPlan plan_;
   std::vector<Forecast> forecasts_;
+  std::unordered_map<std::string, Trail> trails_;
   std::map<std::string, VehicleType> types_;
   std::set<std::string> held_;
+  std::map<std::string, std::string> undriven_;  ///< what -> why
   std::vector<InertialState> last_configuration_;
   std::vector<Replan> replans_;
   std::vector<std::string> taken_over_;

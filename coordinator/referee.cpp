@@ -1,62 +1,213 @@
 #include "coordinator/referee.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <vector>
+#include <map>
+#include <optional>
+#include <utility>
 
 #include "coordinator/audit.hpp"
+#include "coordinator/footprint_motion.hpp"
 
 namespace mvtp {
 namespace {
 
-struct Placed {
-  const RoadVehicle* vehicle;
-  const Vehicle* body;
-  Pose pose;
+constexpr int kSlice = 5;       ///< steps that are looked at together
+constexpr double kBulge = 0.3;  ///< [m] beyond its places at the steps a body reaches between them
+/// A point on an arc of less than a right angle moves at most so much further than its chord.
+constexpr double kArc = 1.12;
+
+/// A body at one moment.
+struct Place {
+  Pose rear_axle;
+  double c = 1.0;  ///< cosine and
+  double s = 0.0;  ///< sine of its heading
+  std::array<Point, 4> corners;
 };
 
-/// Everybody who is still on the road at step k, from west to east.
-std::vector<Placed> place(const RoadScene& scene, const JointPlan& plan, std::int64_t k) {
-  std::vector<Placed> placed;
-  for (const JointPlan::Entry& e : plan.entries) {
-    const InertialState state = e.trajectory->at(k);
-    if (state.s >= PathTrajectory::kGone) continue;
-    const RoadVehicle& v = scene.vehicle(e.key);
-    placed.push_back({&v, &scene.body(v), scene.library->path(v.path).at(state.s)});
+Place place_of(const Pose& p, const Vehicle& body) {
+  Place place{.rear_axle = p, .c = std::cos(p.theta), .s = std::sin(p.theta), .corners = {}};
+  const double half = body.width / 2.0;
+  const std::array<Point, 4> local = {
+      {{body.front, half}, {-body.rear, half}, {-body.rear, -half}, {body.front, -half}}};
+  for (std::size_t i = 0; i < 4; ++i) {
+    place.corners[i] = {p.x + place.c * local[i].x - place.s * local[i].y,
+                        p.y + place.s * local[i].x + place.c * local[i].y};
   }
-  std::ranges::sort(placed, {}, [](const Placed& p) { return p.pose.x; });
-  return placed;
+  return place;
 }
 
-double reach(const Vehicle& body) {
-  return std::hypot(std::max(body.front, body.rear), body.width / 2.0);
+/// How far all corners of `b` lie beyond one side of `a`, the best of the four [m].
+double beyond_a_side(const Place& a, const Vehicle& body, const Place& b) {
+  double ahead = 1e300, behind = 1e300, left = 1e300, right = 1e300;
+  for (const Point& p : b.corners) {
+    const double dx = p.x - a.rear_axle.x;
+    const double dy = p.y - a.rear_axle.y;
+    const double along = a.c * dx + a.s * dy;
+    const double aside = a.c * dy - a.s * dx;
+    ahead = std::min(ahead, along - body.front);
+    behind = std::min(behind, -along - body.rear);
+    left = std::min(left, aside - body.width / 2.0);
+    right = std::min(right, -aside - body.width / 2.0);
+  }
+  return std::max({ahead, behind, left, right});
 }
 
-}  // namespace
-
-std::optional<PlannedContact> find_planned_contact(const RoadScene& scene, const JointPlan& plan,
-                                                   int every) {
-  std::int64_t end = scene.step;
-  double widest = 0.0;
-  for (const JointPlan::Entry& e : plan.entries) {
-    end = std::max(end, e.trajectory->end());
-    widest = std::max(widest, reach(scene.body(scene.vehicle(e.key))));
+/// No point of the body moves further than this between two places [m].
+double travel(const Place& from, const Place& to) {
+  double squared = 0.0;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const double dx = to.corners[i].x - from.corners[i].x;
+    const double dy = to.corners[i].y - from.corners[i].y;
+    squared = std::max(squared, dx * dx + dy * dy);
   }
-  for (std::int64_t k = scene.step; k < end; k += every) {
-    const std::vector<Placed> placed = place(scene, plan, k);
-    for (std::size_t i = 0; i < placed.size(); ++i) {
-      const Placed& a = placed[i];
-      for (std::size_t j = i + 1; j < placed.size(); ++j) {
-        const Placed& b = placed[j];
-        if (b.pose.x - a.pose.x > reach(*a.body) + widest) break;
-        if (distance(a.pose, b.pose) > reach(*a.body) + reach(*b.body)) continue;
-        if (clearance(a.pose, *a.body, b.pose, *b.body) < -Audit::kTolerance) {
-          return PlannedContact{a.vehicle->key, b.vehicle->key, k};
-        }
+  return kArc * std::sqrt(squared);
+}
+
+/// A vehicle during some steps: its poses at their ends, and the ground it needs.
+struct Drive {
+  std::size_t entry = 0;  ///< in the plan
+  const RoadVehicle* vehicle = nullptr;
+  const Vehicle* body = nullptr;
+  std::vector<Place> places;  ///< at the begin, and at the end of each step until it leaves
+  double x_low = 1e300, x_high = -1e300, y_low = 1e300, y_high = -1e300;
+};
+
+Drive drive_of(const RoadScene& scene, const JointPlan& plan, std::size_t entry,
+               std::int64_t from) {
+  const RoadVehicle& v = scene.vehicle(plan.entries[entry].key);
+  Drive drive{.entry = entry, .vehicle = &v, .body = &scene.body(v)};
+  const GuidePath& path = scene.library->path(v.path);
+  const Vehicle& body = *drive.body;
+  for (std::int64_t k = from; k <= from + kSlice; ++k) {
+    const InertialState state = plan.entries[entry].trajectory->at(k);
+    if (state.s >= PathTrajectory::kGone) break;
+    drive.places.push_back(place_of(path.at(state.s), body));
+    for (const Point& p : drive.places.back().corners) {
+      drive.x_low = std::min(drive.x_low, p.x - kBulge);
+      drive.x_high = std::max(drive.x_high, p.x + kBulge);
+      drive.y_low = std::min(drive.y_low, p.y - kBulge);
+      drive.y_high = std::max(drive.y_high, p.y + kBulge);
+    }
+  }
+  return drive;
+}
+
+class Referee {
+ public:
+  Referee(const RoadScene& scene, const JointPlan& plan, const JointPlan& judged)
+      : scene_(scene), plan_(plan) {
+    for (const JointPlan::Entry& e : plan.entries) {
+      end_ = std::max(end_, e.trajectory->end());
+      kept_.push_back(judged.find(e.key) == e.trajectory.get());
+    }
+  }
+
+  std::vector<PlannedContact> judge() {
+    if (std::ranges::all_of(kept_, [](bool kept) { return kept; })) return {};
+    for (std::int64_t k = scene_.step; k < end_; k += kSlice) judge_slice(k);
+    std::vector<PlannedContact> contacts;
+    for (const auto& [pair, contact] : found_) {
+      if (contact) contacts.push_back({pair.first, pair.second, *contact});
+    }
+    return contacts;
+  }
+
+ private:
+  void judge_slice(std::int64_t from) {
+    std::vector<Drive> drives;
+    for (std::size_t e = 0; e < plan_.entries.size(); ++e) {
+      Drive drive = drive_of(scene_, plan_, e, from);
+      if (!drive.places.empty()) drives.push_back(std::move(drive));
+    }
+    std::ranges::sort(drives, {}, &Drive::x_low);
+    for (std::size_t i = 0; i < drives.size(); ++i) {
+      const Drive& a = drives[i];
+      for (std::size_t j = i + 1; j < drives.size() && drives[j].x_low <= a.x_high; ++j) {
+        const Drive& b = drives[j];
+        if (b.y_low > a.y_high || a.y_low > b.y_high) continue;
+        if (kept_[a.entry] && kept_[b.entry]) continue;
+        judge_pair(a, b, from);
       }
     }
   }
-  return std::nullopt;
+
+  void judge_pair(const Drive& a, const Drive& b, std::int64_t from) {
+    const std::pair<std::int64_t, std::int64_t> pair =
+        std::minmax(a.vehicle->key, b.vehicle->key);
+    const auto known = found_.find(pair);
+    if (known != found_.end() && known->second) return;
+    // Those who overlap when the plan begins are listed until they are apart.
+    bool overlap = known != found_.end();
+    if (from == scene_.step) overlap = touch(a, b, 0);
+    const std::size_t steps = std::min(a.places.size(), b.places.size()) - 1;
+    double apart = 0.0;  // at least so far they are, at the begin of the step
+    for (std::size_t i = 0; i < steps; ++i) {
+      if (overlap) {
+        overlap = touch(a, b, i + 1);
+        continue;
+      }
+      const double closing =
+          travel(a.places[i], a.places[i + 1]) + travel(b.places[i], b.places[i + 1]);
+      if (closing >= apart) {
+        apart = std::max(beyond_a_side(a.places[i], *a.body, b.places[i]),
+                         beyond_a_side(b.places[i], *b.body, a.places[i]));
+      }
+      if (closing >= apart && meet(a, b, i)) {
+        found_[pair] = from + std::int64_t(i) + 1;
+        return;
+      }
+      apart -= closing;
+    }
+    if (overlap) {
+      found_[pair] = std::nullopt;
+    } else {
+      found_.erase(pair);
+    }
+  }
+
+  static bool touch(const Drive& a, const Drive& b, std::size_t i) {
+    return clearance(a.places[i].rear_axle, *a.body, b.places[i].rear_axle, *b.body) <
+           -Audit::kTolerance;
+  }
+
+  /// In step i, at its end or before it?
+  static bool meet(const Drive& a, const Drive& b, std::size_t i) {
+    const StepMotion motion_a(a.places[i].rear_axle, a.places[i + 1].rear_axle);
+    const StepMotion motion_b(b.places[i].rear_axle, b.places[i + 1].rear_axle);
+    return nearest_moment(motion_a, *a.body, motion_b, *b.body, 0.0, -Audit::kTolerance).gap <
+           -Audit::kTolerance;
+  }
+
+  const RoadScene& scene_;
+  const JointPlan& plan_;
+  std::int64_t end_ = 0;
+  std::vector<bool> kept_;  ///< of each entry: as in the plan that was judged before
+  /// The step of the first contact of a pair; none as long as they overlap since the begin.
+  std::map<std::pair<std::int64_t, std::int64_t>, std::optional<std::int64_t>> found_;
+};
+
+}  // namespace
+
+std::vector<PlannedContact> find_planned_contacts(const RoadScene& scene, const JointPlan& plan,
+                                                  const JointPlan& judged) {
+  return Referee(scene, plan, judged).judge();
+}
+
+std::vector<std::size_t> groups_in_contact(std::span<const std::vector<std::int64_t>> groups,
+                                           std::span<const PlannedContact> contacts) {
+  std::vector<std::size_t> touched;
+  for (std::size_t g = 0; g < groups.size(); ++g) {
+    const auto is_member = [&](std::int64_t key) {
+      return std::ranges::find(groups[g], key) != groups[g].end();
+    };
+    const bool in_contact = std::ranges::any_of(contacts, [&](const PlannedContact& c) {
+      return is_member(c.first) || is_member(c.second);
+    });
+    if (in_contact) touched.push_back(g);
+  }
+  return touched;
 }
 
 }  // namespace mvtp

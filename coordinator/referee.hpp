@@ -1,7 +1,9 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
-#include <optional>
+#include <span>
+#include <vector>
 
 #include "planner/algorithms/road_scene.hpp"
 
@@ -9,17 +11,25 @@ namespace mvtp {
 
 /// Two vehicles of a plan that would touch.
 struct PlannedContact {
-  std::int64_t first = 0;  ///< keys
+  std::int64_t first = 0;  ///< keys, the smaller one first
   std::int64_t second = 0;
-  std::int64_t step = 0;  ///< of the simulation
+  std::int64_t step = 0;  ///< of the simulation, at whose end or before which they touch
 };
 
-/// Judges a plan before it is executed: do the true bodies of two vehicles touch at any step from
+/// Judges a plan before it is executed: do the true bodies of two vehicles touch at any moment from
 /// now to the end of the plan? Works on poses with the audit's geometry, not on contact tables, so
 /// that planner and judge share no collision test.
 ///
-/// @param every  looks at every so many steps, 1 or more.
-[[nodiscard]] std::optional<PlannedContact> find_planned_contact(const RoadScene& scene,
-                                                                 const JointPlan& plan, int every);
+/// Between two steps a body moves with a constant twist, as the audit sees it. Of each pair the
+/// first contact is returned, ordered by keys; two that overlap now count once they were apart.
+///
+/// @param judged  a plan without contacts; pairs that still follow it are not looked at again.
+[[nodiscard]] std::vector<PlannedContact> find_planned_contacts(const RoadScene& scene,
+                                                                const JointPlan& plan,
+                                                                const JointPlan& judged = {});
+
+/// Which of the groups have vehicles that would touch: their numbers, ascending.
+[[nodiscard]] std::vector<std::size_t> groups_in_contact(
+    std::span<const std::vector<std::int64_t>> groups, std::span<const PlannedContact> contacts);
 
 }  // namespace mvtp

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <map>
 #include <string>
 #include <vector>
@@ -18,8 +19,21 @@ struct Lane {
   double width = 3.2;          ///< [m]
   bool internal = false;
   bool drivable = true;      ///< open to passenger traffic
+  bool road = true;          ///< open to motor vehicles of some kind, e.g. to buses only
   bool footpath = false;     ///< open to people on foot only
   std::vector<Point> shape;  ///< centre line [m]
+  /// SUMO's vClass words: who may drive here if any are named; else all but those banned.
+  std::vector<std::string> allowed;
+  std::vector<std::string> banned;
+
+  /// May vehicles of this class drive here?
+  [[nodiscard]] bool allows(const std::string& vehicle_class) const {
+    const auto names = [&](const std::vector<std::string>& words) {
+      return std::ranges::any_of(
+          words, [&](const auto& word) { return word == "all" || word == vehicle_class; });
+    };
+    return allowed.empty() ? !names(banned) : names(allowed);
+  }
 };
 
 /// One way across a junction: from a normal lane over its internal lanes to the next normal lane.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <optional>
 #include <span>
 #include <string>
@@ -17,17 +18,29 @@ struct VehicleType {
   Vehicle body;          ///< max_speed, max_accel, max_decel are those of the type
   double min_gap = 2.5;  ///< [m] to the leader at rest
   double tau = 1.0;      ///< [s] desired headway
+  std::string vehicle_class = "passenger";  ///< SUMO's vClass: which lanes are open to it
 };
 
 /// One vehicle on the road after a step.
 struct VehicleState {
   std::string id;
-  std::string type;            ///< VehicleType::id
-  Pose pose;                   ///< rear axle
-  double speed = 0.0;          ///< [m/s]
-  double speed_factor = 1.0;   ///< its own multiple of every speed limit
-  std::string lane;            ///< empty while off every lane
-  double lane_position = 0.0;  ///< of the front bumper from the start of the lane [m]
+  std::string type;             ///< VehicleType::id
+  Pose pose;                    ///< rear axle
+  double speed = 0.0;           ///< [m/s]
+  double speed_factor = 1.0;    ///< its own multiple of every speed limit
+  std::string lane;             ///< empty while off every lane
+  double lane_position = 0.0;   ///< of the front bumper from the start of the lane [m]
+  bool halted_by_stop = false;  ///< it stands at a scheduled stop, and waits there for its time
+};
+
+/// The next stop that a vehicle's demand schedules, of any kind: beside the road or on it.
+struct Stop {
+  std::string lane;
+  std::string edge;       ///< of that lane
+  double position = 0.0;  ///< where it ends, from the start of the lane [m]
+  double duration = 0.0;  ///< [s] that the vehicle stays; 0: no least time
+  double until = -1.0;    ///< [s] simulated time before which it does not leave; < 0: none
+  bool reached = false;   ///< the vehicle stands there now
 };
 
 /// The next stop of a vehicle in a parking area.
@@ -51,7 +64,10 @@ struct Pedestrian {
 ///
 /// Time advances in steps. A vehicle is driven by the traffic's own car following until taken over;
 /// then it goes only where place() puts it, once before every step(), until handed back.
-/// Every function may throw InputError for a scenario that turns out to be broken.
+/// A vehicle that the traffic takes off the road for good, or for a while, is not taken over any
+/// longer: it is missing in vehicles(), is_taken_over() is false, and what is said of it has no
+/// effect. Every function may throw InputError for a scenario that turns out to be broken. Not
+/// thread-safe.
 class Traffic {
  public:
   virtual ~Traffic() = default;
@@ -70,10 +86,20 @@ class Traffic {
   [[nodiscard]] virtual std::span<const VehicleState> vehicles() const = 0;
   /// The edges of its route, the one it is on (or, inside a junction, the one before) first.
   [[nodiscard]] virtual std::vector<std::string> route(const std::string& id) const = 0;
+  /// The same without a copy; valid until the next step().
+  [[nodiscard]] virtual std::span<const std::string> route_edges(const std::string& id) const {
+    return routes_[id] = route(id);
+  }
 
   virtual void take_over(const std::string& id) = 0;
   /// Gives the vehicle back to the traffic's own driver, who goes on from its pose and speed.
   virtual void hand_back(const std::string& id) = 0;
+  /// Is it taken over, by whichever controller?
+  [[nodiscard]] virtual bool is_taken_over(const std::string& /*id*/) const { return false; }
+  /// The normal edges, a piece of its route, along which a taken-over vehicle will be placed until
+  /// the next such call or hand_back(). Where a route comes to a place more than once, the traffic
+  /// cannot tell by a pose alone how far the vehicle is. route() stays what it is.
+  virtual void drive_along(const std::string& /*id*/, std::span<const std::string> /*edges*/) {}
   /// A taken-over vehicle is about to leave its lanes for open ground: from now on the traffic
   /// expects it on none of those that lie ahead, however near it comes to them, until
   virtual void leave_road(const std::string& /*id*/) {}
@@ -88,6 +114,10 @@ class Traffic {
   /// Lowers the limit of a lane for every driver [m/s].
   virtual void limit_speed(const std::string& lane, double speed) = 0;
 
+  /// The next stop of the vehicle, if it has one.
+  [[nodiscard]] virtual std::optional<Stop> next_stop(const std::string& /*id*/) const {
+    return std::nullopt;
+  }
   /// The next stop of the vehicle in a parking area, if it has one.
   [[nodiscard]] virtual std::optional<ParkingStop> parking_stop(const std::string& /*id*/) const {
     return std::nullopt;
@@ -103,6 +133,9 @@ class Traffic {
 
   /// Pairs of vehicles that the traffic itself saw collide in the last step.
   [[nodiscard]] virtual int collisions() const = 0;
+
+ private:
+  mutable std::map<std::string, std::vector<std::string>> routes_;  ///< behind route_edges()
 };
 
 }  // namespace mvtp

@@ -5,8 +5,8 @@
 #include <thread>
 
 #include "tools/commands.hpp"
-#include "tools/compare_options.hpp"
-#include "tools/compare_run.hpp"
+#include "tools/compare/options.hpp"
+#include "tools/compare/run.hpp"
 #include "tools/seed_list.hpp"
 
 namespace mvtp {

@@ -2,7 +2,7 @@
 
 #include "tools/command_line.hpp"
 #include "tools/commands.hpp"
-#include "tools/coordinate_run.hpp"
+#include "tools/coordinate/run.hpp"
 
 namespace mvtp {
 namespace {
@@ -12,8 +12,10 @@ void declare_options(CLI::App& app, CoordinateOptions& o) {
   app.add_option("--seed", o.seed, "Seed of SUMO's random numbers and of ours")
       ->capture_default_str()
       ->group("Input");
-  app.add_option("--controller", o.controller, "escot; sumo: SUMO's own control, for comparison; on parking lots also prioritized\n"
-                 "(each plans once, against all earlier ones) and one-at-a-time")
+  app.add_option(
+         "--controller", o.controller,
+         "escot; sumo: SUMO's own control, for comparison; on parking lots also prioritized\n"
+         "(each plans once, against all earlier ones) and one-at-a-time")
       ->check(CLI::IsMember({"escot", "prioritized", "one-at-a-time", "sumo"}))
       ->capture_default_str()
       ->group("Control");

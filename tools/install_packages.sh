@@ -7,7 +7,7 @@ packages=(
   g++ cmake ninja-build ccache
   libeigen3-dev libfcl-dev libompl-dev libboost-serialization-dev
   libboost-filesystem-dev libboost-system-dev libtinyxml2-dev libyaml-cpp-dev nlohmann-json3-dev
-  libcli11-dev libfmt-dev zlib1g-dev
+  libcli11-dev libfmt-dev zlib1g-dev libtbb-dev
   libgtest-dev libgmock-dev libbenchmark-dev
   python3-matplotlib
   libsystemd-dev dbus-daemon

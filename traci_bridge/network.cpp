@@ -1,6 +1,7 @@
 #include "traci_bridge/network.hpp"
 
 #include <algorithm>
+#include <array>
 #include <map>
 #include <ranges>
 #include <set>
@@ -19,12 +20,11 @@ bool contains(const std::vector<std::string>& words, const std::string& word) {
   return std::ranges::find(words, word) != words.end();
 }
 
-bool open_to_passengers(const Element& lane) {
-  const std::vector<std::string> allowed = split(attribute(lane, "allow"), " ");
-  if (!allowed.empty()) return contains(allowed, "all") || contains(allowed, "passenger");
-  const std::vector<std::string> banned = split(attribute(lane, "disallow"), " ");
-  return !contains(banned, "all") && !contains(banned, "passenger");
-}
+/// SUMO's classes of vehicles that drive on roads by a motor.
+constexpr std::array kMotorClasses = {"passenger", "private", "taxi",    "bus",       "coach",
+                                      "delivery",  "truck",   "trailer", "emergency", "authority",
+                                      "army",      "vip",     "hov",     "evehicle",  "motorcycle",
+                                      "moped",     "custom1", "custom2"};
 
 /// Twice the signed area of the triangle a, b, c.
 double turn(const Point& a, const Point& b, const Point& c) {
@@ -92,10 +92,12 @@ class NetworkReader {
               .length = file_.positive(element, "length"),
               .width = file_.positive(element, "width", 3.2),
               .internal = internal,
-              .drivable = open_to_passengers(element),
-              .footpath =
-                  split(attribute(element, "allow"), " ") == std::vector<std::string>{"pedestrian"},
-              .shape = file_.points(element, "shape")};
+              .shape = file_.points(element, "shape"),
+              .allowed = split(attribute(element, "allow"), " "),
+              .banned = split(attribute(element, "disallow"), " ")};
+    lane.drivable = lane.allows("passenger");
+    lane.road = std::ranges::any_of(kMotorClasses, [&](const char* c) { return lane.allows(c); });
+    lane.footpath = lane.allowed == std::vector<std::string>{"pedestrian"};
     if (lane.shape.size() < 2) file_.fail(element, "lane \"" + lane.id + "\" has no shape");
     if (lane.index != static_cast<int>(lanes_of_edge_[edge].size())) {
       file_.fail(element, "lane \"" + lane.id + "\" is not the next of its edge");

@@ -5,7 +5,9 @@
 #include <map>
 #include <numeric>
 #include <optional>
-#include <random>
+#include <set>
+
+#include "planner/search/draws.hpp"
 
 namespace mvtp {
 namespace {
@@ -13,19 +15,14 @@ namespace {
 using Entry = JointPlan::Entry;
 using Order = std::vector<std::int64_t>;
 
-/// Front bumper to the end of the entry lane [m]; negative behind it.
-double distance_to_line(const RoadVehicle& v) { return v.s_entry_line - v.now.s; }
-
-/// Must `a` stay before `b` in every order? Vehicles of one lane cannot overtake.
-bool leads(const RoadVehicle& a, const RoadVehicle& b) {
-  return a.entry_lane >= 0 && a.entry_lane == b.entry_lane &&
-         distance_to_line(a) < distance_to_line(b);
-}
+/// Looks that the plan of one vehicle may take although the work is used up.
+constexpr std::int64_t kLeastWork = 30000;
 
 class CrossingPlanner {
  public:
-  CrossingPlanner(const RoadScene& scene, const CrossingOptions& options, std::uint64_t seed)
-      : scene_(scene), options_(options), random_(seed) {}
+  CrossingPlanner(const RoadPairs& pairs, const CrossingOptions& options, std::uint64_t seed,
+                  WorkBudget work)
+      : pairs_(pairs), scene_(pairs.scene()), options_(options), draws_(seed), work_(work) {}
 
   CrossingResult plan(const Order& keys, const JointPlan& incumbent) {
     CrossingResult result = complete(keys, incumbent);
@@ -46,19 +43,22 @@ class CrossingPlanner {
     }
     restore_lane_order(order);
 
+    const std::int64_t reserve = work_.left / 2;
+    Order repaired = order;
     for (int repair = 0;; ++repair) {
       std::vector<Entry> entries;
-      const std::optional<std::size_t> failed = keep_or_plan(order, incumbent, entries);
+      const std::optional<std::size_t> failed = keep_or_plan(repaired, incumbent, entries);
       if (!failed) return {{entries}, {}, cost_of(entries)};
-      if (repair >= options_.repairs || !move_to_front(order, *failed)) break;
+      if (repair >= options_.repairs || work_.left < reserve) break;
+      if (!move_to_front(repaired, *failed)) break;
     }
-    return without_the_stuck(order, incumbent);
+    return around_the_stuck(order, incumbent);
   }
 
   /// Fills `entries` along `order` with the incumbents that fit and new plans for the others;
   /// returns the place of the first vehicle without a plan.
   std::optional<std::size_t> keep_or_plan(const Order& order, const JointPlan& incumbent,
-                                          std::vector<Entry>& entries) const {
+                                          std::vector<Entry>& entries) {
     bool changed = false;  // until then, the incumbents only have to fit the forecasts
     for (std::size_t i = 0; i < order.size(); ++i) {
       const RoadVehicle& v = scene_.vehicle(order[i]);
@@ -66,29 +66,68 @@ class CrossingPlanner {
       const std::span<const Entry> before =
           changed ? std::span<const Entry>(entries) : std::span<const Entry>();
       if (old != incumbent.entries.end() &&
-          still_fits(scene_, v, *old->trajectory, before, options_.trajectory)) {
+          still_fits(pairs_, v, *old->trajectory, before, options_.trajectory, &work_)) {
         entries.push_back(*old);
         continue;
       }
       changed = true;
-      auto t = plan_vehicle(scene_, v, entries, options_.trajectory);
+      auto t = plan_at_least(v, entries);
       if (!t) return i;
       entries.push_back({order[i], std::make_shared<PathTrajectory>(std::move(*t))});
     }
     return std::nullopt;
   }
 
-  /// What is left when no order works: whoever fits in this order.
-  CrossingResult without_the_stuck(Order order, const JointPlan& incumbent) const {
-    CrossingResult result;
-    for (;;) {
-      result.plan.entries.clear();
-      const std::optional<std::size_t> failed = keep_or_plan(order, incumbent, result.plan.entries);
-      if (!failed) break;
-      result.unplanned.push_back(order[*failed]);
-      order.erase(order.begin() + std::ptrdiff_t(*failed));
+  /// A plan even if the work is used up, as long as it is found fast.
+  std::optional<PathTrajectory> plan_at_least(const RoadVehicle& v,
+                                              std::span<const Entry> before) {
+    WorkBudget least{std::max(work_.left, kLeastWork)};
+    const std::int64_t given = least.left;
+    auto t = plan_vehicle(pairs_, v, before, options_.trajectory, &least);
+    work_.left -= given - least.left;
+    return t;
+  }
+
+  /// What is left when no order works. Old plans stand; whoever has none looks for one among them,
+  /// or brakes, and then those who would meet it there look for other plans.
+  CrossingResult around_the_stuck(const Order& order, const JointPlan& incumbent) {
+    std::vector<Entry> planned;
+    std::vector<Entry> bodies;
+    Order open;
+    for (const std::int64_t key : order) {
+      const auto old = std::ranges::find(incumbent.entries, key, &Entry::key);
+      const bool keeps = old != incumbent.entries.end() &&
+                         still_fits(pairs_, scene_.vehicle(key), *old->trajectory, {},
+                                    options_.trajectory, &work_);
+      if (keeps) planned.push_back(*old);
+      if (!keeps) open.push_back(key);
     }
-    result.cost = cost_of(result.plan.entries);
+    CrossingResult result;
+    std::set<std::int64_t> tried;
+    for (std::size_t next = 0; next < open.size(); ++next) {
+      const RoadVehicle& v = scene_.vehicle(open[next]);
+      if (work_.left > 0 || tried.insert(v.key).second) {
+        std::vector<Entry> before = bodies;
+        before.insert(before.end(), planned.begin(), planned.end());
+        if (auto t = plan_at_least(v, before)) {
+          planned.push_back({v.key, std::make_shared<PathTrajectory>(std::move(*t))});
+          continue;
+        }
+      }
+      result.unplanned.push_back(v.key);
+      const double b = scene_.body(v).max_decel;
+      bodies.push_back(
+          {v.key, std::make_shared<PathTrajectory>(stop_after(scene_, v.now, -b, b))});
+      const std::span<const Entry> body(&bodies.back(), 1);
+      std::erase_if(planned, [&](const Entry& e) {
+        const bool fits = fits_beside(pairs_, scene_.vehicle(e.key), *e.trajectory, body,
+                                      options_.trajectory, &work_);
+        if (!fits) open.push_back(e.key);
+        return !fits;
+      });
+    }
+    result.cost = cost_of(planned);
+    result.plan.entries = std::move(planned);
     return result;
   }
 
@@ -101,8 +140,8 @@ class CrossingPlanner {
     for (std::size_t i = entries.size(); i < order.size(); ++i) cost += cost_alone(order[i]);
     for (std::size_t i = entries.size(); i < order.size(); ++i) {
       if (cost >= budget) return i;
-      auto t = plan_vehicle(scene_, scene_.vehicle(order[i]), entries, options_.trajectory);
-      if (!t) return i;
+      auto t = plan_vehicle(pairs_, scene_.vehicle(order[i]), entries, options_.trajectory, &work_);
+      if (!t || work_.left <= 0) return i;
       entries.push_back({order[i], std::make_shared<PathTrajectory>(std::move(*t))});
       cost += handback_cost(entries.back()) - cost_alone(order[i]);
     }
@@ -112,7 +151,8 @@ class CrossingPlanner {
   /// Local search over orders: single vehicles earlier or later, or with their followers earlier.
   void improve(CrossingResult& best) {
     std::vector<double> delays;
-    for (int attempt = 0; attempt < options_.tries; ++attempt) {
+    const int tries = tries_for(best.plan.entries.size());
+    for (int attempt = 0; attempt < tries && work_.left > 0; ++attempt) {
       const Order order = keys_of(best.plan.entries);
       delays = delays_of(best.plan.entries);
       if (std::accumulate(delays.begin(), delays.end(), 0.0) < 0.1) return;
@@ -127,28 +167,38 @@ class CrossingPlanner {
     }
   }
 
+  [[nodiscard]] int tries_for(std::size_t n) const {
+    if (int(n) <= options_.many) return options_.tries;
+    const double share = double(options_.many) / double(n);
+    return int(std::ceil(options_.tries * share * share));
+  }
+
   Order random_move(Order order, const std::vector<double>& delays) {
-    std::discrete_distribution<std::size_t> by_delay(delays.begin(), delays.end());
-    const std::size_t i = by_delay(random_);
-    const int kind = std::uniform_int_distribution(0, 3)(random_);
+    const std::size_t i = draws_.weighted(delays);
+    const int kind = draws_.between(0, 3);
     if (kind == 0) {
-      move_later(order, i, std::uniform_int_distribution(1, 6)(random_));
+      move_later(order, i, draws_.between(1, 6));
     } else {
-      const int places = std::uniform_int_distribution(1, 8)(random_);
-      const int followers = kind == 1 ? std::uniform_int_distribution(1, 4)(random_) : 0;
+      const int places = draws_.between(1, 8);
+      const int followers = kind == 1 ? draws_.between(1, 4) : 0;
       move_earlier(order, i, places, followers);
     }
     return order;
   }
 
+  /// Must `a` stay before `b` in every order?
+  [[nodiscard]] bool leads(std::int64_t a, std::int64_t b) const {
+    return pairs_.leads(pairs_.index(a), pairs_.index(b));
+  }
+
   void move_earlier(Order& order, std::size_t i, int places, int followers) const {
-    const RoadVehicle& moved = scene_.vehicle(order[i]);
+    const std::int64_t moved = order[i];
     std::size_t to = i;
-    while (to > 0 && places > 0 && !leads(scene_.vehicle(order[to - 1]), moved)) --to, --places;
+    while (to > 0 && places > 0 && !leads(order[to - 1], moved)) --to, --places;
     std::rotate(order.begin() + std::ptrdiff_t(to), order.begin() + std::ptrdiff_t(i),
                 order.begin() + std::ptrdiff_t(i) + 1);
     for (std::size_t j = i + 1; j < order.size() && followers > 0; ++j) {
-      if (!leads(moved, scene_.vehicle(order[j]))) continue;
+      if (!leads(moved, order[j])) continue;
       ++to;
       --followers;
       std::rotate(order.begin() + std::ptrdiff_t(to), order.begin() + std::ptrdiff_t(j),
@@ -157,8 +207,8 @@ class CrossingPlanner {
   }
 
   void move_later(Order& order, std::size_t i, int places) const {
-    const RoadVehicle& moved = scene_.vehicle(order[i]);
-    while (i + 1 < order.size() && places-- > 0 && !leads(moved, scene_.vehicle(order[i + 1]))) {
+    const std::int64_t moved = order[i];
+    while (i + 1 < order.size() && places-- > 0 && !leads(moved, order[i + 1])) {
       std::swap(order[i], order[i + 1]);
       ++i;
     }
@@ -166,10 +216,10 @@ class CrossingPlanner {
 
   /// To the first place behind its own lane leaders; false if it is there already.
   bool move_to_front(Order& order, std::size_t i) const {
-    const RoadVehicle& moved = scene_.vehicle(order[i]);
+    const std::int64_t moved = order[i];
     std::size_t to = 0;
     for (std::size_t j = 0; j < i; ++j) {
-      if (leads(scene_.vehicle(order[j]), moved)) to = j + 1;
+      if (leads(order[j], moved)) to = j + 1;
     }
     if (to == i) return move_leader_to_front(order, to);
     std::rotate(order.begin() + std::ptrdiff_t(to), order.begin() + std::ptrdiff_t(i),
@@ -179,8 +229,7 @@ class CrossingPlanner {
 
   /// A vehicle right behind its leader cannot pass it: the leader has to come earlier first.
   bool move_leader_to_front(Order& order, std::size_t follower) const {
-    return follower > 0 &&
-           leads(scene_.vehicle(order[follower - 1]), scene_.vehicle(order[follower])) &&
+    return follower > 0 && leads(order[follower - 1], order[follower]) &&
            move_to_front(order, follower - 1);
   }
 
@@ -188,7 +237,7 @@ class CrossingPlanner {
     for (std::size_t i = 1; i < order.size(); ++i) {
       std::size_t to = i;
       for (std::size_t j = 0; j < i; ++j) {
-        if (leads(scene_.vehicle(order[i]), scene_.vehicle(order[j]))) {
+        if (leads(order[i], order[j])) {
           to = j;
           break;
         }
@@ -232,7 +281,7 @@ class CrossingPlanner {
   double cost_alone(std::int64_t key) {
     const auto [alone, is_new] = alone_.try_emplace(key, 0.0);
     if (is_new) {
-      auto run = plan_alone(scene_, scene_.vehicle(key), options_.trajectory);
+      auto run = plan_alone(pairs_, scene_.vehicle(key), options_.trajectory);
       alone->second = handback_cost({key, std::make_shared<PathTrajectory>(std::move(run))});
     }
     return alone->second;
@@ -268,18 +317,20 @@ class CrossingPlanner {
     return missing;
   }
 
+  const RoadPairs& pairs_;
   const RoadScene& scene_;
   const CrossingOptions& options_;
-  std::mt19937_64 random_;
+  Draws draws_;
+  WorkBudget work_;
   std::map<std::int64_t, double> alone_;  ///< hand-back cost alone on the road
 };
 
 }  // namespace
 
-CrossingResult plan_crossing(const RoadScene& scene, const std::vector<std::int64_t>& keys,
+CrossingResult plan_crossing(const RoadPairs& pairs, const std::vector<std::int64_t>& keys,
                              const JointPlan& incumbent, const CrossingOptions& options,
-                             std::uint64_t seed) {
-  return CrossingPlanner(scene, options, seed).plan(keys, incumbent);
+                             std::uint64_t seed, WorkBudget work) {
+  return CrossingPlanner(pairs, options, seed, work).plan(keys, incumbent);
 }
 
 }  // namespace mvtp

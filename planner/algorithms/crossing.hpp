@@ -10,13 +10,14 @@ namespace mvtp {
 struct CrossingOptions {
   WholeTrajectoryOptions trajectory;
   int tries = 10;               ///< orders tried per call; 0: the order of arrival
+  int many = 30;                ///< with n > many vehicles, tries * (many / n)^2
   int repairs = 30;             ///< times that a vehicle without a plan is moved to the front
   double headway_weight = 3.0;  ///< [s/s] cost of a headway that is missing at hand-back
 };
 
 struct CrossingResult {
   JointPlan plan;                       ///< complete trajectories of all but `unplanned`
-  std::vector<std::int64_t> unplanned;  ///< in the order given
+  std::vector<std::int64_t> unplanned;  ///< they brake; `plan` keeps clear of them
   double cost = 0.0;                    ///< [s] of `plan`
 };
 
@@ -26,10 +27,15 @@ struct CrossingResult {
 /// @param keys  the group; newcomers (without an incumbent) come after the others, as given here.
 /// @param incumbent  what the vehicles follow now; its order is where the search starts. The result
 ///     is never worse than the incumbent with the newcomers planned last.
+/// If no order gives everybody a plan, whoever has none brakes, as a body that all others keep clear
+/// of: old plans stand as long as they fit.
+///
 /// @param seed  of the moves tried. Same arguments, same result.
-[[nodiscard]] CrossingResult plan_crossing(const RoadScene& scene,
+/// @param work  the search ends when it is used up; everybody's plan is looked for even then.
+[[nodiscard]] CrossingResult plan_crossing(const RoadPairs& pairs,
                                            const std::vector<std::int64_t>& keys,
                                            const JointPlan& incumbent,
-                                           const CrossingOptions& options, std::uint64_t seed);
+                                           const CrossingOptions& options, std::uint64_t seed,
+                                           WorkBudget work = {});
 
 }  // namespace mvtp

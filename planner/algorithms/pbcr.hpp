@@ -6,7 +6,6 @@
 #include <cstddef>
 #include <optional>
 #include <span>
-#include <stdexcept>
 #include <utility>
 #include <vector>
 
@@ -75,7 +74,8 @@ struct PbcrOptions {
 /// Priority inheritance and backtracking for car-like robots: one step of all robots.
 ///
 /// Safety: if "everyone brakes now" is collision-free before the step, it is so after it. An
-/// undecided robot counts with its own safe stop, so that one is always left to it.
+/// undecided robot counts with its own safe stop, so that one is always left to it. If it is not,
+/// whoever finds no motion without a conflict brakes.
 /// Unlike classic PIBT, a withdrawn candidate undoes every decision made below it: with motions
 /// instead of cells, a pushed robot that keeps its decision may drive over the place of its pusher
 /// when that one stays, and not even waiting would be left.
@@ -90,11 +90,12 @@ class Pbcr {
 
   /// The next motion of every robot.
   ///
-  /// @param from     one state per robot; their safe stops do not conflict with each other.
+  /// @param from     one state per robot; their safe stops should not conflict with each other.
   /// @param order    every robot once, highest priority first.
   /// @param decided  motions fixed beforehand, free of conflicts with each other; nullopt = free.
   ///                 They have the highest priority: free robots in their way are pushed.
-  /// @return motions without conflicts, those of `decided` unchanged. nullopt only if the robots in
+  /// @return motions without conflicts (as far as the safe stops before the step had none), those
+  ///         of `decided` unchanged. nullopt only if the robots in
   ///         the way of `decided` found no way out; never if `decided` is empty or all nullopt.
   [[nodiscard]] std::optional<std::vector<Motion>> step(
       std::span<const State> from, std::span<const int> order,
@@ -134,8 +135,8 @@ class Pbcr<World>::Step {
       if (at(decided_, i)) continue;
       withdrawn_ = 0;
       // No decided motion conflicts with the safe stop of an undecided robot, so one is left to i.
-      if (!decide_freely(i))
-        throw std::logic_error("Pbcr: the safe stops before the step conflict");
+      // Only if their safe stops conflicted before the step, nothing better is left than to brake.
+      if (!decide_freely(i)) at(decided_, i) = at(stops_, i);
     }
     std::vector<Motion> next;
     next.reserve(decided_.size());

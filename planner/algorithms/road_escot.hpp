@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "planner/algorithms/crossing.hpp"
@@ -9,24 +10,29 @@ namespace mvtp {
 
 struct RoadEscotOptions {
   CrossingOptions crossing;
-  int max_group = 150;  ///< PreCheck: larger groups keep their plans, newcomers are left to PBCR
+  /// Looks at one other vehicle during one decision that a group may take per call; see WorkBudget.
+  std::int64_t work = 1'000'000;
+  int threads = 0;  ///< for groups; 0: as many as there are cores. Same result for any number
   std::uint64_t seed = 0;
 };
 
 /// What every vehicle does from this decision on.
 struct RoadDecision {
   JointPlan plan;  ///< one trajectory per vehicle of the scene
+  /// Keys of vehicles that have nothing to do with those of other groups.
+  std::vector<std::vector<std::int64_t>> members;
   int groups = 0;
   int stepped = 0;           ///< vehicles without a complete plan, left to PBCR
-  bool all_stepped = false;  ///< not even the complete plans could be kept
+  bool all_stepped = false;  ///< of some group not even the complete plans could be kept
   double cost = 0.0;         ///< [s] of the complete plans
 };
 
 /// One decision of ESCoT over the model `InertialCar`: function GenerateConfig of [ESCoT, Alg. 2].
 ///
-/// GroupRobots: vehicles whose paths may still meet. PreCheck: the group's size. GetOptTraj:
-/// complete trajectories in a searched order (plan_crossing). The rest: PBCR over accelerations,
-/// where the vehicles of the groups are decided robots.
+/// GroupRobots: vehicles whose paths may still meet; groups are planned independently, on several
+/// threads. GetOptTraj: complete trajectories in a searched order (plan_crossing). The rest of a
+/// group: PBCR over accelerations, where those that have a plan are decided robots.
+/// Returns something for everybody, in whatever state the vehicles are.
 ///
 /// @param order  keys of the vehicles without a trajectory in `incumbent`, the first first.
 [[nodiscard]] RoadDecision decide_on_road(const RoadScene& scene, const JointPlan& incumbent,
@@ -50,21 +56,25 @@ class RoadStepWorld {
     InertialState to;
   };
 
-  RoadStepWorld(const RoadScene& scene, const JointPlan& complete,
-                const WholeTrajectoryOptions& options)
-      : scene_(scene), complete_(complete), options_(options) {}
+  RoadStepWorld(const RoadPairs& pairs, const JointPlan& complete,
+                const WholeTrajectoryOptions& options);
 
   /// Robots are numbered as the scene's vehicles.
   [[nodiscard]] std::vector<Motion> candidates(int i, const State& state) const;
   [[nodiscard]] Motion safe_stop(int i, const State& state) const;
   [[nodiscard]] bool conflict(int i, const Motion& a, int j, const Motion& b) const;
+  [[nodiscard]] std::span<const int> near(int i) const { return near_[std::size_t(i)]; }
 
  private:
-  [[nodiscard]] const RoadVehicle& vehicle(int i) const { return scene_.vehicles[std::size_t(i)]; }
+  [[nodiscard]] const RoadScene& scene() const { return pairs_.scene(); }
+  [[nodiscard]] const RoadVehicle& vehicle(int i) const {
+    return scene().vehicles[std::size_t(i)];
+  }
 
-  const RoadScene& scene_;
+  const RoadPairs& pairs_;
   const JointPlan& complete_;
   const WholeTrajectoryOptions& options_;
+  std::vector<std::vector<int>> near_;
 };
 
 }  // namespace mvtp

@@ -8,18 +8,32 @@
 namespace mvtp {
 namespace {
 
-constexpr double kBrakingSample =
-    0.2;  ///< [s] between two looks at vehicles that brake in lock-step
-
 /// Everything that one vehicle's plan is tested against, gathered once.
 class Surroundings {
  public:
-  Surroundings(const RoadScene& scene, const RoadVehicle& vehicle,
-               std::span<const JointPlan::Entry> before, const WholeTrajectoryOptions& options)
-      : grid_(scene.grid), vehicle_(vehicle), body_(scene.body(vehicle)), options_(options) {
-    for (const Forecast& f : scene.forecasts) add(scene, f.vehicle, f.trajectory, true);
+  enum class Forecasts { kCount, kIgnore };
+
+  Surroundings(const RoadPairs& pairs, const RoadVehicle& vehicle,
+               std::span<const JointPlan::Entry> before, const WholeTrajectoryOptions& options,
+               Forecasts forecasts = Forecasts::kCount)
+      : grid_(pairs.scene().grid),
+        vehicle_(vehicle),
+        body_(pairs.scene().body(vehicle)),
+        options_(options) {
+    const RoadScene& scene = pairs.scene();
+    const std::size_t self = pairs.index(vehicle.key);
+    const bool count = forecasts == Forecasts::kCount;
+    for (std::size_t f = 0; count && f < scene.forecasts.size(); ++f) {
+      if (pairs.follows(f, self)) continue;
+      const Forecast& forecast = scene.forecasts[f];
+      add(pairs.towards_forecast(self, f), forecast.vehicle, forecast.trajectory,
+          scene.body(forecast.vehicle), true);
+    }
     for (const JointPlan::Entry& e : before) {
-      if (e.key != vehicle.key) add(scene, scene.vehicle(e.key), *e.trajectory, false);
+      if (e.key == vehicle.key) continue;
+      const std::size_t other = pairs.index(e.key);
+      add(pairs.between(self, other), scene.vehicles[other], *e.trajectory,
+          scene.body(scene.vehicles[other]), false);
     }
   }
 
@@ -27,33 +41,43 @@ class Surroundings {
   /// contact, and everyone's braking in lock-step after it as well?
   [[nodiscard]] bool step_is_clear(std::int64_t k, const InertialState& from, double a,
                                    const InertialState& to) const {
+    count_work();
     const double reach =
-        to.s + stopping_distance(to.v, body_.max_decel) + to.v * options_.forecast_reaction;
-    for (const Other& other : others_) {
-      const InertialState other_now = other.trajectory->at(k);
-      if (!other.contacts->relevant(from.s, reach, other_now.s)) continue;
-      // A leader of another driver may always be answered with full braking.
-      if (other.forecast && a <= -body_.max_decel + 1e-9) continue;
-      if (touches_in_step(other, k, from, a)) return false;
-      if (touches_in_lock_step(other, k + grid_.steps_per_decision, to)) return false;
+        to.s + stopping_distance(to.v, body_.max_decel) + to.v * RoadPairs::kReaction;
+    // A leader of another driver may always be answered with full braking.
+    const bool brakes_fully = a <= -body_.max_decel + 1e-9;
+    const auto is_clear_of = [&](const Other& other) {
+      return (other.forecast && brakes_fully) || !meets(other, k, from, a, to, reach);
+    };
+    // Whoever stood in the way the last time will mostly do so again.
+    if (last_blocker_ < others_.size() && !is_clear_of(others_[last_blocker_])) return false;
+    for (std::size_t i = 0; i < others_.size(); ++i) {
+      if (i == last_blocker_ || is_clear_of(others_[i])) continue;
+      last_blocker_ = i;
+      return false;
     }
     return true;
   }
 
   /// Could the vehicle brake from `state` at step k and then stand clear of all planned futures?
   [[nodiscard]] bool can_wait(std::int64_t k, const InertialState& state) const {
+    count_work();
     const double b = body_.max_decel;
     const double rest = state.s + stopping_distance(state.v, b);
-    const auto steps = std::int64_t(std::ceil(state.v / b / grid_.dt));
+    const int steps = braking_steps(state.v, b, grid_.dt);
     for (const Other& other : others_) {
-      if (!other.contacts->relevant(state.s, rest, other.trajectory->at(k).s)) continue;
-      for (std::int64_t i = 1; i < steps; ++i) {
-        const double s = braked_position(state, b, double(i) * grid_.dt);
-        if (other.contacts->touches(s, other.trajectory->at(k + i).s)) return false;
+      // Two that are too close now cannot be asked to stand clear of each other.
+      if (other.contact.contact->is_close_now()) continue;
+      const double now = other.trajectory->at(k).s;
+      const double end = other.trajectory->states.back().s;
+      const ContactTable& contacts = other.contact.table();
+      if (now > end || !contacts.reaches(state.s, rest, now, end)) continue;
+      for (int i = 1; i < steps; ++i) {
+        const double s = braked_position(state, b, i * grid_.dt);
+        if (contacts.touches(s, other.trajectory->at(k + i).s)) return false;
       }
       const double from = other.trajectory->at(k + steps).s;
-      const double to = other.trajectory->states.back().s;
-      if (from <= to && other.contacts->blocks(rest, from, to)) return false;
+      if (from <= end && contacts.blocks(rest, from, end)) return false;
     }
     return true;
   }
@@ -62,7 +86,7 @@ class Surroundings {
   /// this vehicle is? Both ways, since a vehicle planned later may slip in ahead.
   [[nodiscard]] bool keeps_headway(std::int64_t k, const InertialState& state) const {
     const double d = state.s - vehicle_.s_exit_lane;
-    if (d <= 0.0) return true;
+    if (d <= 0.0 || vehicle_.exit_lane < 0) return true;
     for (const Other& other : others_) {
       if (other.vehicle->exit_lane != vehicle_.exit_lane) continue;
       const InertialState o = other.trajectory->at(k);
@@ -97,50 +121,49 @@ class Surroundings {
     return true;
   }
 
+  /// What was asked so far, in looks at one other vehicle each.
+  [[nodiscard]] std::int64_t work() const { return work_; }
+
  private:
   struct Other {
-    const ContactTable* contacts;
+    ContactView contact;
     const PathTrajectory* trajectory;
     const RoadVehicle* vehicle;
     const Vehicle* body;
     bool forecast;
   };
 
-  void add(const RoadScene& scene, const RoadVehicle& vehicle, const PathTrajectory& trajectory,
-           bool forecast) {
-    const ContactTable& contacts = scene.library->contacts(vehicle_.path, vehicle.path);
+  void add(const ContactView& contact, const RoadVehicle& vehicle,
+           const PathTrajectory& trajectory, const Vehicle& body, bool forecast) {
     const bool same_exit = vehicle.exit_lane >= 0 && vehicle.exit_lane == vehicle_.exit_lane;
-    // Whoever follows us on our exit lane keeps clear of us, not we of him.
-    const double d = vehicle.now.s - vehicle.s_exit_lane;
-    if (forecast && same_exit && d > 0.0 && d < vehicle_.now.s - vehicle_.s_exit_lane) return;
-    if (contacts.empty() && !same_exit) return;
-    others_.push_back({&contacts, &trajectory, &vehicle, &scene.body(vehicle), forecast});
+    if (contact.contact->never() && !same_exit) return;
+    others_.push_back({contact, &trajectory, &vehicle, &body, forecast});
   }
 
-  [[nodiscard]] bool touches_in_step(const Other& other, std::int64_t k, const InertialState& from,
-                                     double a) const {
-    for (int i = 1; i <= grid_.steps_per_decision; ++i) {
-      const double s = advance(from, a, i * grid_.dt).s;
-      if (other.contacts->touches(s, other.trajectory->at(k + i).s)) return true;
-    }
-    return false;
+  void count_work() const {
+    constexpr std::int64_t kOwn = 4;  // what the decision itself takes, in looks
+    work_ += kOwn + std::int64_t(others_.size());
   }
 
-  [[nodiscard]] bool touches_in_lock_step(const Other& other, std::int64_t k,
-                                          const InertialState& state) const {
-    const InertialState o = other.trajectory->at(k);
-    if (o.s >= PathTrajectory::kGone) return false;
-    const double reaction = other.forecast ? options_.forecast_reaction : 0.0;
-    const double b = body_.max_decel;
-    const double b_other = other.body->max_decel;
-    const double rest = std::max(reaction + state.v / b, o.v / b_other);
-    const InertialState late = advance(state, 0.0, reaction);
-    for (double tau = kBrakingSample;; tau += kBrakingSample) {
-      const double s =
-          tau <= reaction ? state.s + state.v * tau : braked_position(late, b, tau - reaction);
-      if (other.contacts->touches(s, braked_position(o, b_other, tau))) return true;
-      if (tau >= rest) return false;
-    }
+  /// Do we meet in the decision from `from` at step k to `to`, or if all brake after it?
+  /// @param reach  where we could get in both
+  [[nodiscard]] bool meets(const Other& other, std::int64_t k, const InertialState& from, double a,
+                           const InertialState& to, double reach) const {
+    const PathTrajectory& t = *other.trajectory;
+    const InertialState other_from = t.at(k);
+    if (other_from.s >= PathTrajectory::kGone) return false;
+    // The last step of the decision in which the other one is still there.
+    int last = grid_.steps_per_decision;
+    while (t.at(k + last).s >= PathTrajectory::kGone) --last;
+    const InertialState other_to = t.at(k + last);
+    const double other_reach = other_to.s + stopping_distance(other_to.v, other.body->max_decel);
+    if (!other.contact.table().reaches(from.s, reach, other_from.s, other_reach)) return false;
+
+    const bool lenient = other.contact.is_close(from, other_from);
+    const auto position = [&](int i) { return advance(from, a, i * grid_.dt).s; };
+    const auto other_position = [&](int i) { return t.at(k + i).s; };
+    if (other.contact.touch(position, other_position, last, lenient)) return true;
+    return last == grid_.steps_per_decision && other.contact.touch_braking(to, other_to, lenient);
   }
 
   [[nodiscard]] double headway(double d_behind, double v, double b, double v_ahead,
@@ -155,20 +178,23 @@ class Surroundings {
   const Vehicle& body_;
   const WholeTrajectoryOptions& options_;
   std::vector<Other> others_;
+  mutable std::size_t last_blocker_ = 0;
+  mutable std::int64_t work_ = 0;
 };
 
 /// The search for one vehicle: the best of its approaches.
 class VehiclePlanner {
  public:
   VehiclePlanner(const RoadScene& scene, const RoadVehicle& vehicle, const Surroundings& around,
-                 const WholeTrajectoryOptions& options)
+                 const WholeTrajectoryOptions& options, std::int64_t most_work = kUnlimitedWork)
       : grid_(scene.grid),
         start_(scene.step),
         vehicle_(vehicle),
         body_(scene.body(vehicle)),
         around_(around),
         options_(options),
-        max_decisions_(int(options.horizon / scene.grid.decision())) {}
+        max_decisions_(int(options.horizon / scene.grid.decision())),
+        most_work_(most_work) {}
 
   [[nodiscard]] std::optional<PathTrajectory> plan() {
     std::optional<PathTrajectory> best;
@@ -181,7 +207,7 @@ class VehiclePlanner {
           best_cost_ = cost;
         }
       }
-      if (!blocked_) break;  // nothing stood in its way: no timing can be better
+      if (!blocked_ || out_of_work()) break;  // not blocked: no timing can be better
     }
     return best;
   }
@@ -199,7 +225,9 @@ class VehiclePlanner {
   bool approach(double share) {
     states_ = {vehicle_.now};
     while (states_.back().s < vehicle_.s_end) {
-      if (decisions() >= max_decisions_ || least_cost() >= best_cost_) return false;
+      if (decisions() >= max_decisions_ || out_of_work() || least_cost() >= best_cost_) {
+        return false;
+      }
       const InertialState from = states_.back();
       const Accelerations choices = accelerations(from, share * vehicle_.cruise_speed);
       const std::int64_t k = now();
@@ -228,7 +256,7 @@ class VehiclePlanner {
       const std::int64_t k = now();
       std::size_t c = 0;
       while (c < choices.count && !allowed(k, from, choices[c], /*must_wait=*/false)) ++c;
-      if (c == choices.count || decisions() >= max_decisions_) {
+      if (c == choices.count || decisions() >= max_decisions_ || out_of_work()) {
         states_.resize(kept);
         return false;
       }
@@ -292,19 +320,28 @@ class VehiclePlanner {
   [[nodiscard]] int decisions() const { return int(states_.size() - 1) / grid_.steps_per_decision; }
   [[nodiscard]] std::int64_t now() const { return start_ + std::int64_t(states_.size()) - 1; }
 
-  /// What the states so far will cost at least: nobody is faster than at cruise speed.
+  [[nodiscard]] bool out_of_work() const { return around_.work() >= most_work_; }
+
+  /// What the states so far will cost at least: nobody is faster than at cruise speed, and it takes
+  /// time to get there, whether before the hand-back or after it.
   [[nodiscard]] double least_cost() const {
-    const double left = std::max(0.0, vehicle_.s_handback - states_.back().s);
-    return decisions() * grid_.decision() + left / vehicle_.cruise_speed;
+    const double left = vehicle_.s_handback - states_.back().s;
+    if (left <= 0.0) return 0.0;
+    return decisions() * grid_.decision() + left / vehicle_.cruise_speed +
+           time_to_cruise(states_.back().v);
+  }
+
+  /// What it costs to be slower than cruise speed: time lost until then.
+  [[nodiscard]] double time_to_cruise(double v) const {
+    const double missing = std::max(0.0, vehicle_.cruise_speed - v);
+    return missing * missing / (2.0 * body_.max_accel * vehicle_.cruise_speed);
   }
 
   /// Time of hand-back, and what it takes to be at cruise speed again.
   [[nodiscard]] double cost_of(const std::vector<InertialState>& states) const {
     const auto exit = std::ranges::find_if(
         states, [&](const InertialState& x) { return x.s >= vehicle_.s_handback; });
-    const double missing = std::max(0.0, vehicle_.cruise_speed - exit->v);
-    return double(exit - states.begin()) * grid_.dt +
-           missing * missing / (2.0 * body_.max_accel * vehicle_.cruise_speed);
+    return double(exit - states.begin()) * grid_.dt + time_to_cruise(exit->v);
   }
 
   DecisionGrid grid_;
@@ -314,40 +351,75 @@ class VehiclePlanner {
   const Surroundings& around_;
   const WholeTrajectoryOptions& options_;
   int max_decisions_;
+  std::int64_t most_work_;
   std::vector<InertialState> states_;
   bool blocked_ = false;
   double best_cost_ = std::numeric_limits<double>::infinity();
 };
 
-}  // namespace
-
-std::optional<PathTrajectory> plan_vehicle(const RoadScene& scene, const RoadVehicle& vehicle,
-                                           std::span<const JointPlan::Entry> before,
-                                           const WholeTrajectoryOptions& options) {
-  const Surroundings around(scene, vehicle, before, options);
-  return VehiclePlanner(scene, vehicle, around, options).plan();
-}
-
-PathTrajectory plan_alone(const RoadScene& scene, const RoadVehicle& vehicle,
-                          const WholeTrajectoryOptions& options) {
-  const Surroundings around(scene, vehicle, {}, options);
-  return VehiclePlanner(scene, vehicle, around, options).alone();
-}
-
-bool still_fits(const RoadScene& scene, const RoadVehicle& vehicle,
-                const PathTrajectory& trajectory, std::span<const JointPlan::Entry> before,
-                const WholeTrajectoryOptions& options) {
-  const Surroundings around(scene, vehicle, before, options);
+/// Every decision of the trajectory, and braking after each.
+bool is_clear(const Surroundings& around, const RoadScene& scene,
+              const PathTrajectory& trajectory) {
   const int n = scene.grid.steps_per_decision;
   for (std::int64_t k = scene.step; k + n < trajectory.end(); k += n) {
     const InertialState from = trajectory.at(k);
     const InertialState to = trajectory.at(k + n);
-    if (!around.step_is_clear(k, from, held_acceleration(from, to, scene.grid.decision()), to)) {
-      return false;
-    }
+    const double a = held_acceleration(from, to, scene.grid.decision());
+    if (!around.step_is_clear(k, from, a, to)) return false;
   }
+  return true;
+}
+
+}  // namespace
+
+std::optional<PathTrajectory> plan_vehicle(const RoadPairs& pairs, const RoadVehicle& vehicle,
+                                           std::span<const JointPlan::Entry> before,
+                                           const WholeTrajectoryOptions& options,
+                                           WorkBudget* work) {
+  const Surroundings around(pairs, vehicle, before, options);
+  const std::int64_t most = work ? std::max<std::int64_t>(0, work->left) : kUnlimitedWork;
+  auto trajectory = VehiclePlanner(pairs.scene(), vehicle, around, options, most).plan();
+  if (work) work->left -= around.work();
+  return trajectory;
+}
+
+PathTrajectory plan_alone(const RoadPairs& pairs, const RoadVehicle& vehicle,
+                          const WholeTrajectoryOptions& options) {
+  const Surroundings around(pairs, vehicle, {}, options);
+  return VehiclePlanner(pairs.scene(), vehicle, around, options).alone();
+}
+
+bool still_fits(const RoadPairs& pairs, const RoadVehicle& vehicle,
+                const PathTrajectory& trajectory, std::span<const JointPlan::Entry> before,
+                const WholeTrajectoryOptions& options, WorkBudget* work) {
+  const Surroundings around(pairs, vehicle, before, options);
+  const bool clear = is_clear(around, pairs.scene(), trajectory);
+  if (work) work->left -= around.work();
+  if (!clear) return false;
   const std::int64_t k = arrival_step(trajectory, vehicle.s_handback);
   return k >= trajectory.end() || around.leaves_forecasts_room(k, trajectory.at(k));
+}
+
+bool fits_beside(const RoadPairs& pairs, const RoadVehicle& vehicle,
+                 const PathTrajectory& trajectory, std::span<const JointPlan::Entry> others,
+                 const WholeTrajectoryOptions& options, WorkBudget* work) {
+  const Surroundings around(pairs, vehicle, others, options, Surroundings::Forecasts::kIgnore);
+  const bool clear = is_clear(around, pairs.scene(), trajectory);
+  if (work) work->left -= around.work();
+  return clear;
+}
+
+PathTrajectory stop_after(const RoadScene& scene, const InertialState& from, double a,
+                          double decel) {
+  PathTrajectory t{.begin = scene.step, .states = {}, .complete = false};
+  for (int i = 0; i <= scene.grid.steps_per_decision; ++i) {
+    t.states.push_back(advance(from, a, i * scene.grid.dt));
+  }
+  const InertialState to = t.states.back();
+  const int braking = braking_steps(to.v, decel, scene.grid.dt);
+  for (int i = 1; i <= braking; ++i) t.states.push_back(advance(to, -decel, i * scene.grid.dt));
+  t.states.back().v = 0.0;
+  return t;
 }
 
 double held_acceleration(const InertialState& from, const InertialState& to, double h) {
@@ -357,20 +429,20 @@ double held_acceleration(const InertialState& from, const InertialState& to, dou
 
 class WaitTest::Impl {
  public:
-  Impl(const RoadScene& scene, const RoadVehicle& vehicle,
+  Impl(const RoadPairs& pairs, const RoadVehicle& vehicle,
        std::span<const JointPlan::Entry> planned, const WholeTrajectoryOptions& options)
-      : step(scene.step),
-        all(scene, vehicle, planned, options),
-        forecasts(scene, vehicle, {}, options) {}
+      : step(pairs.scene().step),
+        all(pairs, vehicle, planned, options),
+        forecasts(pairs, vehicle, {}, options) {}
 
   std::int64_t step;
   Surroundings all;
   Surroundings forecasts;
 };
 
-WaitTest::WaitTest(const RoadScene& scene, const RoadVehicle& vehicle,
+WaitTest::WaitTest(const RoadPairs& pairs, const RoadVehicle& vehicle,
                    std::span<const JointPlan::Entry> planned, const WholeTrajectoryOptions& options)
-    : impl_(std::make_unique<Impl>(scene, vehicle, planned, options)) {}
+    : impl_(std::make_unique<Impl>(pairs, vehicle, planned, options)) {}
 WaitTest::~WaitTest() = default;
 
 bool WaitTest::can_wait(std::int64_t k, const InertialState& state) const {

@@ -1,11 +1,12 @@
 #pragma once
 
+#include <limits>
 #include <memory>
 #include <optional>
 #include <span>
 #include <vector>
 
-#include "planner/algorithms/road_scene.hpp"
+#include "planner/algorithms/road_contact.hpp"
 
 namespace mvtp {
 
@@ -17,7 +18,14 @@ struct WholeTrajectoryOptions {
   double exit_gap = 3.0;           ///< [m] behind the vehicle ahead on the exit lane, and
   double exit_headway = 1.2;       ///< [s]; together they spare SUMO's drivers hard braking
   double headway_ramp = 40.0;      ///< [m] of exit lane over which that distance builds up
-  double forecast_reaction = 0.5;  ///< [s] until we notice that a forecast vehicle brakes
+};
+
+inline constexpr std::int64_t kUnlimitedWork = std::numeric_limits<std::int64_t>::max();
+
+/// How much planning is left to be done, in looks at one other vehicle during one decision: counted
+/// instead of timed, so that a result does not depend on the machine.
+struct WorkBudget {
+  std::int64_t left = kUnlimitedWork;
 };
 
 /// Plans one vehicle against everything planned `before` it and against the forecasts; nullopt if
@@ -30,25 +38,34 @@ struct WholeTrajectoryOptions {
 ///
 /// Safety: at every decision of both parts, "everyone brakes now" is free of contact.
 /// Liveness: every plan leads to `s_end`.
-[[nodiscard]] std::optional<PathTrajectory> plan_vehicle(const RoadScene& scene,
+///
+/// @param work  if given, the search ends when it is used up, with the best plan until then.
+[[nodiscard]] std::optional<PathTrajectory> plan_vehicle(const RoadPairs& pairs,
                                                          const RoadVehicle& vehicle,
                                                          std::span<const JointPlan::Entry> before,
-                                                         const WholeTrajectoryOptions& options);
+                                                         const WholeTrajectoryOptions& options,
+                                                         WorkBudget* work = nullptr);
 
 /// The run of a vehicle that is alone on the road.
-[[nodiscard]] PathTrajectory plan_alone(const RoadScene& scene, const RoadVehicle& vehicle,
+[[nodiscard]] PathTrajectory plan_alone(const RoadPairs& pairs, const RoadVehicle& vehicle,
                                         const WholeTrajectoryOptions& options);
 
 /// Does `trajectory` still keep all the rules towards the forecasts and what was planned `before`?
-[[nodiscard]] bool still_fits(const RoadScene& scene, const RoadVehicle& vehicle,
+[[nodiscard]] bool still_fits(const RoadPairs& pairs, const RoadVehicle& vehicle,
                               const PathTrajectory& trajectory,
                               std::span<const JointPlan::Entry> before,
-                              const WholeTrajectoryOptions& options);
+                              const WholeTrajectoryOptions& options, WorkBudget* work = nullptr);
+
+/// Is `trajectory` free of contact with the others, whatever the forecasts?
+[[nodiscard]] bool fits_beside(const RoadPairs& pairs, const RoadVehicle& vehicle,
+                               const PathTrajectory& trajectory,
+                               std::span<const JointPlan::Entry> others,
+                               const WholeTrajectoryOptions& options, WorkBudget* work = nullptr);
 
 /// May a vehicle stop? The WAIT rule of plan_vehicle for planners of single steps.
 class WaitTest {
  public:
-  WaitTest(const RoadScene& scene, const RoadVehicle& vehicle,
+  WaitTest(const RoadPairs& pairs, const RoadVehicle& vehicle,
            std::span<const JointPlan::Entry> planned, const WholeTrajectoryOptions& options);
   ~WaitTest();
 
@@ -67,6 +84,10 @@ class WaitTest {
 /// at rest may have come to rest before.
 [[nodiscard]] double held_acceleration(const InertialState& from, const InertialState& to,
                                        double h);
+
+/// One decision at acceleration `a`, and braking to rest with `decel` after it: safe, not complete.
+[[nodiscard]] PathTrajectory stop_after(const RoadScene& scene, const InertialState& from, double a,
+                                        double decel);
 
 /// The first step at which the vehicle's rear axle is at or behind s.
 [[nodiscard]] std::int64_t arrival_step(const PathTrajectory& trajectory, double s);

@@ -17,10 +17,22 @@ struct InertialState {
   friend bool operator==(const InertialState&, const InertialState&) = default;
 };
 
-/// The state after `h` seconds at constant acceleration `a`; a car that comes to rest stays there.
+/// Slower than this a car stands: rounding must not leave one that creeps on for ever [m/s].
+inline constexpr double kAtRest = 1e-9;
+
+/// The state after `h` seconds at constant acceleration `a`. A car that comes to rest within that
+/// time stays there, at exactly v == 0.
 [[nodiscard]] inline InertialState advance(const InertialState& from, double a, double h) {
-  const double moving = a < 0.0 ? std::min(h, from.v / -a) : h;
-  return {from.s + moving * (from.v + 0.5 * a * moving), std::max(0.0, from.v + a * moving)};
+  const double v = from.v + a * h;
+  if (a >= 0.0 || v >= kAtRest) return {from.s + h * (from.v + 0.5 * a * h), v};
+  return {from.s + 0.5 * from.v * std::min(h, from.v / -a), 0.0};
+}
+
+/// The number of steps of `h` seconds in which a car with speed `v` comes to rest, braking with
+/// `b` > 0; at most kMostBrakingSteps.
+inline constexpr int kMostBrakingSteps = 100000;
+[[nodiscard]] inline int braking_steps(double v, double b, double h) {
+  return int(std::clamp(std::ceil((v - kAtRest) / (b * h)), 0.0, double(kMostBrakingSteps)));
 }
 
 /// How far the car rolls while it brakes to rest with deceleration `b` > 0 [m].

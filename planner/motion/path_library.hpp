@@ -1,13 +1,21 @@
 #pragma once
 
+#include <cstdint>
 #include <memory>
+#include <mutex>
+#include <span>
+#include <unordered_map>
 #include <vector>
 
 #include "planner/motion/contact_table.hpp"
 
 namespace mvtp {
 
-/// The guide paths in use, each for one body, and the contact tables of all their pairs.
+/// The guide paths in use, each for one body, and the contact tables of those pairs whose bodies
+/// come near each other.
+///
+/// add() and prepare() change the library and are for one thread at a time; everything else may
+/// run in many threads between them. References stay valid.
 class PathLibrary {
  public:
   explicit PathLibrary(const Margins& margins) : margins_(margins) {}
@@ -16,20 +24,36 @@ class PathLibrary {
   int add(GuidePath path, const Vehicle& body);
 
   [[nodiscard]] int size() const { return int(entries_.size()); }
-  [[nodiscard]] const GuidePath& path(int p) const { return entries_[std::size_t(p)].path; }
-  [[nodiscard]] const Vehicle& body(int p) const { return entries_[std::size_t(p)].body; }
+  [[nodiscard]] const GuidePath& path(int p) const { return entry(p).path; }
+  [[nodiscard]] const Vehicle& body(int p) const { return entry(p).body; }
 
-  /// Where a body on path `a` meets one on path `b`. Built at its first use, about a millisecond.
+  /// Where a body on path `a` meets one on path `b`. A look-up in what prepare() has built; the
+  /// table of any other pair is built at its first use, one thread after the other.
   [[nodiscard]] const ContactTable& contacts(int a, int b) const;
+
+  /// Builds the tables that are missing among these paths, on all cores.
+  void prepare(std::span<const int> paths);
+
+  /// Tables held [pairs], for one who looks after the memory.
+  [[nodiscard]] std::size_t tables() const { return tables_.size(); }
 
  private:
   struct Entry {
     GuidePath path;
     Vehicle body;
+    SweptPath swept;
+    std::vector<int> near;  ///< paths added before this one, and itself, whose bounds overlap
   };
+  using Tables = std::unordered_map<std::uint64_t, std::unique_ptr<const ContactTable>>;
+
+  [[nodiscard]] const Entry& entry(int p) const { return *entries_[std::size_t(p)]; }
+  [[nodiscard]] const ContactTable& build_late(int a, int b) const;
+
   Margins margins_;
-  std::vector<Entry> entries_;
-  mutable std::vector<std::vector<std::unique_ptr<const ContactTable>>> tables_;
+  std::vector<std::unique_ptr<const Entry>> entries_;
+  Tables tables_;
+  mutable std::mutex late_guard_;
+  mutable Tables late_;  ///< built by contacts(); guarded by late_guard_
 };
 
 }  // namespace mvtp

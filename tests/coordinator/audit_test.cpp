@@ -6,7 +6,6 @@
 #include <random>
 
 #include "coordinator/free_flow.hpp"
-#include "coordinator/referee.hpp"
 #include "coordinator/report.hpp"
 #include "coordinator/statistics.hpp"
 #include "tests/coordinator/fake_traffic.hpp"
@@ -326,29 +325,6 @@ TEST(NearestMoment, OfAPersonIsThatOfTheWholeStepSampledFinely) {
     const NearestMoment found = nearest_moment(motion, kCar, before, person, 0.0, 100.0);
     EXPECT_NEAR(found.gap, least, std::max(1e-3, 0.0101 * std::abs(least)));
   }
-}
-
-// Two paths that cross at s = 50; both vehicles get there at the same time.
-TEST(Referee, SeesTwoVehiclesThatWouldMeet) {
-  PathLibrary library(Margins{});
-  library.add(GuidePath(std::vector<Point>{{-50, 0}, {50, 0}}), kCar);
-  library.add(GuidePath(std::vector<Point>{{0, -50}, {0, 50}}), kCar);
-  RoadScene scene{.library = &library};
-  JointPlan plan;
-  for (int i = 0; i < 2; ++i) {
-    scene.vehicles.push_back({.key = i, .path = i, .now = {0, 10}});
-    PathTrajectory t;
-    for (int k = 0; k < 90; ++k) t.states.push_back({double(k), 10.0});
-    plan.entries.push_back({i, std::make_shared<PathTrajectory>(t)});
-  }
-  const auto contact = find_planned_contact(scene, plan, 1);
-  ASSERT_TRUE(contact);
-  EXPECT_NEAR(double(contact->step), 46.0, 2.0);
-
-  PathTrajectory later;  // two seconds behind
-  for (int k = 0; k < 110; ++k) later.states.push_back({std::max(0.0, k - 20.0), 10.0});
-  plan.entries[1].trajectory = std::make_shared<PathTrajectory>(later);
-  EXPECT_FALSE(find_planned_contact(scene, plan, 1));
 }
 
 TEST(FreeFlow, AddsTheTimesOfAllLanes) {

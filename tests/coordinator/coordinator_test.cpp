@@ -33,16 +33,13 @@ std::vector<FakeTrip> random_trips(double per_hour_and_arm, double duration, uns
 
 /// A whole run of the closed loop on the fake crossroads, audited at every step.
 struct ClosedLoop {
-  explicit ClosedLoop(std::vector<FakeTrip> trips, const CoordinatorOptions& options = {},
-                      const ZoneOptions& zone_options = {})
+  explicit ClosedLoop(std::vector<FakeTrip> trips, const CoordinatorOptions& options = {})
       : number_of_trips(int(trips.size())),
         traffic(make_crossroads(), std::move(trips)),
         area(traffic.network()),
-        zone(traffic.network(), area, {"C"}, zone_options),
-        coordinator(traffic, zone, options),
+        coordinator(traffic, area, options),
         audit(area, traffic.step_length()),
         car(traffic.type("car")) {
-    coordinator.prepare();
     simulation.add(coordinator);
   }
 
@@ -62,7 +59,6 @@ struct ClosedLoop {
   int number_of_trips;
   FakeTraffic traffic;
   DrivableArea area;
-  Zone zone;
   Coordinator coordinator;
   Simulation simulation{traffic};
   Audit audit;
@@ -175,57 +171,23 @@ TEST(Coordinator, TheSameSeedGivesTheSameRun) {
 }
 
 TEST(Coordinator, KeepsToALateralAccelerationLimit) {
-  ZoneOptions zone;
-  zone.max_lateral_accel = 3.0;
-  ClosedLoop run(random_trips(300.0, 100.0, 6), {}, zone);
+  CoordinatorOptions options;
+  options.limits.max_lateral_accel = 3.0;
+  ClosedLoop run(random_trips(300.0, 100.0, 6), options);
   run.run_until(300.0);
   EXPECT_EQ(run.traffic.arrived(), run.number_of_trips);
   EXPECT_GT(run.audit.figures().max_lateral_accel, 2.0);
   EXPECT_LE(run.audit.figures().max_lateral_accel, 3.0);
 }
 
-TEST(Zone, NamesAJunctionThatIsNotThere) {
-  const RoadNetwork network = make_crossroads();
-  const DrivableArea area(network);
+TEST(Coordinator, NamesAJunctionThatIsNotThere) {
+  FakeTraffic traffic(make_crossroads(), {});
+  const DrivableArea area(traffic.network());
+  CoordinatorOptions options;
+  options.junctions = {"X"};
   EXPECT_THAT(
-      [&] { Zone(network, area, {"X"}, {}); },
+      [&] { Coordinator(traffic, area, options); },
       testing::ThrowsMessage<InputError>("--junction X: the network has no junction with this id"));
-}
-
-TEST(Zone, HasNoMovementForAVehicleInALaneThatDoesNotLeadThere) {
-  const RoadNetwork network = make_crossroads();
-  const DrivableArea area(network);
-  Zone zone(network, area, {"C"}, {});
-  const VehicleState v{.id = "v", .type = "car", .lane = "W_in_0", .lane_position = 150.0};
-  const VehicleType car = FakeTraffic(network, {}).type("car");
-  EXPECT_TRUE(zone.movement_for(v, std::vector<std::string>{"W_in", "E_out"}, car).has_value());
-  EXPECT_FALSE(zone.movement_for(v, std::vector<std::string>{"W_in", "W_out"}, car).has_value());
-}
-
-// A bus of 12 m turns on a radius of 5.6 m: only a path of its own keeps it on the road.
-TEST(GuidePaths, ALongBusStaysOnTheRoadInTheTightestTurn) {
-  const RoadNetwork network = make_crossroads();
-  const DrivableArea area(network);
-  VehicleType bus{.id = "bus",
-                  .body = {.front = 8.64,
-                           .rear = 3.36,
-                           .width = 2.5,
-                           .wheelbase = 6.0,
-                           .min_turning_radius = 6.0,
-                           .max_speed = 20.0,
-                           .max_accel = 1.2,
-                           .max_decel = 4.0}};
-  Zone zone(network, area, {"C"}, {});
-  for (const std::string to : {"S_out", "E_out", "N_out"}) {
-    const VehicleState v{.id = "v", .type = "bus", .lane = "W_in_0", .lane_position = 150.0};
-    const auto m = zone.movement_for(v, std::vector<std::string>{"W_in", to}, bus);
-    ASSERT_TRUE(m);
-    const GuidePath& path = zone.library().path(zone.movement(*m).path);
-    EXPECT_LE(path.max_abs_curvature() * bus.body.min_turning_radius, 1.0) << to;
-    for (double s = 30.0; s < zone.movement(*m).s_handback; s += 0.5) {
-      EXPECT_EQ(area.share_outside(path.at(s), bus.body, 0.05), 0.0) << to << " at s = " << s;
-    }
-  }
 }
 
 }  // namespace

@@ -113,9 +113,10 @@ TEST(Pbcr, TellsWhenNobodyCanMakeRoomForADecidedMotion) {
       Pbcr{world}.step(std::vector{0, 1}, std::vector{0, 1}, {world.go(0, 1), std::nullopt}));
 }
 
-TEST(Pbcr, RefusesToStartWithRobotsThatOverlap) {
-  const Places world;
-  EXPECT_THROW((void)Pbcr{world}.step(std::vector{4, 4}, std::vector{0, 1}), std::logic_error);
+TEST(Pbcr, RobotsThatOverlapAlreadyStayAndTheOthersMoveOn) {
+  const Places world{.wishes = {{{2, 5}, {6}}}, .wide = {}};
+  const auto next = Pbcr{world}.step(std::vector{4, 4, 5}, std::vector{0, 1, 2});
+  EXPECT_EQ(targets(next.value()), (std::vector{4, 4, 6}));
 }
 
 //   A spent allowance for backtracking makes robots brake; it never makes them collide.

@@ -57,6 +57,20 @@ TEST(ReadNetwork, LanesHaveTheirShapeAndLimits) {
   EXPECT_THAT(lane.shape, ElementsAre(Point{300.0, 1.6}, Point{7.2, 1.6}));
 }
 
+TEST(ReadNetwork, LanesKnowWhomTheyAllow) {
+  const Lane open{};
+  EXPECT_TRUE(open.allows("passenger"));
+  EXPECT_TRUE(open.allows("bicycle"));
+  const Lane named{.allowed = {"bus", "taxi"}};
+  EXPECT_TRUE(named.allows("bus"));
+  EXPECT_FALSE(named.allows("passenger"));
+  const Lane banned{.banned = {"truck"}};
+  EXPECT_TRUE(banned.allows("passenger"));
+  EXPECT_FALSE(banned.allows("truck"));
+  EXPECT_TRUE((Lane{.allowed = {"all"}}).allows("ship"));
+  EXPECT_FALSE((Lane{.banned = {"all"}}).allows("passenger"));
+}
+
 // A left turn from the major road waits inside the junction: two internal lanes, end to end.
 TEST(ReadNetwork, ALeftTurnThatWaitsIsAChainOfTwoInternalLanes) {
   const RoadNetwork network = crossroads();
@@ -162,6 +176,8 @@ TEST(ReadNetwork, WaysThatCrossAreInConflictEvenWhereNobodyYields) {
 TEST(ReadNetwork, WaysClosedToPassengersAreNotInConflict) {
   const RoadNetwork network = parse(crossing(kBusLane, kStraightOn));
   EXPECT_FALSE(network.lanes.at("sJ_0").drivable);
+  EXPECT_TRUE(network.lanes.at("sJ_0").road);
+  EXPECT_TRUE(network.lanes.at("sJ_0").allows("bus"));
   EXPECT_FALSE(network.junctions.at("J").has_conflicts);
 }
 

@@ -11,8 +11,8 @@ namespace mvtp {
 
 /// One run of a comparison, and what its summary.json says.
 struct ComparedRun {
-  /// "static", "actuated", "priority", "own light", "coordinated"; on a parking lot "one-at-a-time",
-  /// "prioritized", "coordinated".
+  /// "static", "actuated", "priority", "own light", "coordinated"; on a parking lot
+  /// "one-at-a-time", "prioritized", "coordinated".
   std::string control;
   std::uint32_t seed = 0;
   std::string folder;

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "coordinator/lot_coordinator.hpp"
-#include "tools/coordinate_options.hpp"
+#include "tools/coordinate/options.hpp"
 
 namespace mvtp {
 

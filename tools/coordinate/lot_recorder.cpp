@@ -1,4 +1,4 @@
-#include "tools/lot_recorder.hpp"
+#include "tools/coordinate/lot_recorder.hpp"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-#include "tools/compare_run.hpp"
+#include "tools/compare/run.hpp"
 
 #include <fmt/format.h>
 #include <sys/wait.h>
@@ -14,7 +14,7 @@
 #include "planner/problem/text_file.hpp"
 #include "tools/child_process.hpp"
 #include "tools/command_line.hpp"
-#include "tools/compare_report.hpp"
+#include "tools/compare/report.hpp"
 #include "tools/program.hpp"
 #include "tools/progress.hpp"
 #include "tools/version.hpp"

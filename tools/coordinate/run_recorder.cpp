@@ -1,4 +1,4 @@
-#include "tools/run_recorder.hpp"
+#include "tools/coordinate/run_recorder.hpp"
 
 #include <fmt/format.h>
 

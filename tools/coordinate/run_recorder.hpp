@@ -7,7 +7,7 @@
 
 #include "coordinator/audit.hpp"
 #include "coordinator/report.hpp"
-#include "tools/coordinate_options.hpp"
+#include "tools/coordinate/options.hpp"
 #include "tools/view/replay.hpp"
 
 namespace mvtp {

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "tools/coordinate_options.hpp"
+#include "tools/coordinate/options.hpp"
 
 namespace mvtp {
 

@@ -1,4 +1,4 @@
-#include "tools/coordinate_run.hpp"
+#include "tools/coordinate/run.hpp"
 
 #include <fmt/format.h>
 
@@ -18,9 +18,9 @@
 #include "coordinator/simulation.hpp"
 #include "planner/problem/input_error.hpp"
 #include "planner/problem/text_file.hpp"
-#include "tools/lot_options.hpp"
-#include "tools/lot_recorder.hpp"
-#include "tools/run_recorder.hpp"
+#include "tools/coordinate/lot_options.hpp"
+#include "tools/coordinate/lot_recorder.hpp"
+#include "tools/coordinate/run_recorder.hpp"
 #include "tools/version.hpp"
 #include "traci_bridge/configuration.hpp"
 #include "traci_bridge/parking_file.hpp"
@@ -50,7 +50,7 @@ class Run {
 
   int drive() {
     const auto begin = std::chrono::steady_clock::now();
-    report_.begin = traffic_->time();
+    report_.begin = last_motion_ = traffic_->time();
     report_.status = "finished";
     while (traffic_->running()) {
       if (interrupted) report_.status = "interrupted";
@@ -109,7 +109,7 @@ class Run {
     if (options_.controller == "sumo") {
       controller_ = std::make_unique<OwnDrivers>(*traffic_);
     } else if (lots_.empty()) {
-      open_zone(junctions);
+      open_zone();
     } else {
       open_lot();
     }
@@ -132,19 +132,17 @@ class Run {
     }
   }
 
-  void open_zone(const std::set<std::string>& junctions) {
-    ZoneOptions zone;
-    zone.radius = options_.zone_radius;
-    zone.max_lateral_accel = options_.max_lateral_accel;
-    zone.margins = {options_.margin_along, options_.margin_across};
-    zone_ = std::make_unique<Zone>(network_, *area_, junctions, zone);
+  void open_zone() {
     CoordinatorOptions coordinator;
+    coordinator.corridors.takeover = options_.zone_radius;
+    coordinator.limits.max_lateral_accel = options_.max_lateral_accel;
+    coordinator.limits.margins = {options_.margin_along, options_.margin_across};
+    coordinator.junctions = options_.junctions;
     coordinator.escot.seed = options_.seed;
     coordinator.escot.crossing.tries = options_.tries;
     if (options_.replan_budget_ms >= 0.0) coordinator.replan_budget_ms = options_.replan_budget_ms;
     coordinator.budget_from = options_.replan_budget_from;
-    auto crossing = std::make_unique<Coordinator>(*traffic_, *zone_, coordinator);
-    crossing->prepare();
+    auto crossing = std::make_unique<Coordinator>(*traffic_, *area_, coordinator);
     coordinator_ = crossing.get();
     controller_ = std::move(crossing);
   }
@@ -310,7 +308,6 @@ class Run {
   std::unique_ptr<DrivableArea> area_;
   std::unique_ptr<Audit> audit_;
   std::unique_ptr<RunRecorder> recorder_;
-  std::unique_ptr<Zone> zone_;
   std::vector<ParkingLot> lots_;
   std::unique_ptr<Controller> controller_;
   std::unique_ptr<Simulation> simulation_;

@@ -1,4 +1,4 @@
-#include "tools/coordinate_options.hpp"
+#include "tools/coordinate/options.hpp"
 
 #include "tools/option_types.hpp"
 

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "tools/coordinate_options.hpp"
+#include "tools/coordinate/options.hpp"
 
 namespace mvtp {
 

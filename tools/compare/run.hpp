@@ -1,6 +1,6 @@
 #pragma once
 
-#include "tools/compare_options.hpp"
+#include "tools/compare/options.hpp"
 
 namespace mvtp {
 

@@ -1,4 +1,4 @@
-#include "tools/lot_options.hpp"
+#include "tools/coordinate/lot_options.hpp"
 
 #include <charconv>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "tools/compare_report.hpp"
+#include "tools/compare/report.hpp"
 
 #include <fmt/format.h>
 

@@ -1,0 +1,247 @@
+#include "coordinator/corridor.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "coordinator/audit.hpp"
+#include "coordinator/reference_path.hpp"
+
+namespace mvtp {
+namespace {
+
+constexpr double kChangeLateralAccel = 3.0;  ///< [m/s^2] while changing lanes, whatever the limit
+
+double distance(const Point& a, const Point& b) { return std::hypot(b.x - a.x, b.y - a.y); }
+
+Point lerp(const Point& a, const Point& b, double f) {
+  return {a.x + f * (b.x - a.x), a.y + f * (b.y - a.y)};
+}
+
+double length_of(std::span<const Point> line) {
+  double length = 0.0;
+  for (std::size_t i = 1; i < line.size(); ++i) length += distance(line[i - 1], line[i]);
+  return length;
+}
+
+Point point_at(std::span<const Point> line, double s) {
+  for (std::size_t i = 1; i < line.size(); ++i) {
+    const double step = distance(line[i - 1], line[i]);
+    if (s <= step || i + 1 == line.size()) {
+      return lerp(line[i - 1], line[i], step > 0.0 ? std::clamp(s / step, 0.0, 1.0) : 0.0);
+    }
+    s -= step;
+  }
+  return line.back();
+}
+
+/// From 0 to 1 with no slope and no curvature at either end.
+double smootherstep(double x) {
+  x = std::clamp(x, 0.0, 1.0);
+  return x * x * x * (10.0 + x * (6.0 * x - 15.0));
+}
+
+/// The way from one lane of an edge to another.
+std::vector<Point> changing_line(const Lane& from, const Lane& to, double begin, double end) {
+  const double from_length = length_of(from.shape);
+  const double to_length = length_of(to.shape);
+  const int n = std::max(2, int(std::ceil(from_length)));
+  std::vector<Point> line;
+  for (int i = 0; i <= n; ++i) {
+    const double u = double(i) / n;
+    const double share = smootherstep((u * from.length - begin) / std::max(1.0, end - begin));
+    line.push_back(
+        lerp(point_at(from.shape, u * from_length), point_at(to.shape, u * to_length), share));
+  }
+  return line;
+}
+
+/// Appends points without repeating any; returns the length that was added [m].
+double append(std::vector<Point>& line, std::span<const Point> more) {
+  double added = 0.0;
+  for (const Point& p : more) {
+    const double step = line.empty() ? 1.0 : distance(line.back(), p);
+    if (step <= 1e-3) continue;
+    added += line.empty() ? 0.0 : step;
+    line.push_back(p);
+  }
+  return added;
+}
+
+/// The line without its first `length` metres; continued straight backwards if that is negative.
+std::vector<Point> trimmed(std::vector<Point> line, double length) {
+  std::size_t first = 0;
+  while (first + 2 < line.size() && length >= distance(line[first], line[first + 1])) {
+    length -= distance(line[first], line[first + 1]);
+    ++first;
+  }
+  line.erase(line.begin(), line.begin() + std::ptrdiff_t(first));
+  line[0] = lerp(line[0], line[1], std::min(length / distance(line[0], line[1]), 0.99));
+  return line;
+}
+
+std::vector<Point> shortened(std::vector<Point> line, double length) {
+  if (length <= 0.0) return line;
+  std::ranges::reverse(line);
+  line = trimmed(std::move(line), length);
+  std::ranges::reverse(line);
+  return line;
+}
+
+}  // namespace
+
+/// The lanes' centre line and where each piece begins along it [m].
+struct CorridorMap::Line {
+  std::vector<Point> points;
+  std::vector<double> begins;
+};
+
+std::optional<double> Corridor::station(int lane, double position, double expected) const {
+  std::optional<double> best;
+  for (std::size_t i = 0; i < course.pieces.size(); ++i) {
+    const CorridorPiece& piece = course.pieces[i];
+    if (piece.lane != lane && piece.target != lane) continue;
+    const double s = stations[i] + position * scales[i];
+    if (!best || std::abs(s - expected) < std::abs(*best - expected)) best = s;
+  }
+  return best;
+}
+
+std::size_t Corridor::piece_at(double s) const {
+  const auto next = std::ranges::upper_bound(stations, s);
+  return next == stations.begin() ? 0 : std::size_t(next - stations.begin()) - 1;
+}
+
+int CorridorMap::corridor_for(const CorridorCourse& course, const Vehicle& body) {
+  // Bodies of one shape and strength share corridors, whatever their types are called.
+  const std::array<double, 6> shape = {body.front,     body.rear,      body.width,
+                                       body.min_turning_radius, body.max_accel, body.max_decel};
+  const auto [entry, is_new] = known_.try_emplace({course, shape}, size());
+  if (is_new) corridors_.push_back(build(course, body));
+  return entry->second;
+}
+
+CorridorMap::Line CorridorMap::centre_line(const CorridorCourse& course) const {
+  Line line;
+  double along = 0.0;
+  for (const int l : course.lead_in) along += append(line.points, graph_.lane(l).shape);
+  for (const CorridorPiece& piece : course.pieces) {
+    line.begins.push_back(along);
+    const Lane& lane = graph_.lane(piece.lane);
+    along += piece.target == LaneGraph::kNone
+                 ? append(line.points, lane.shape)
+                 : append(line.points, changing_line(lane, graph_.lane(piece.target), piece.begin,
+                                                     piece.end));
+  }
+  const double kept =
+      line.begins[std::size_t(course.exit_piece)] + std::max(course.reach, course.end) + 1.0;
+  line.points = shortened(std::move(line.points), along - kept);
+  const Lane& first = graph_.lane(course.pieces.front().lane);
+  const double scale = course.start > 0.0 ? length_of(first.shape) / first.length : 1.0;
+  const double skipped = line.begins.front() + course.start * scale;
+  line.points = trimmed(std::move(line.points), skipped);
+  for (double& begin : line.begins) begin -= skipped;
+  return line;
+}
+
+Corridor CorridorMap::build(const CorridorCourse& course, const Vehicle& body) {
+  const Line line = centre_line(course);
+  GuidePath path = make_reference_path(line.points, body, area_);
+  Corridor corridor{.course = course};
+  set_stations(line, path, body, corridor);
+  set_limits(path, body, corridor);
+  corridor.undriven = why_not(path, body, corridor);
+  corridor.path = library_.add(std::move(path), body);
+  return corridor;
+}
+
+void CorridorMap::set_stations(const Line& line, const GuidePath& path, const Vehicle& body,
+                               Corridor& corridor) const {
+  constexpr double kDrift = 8.0;  // [m] that smoothing shifts a place along the path at most
+  const CorridorCourse& course = corridor.course;
+  const double stretch = path.length() / length_of(line.points);
+  double last = -std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < course.pieces.size(); ++i) {
+    const double expected = line.begins[i] * stretch;
+    double s = line.begins[i];
+    if (line.begins[i] > 0.0) {
+      s = path.project(graph_.lane(course.pieces[i].lane).shape.front(), expected - kDrift,
+                       expected + kDrift);
+    }
+    last = std::max(last + 0.01, s - body.front);
+    corridor.stations.push_back(last);
+  }
+  for (std::size_t i = 0; i < course.pieces.size(); ++i) {
+    const bool is_last = i + 1 == course.pieces.size();
+    corridor.scales.push_back(is_last ? 1.0
+                                      : (corridor.stations[i + 1] - corridor.stations[i]) /
+                                            graph_.lane(course.pieces[i].lane).length);
+  }
+  const auto line_piece = std::size_t(course.line_piece);
+  corridor.entry_lane = course.pieces[line_piece].last_lane();
+  if (line_piece + 1 < corridor.stations.size()) corridor.s_line = corridor.stations[line_piece + 1];
+  const auto exit = std::size_t(course.exit_piece);
+  corridor.exit_lane = course.pieces[exit].lane;
+  corridor.s_exit = corridor.stations[exit];
+  corridor.s_handback = corridor.s_exit + course.handback;
+  corridor.s_end = corridor.s_exit + course.end;
+}
+
+/// The speed at s that keeps to the limit [m/s]. Speeds are looked up at a few places of each
+/// decision only: the sharpest bend nearby counts, with a little to spare.
+double CorridorMap::lateral_limit(const GuidePath& path, double s, bool changes_lane) const {
+  constexpr double kNearby = 0.75;  // [m]
+  constexpr double kSpare = 0.97;
+  double most = limits_.max_lateral_accel > 0.0 ? limits_.max_lateral_accel
+                                                : std::numeric_limits<double>::infinity();
+  if (changes_lane) most = std::min(most, kChangeLateralAccel);
+  double sharpest = 1e-9;
+  for (double d = -kNearby; d <= kNearby; d += GuidePath::kSpacing) {
+    sharpest = std::max(sharpest, std::abs(path.curvature(s + d)));
+  }
+  return std::sqrt(kSpare * most / sharpest);
+}
+
+void CorridorMap::set_limits(const GuidePath& path, const Vehicle& body,
+                             Corridor& corridor) const {
+  const std::vector<CorridorPiece>& pieces = corridor.course.pieces;
+  for (std::size_t i = 0; i < path.samples(); ++i) {
+    const double s = double(i) * GuidePath::kSpacing;
+    const std::size_t p = corridor.piece_at(s);
+    const CorridorPiece& piece = pieces[p];
+    double limit = graph_.lane(piece.lane).speed_limit;
+    bool changes = false;
+    if (piece.target != LaneGraph::kNone) {
+      limit = std::min(limit, graph_.lane(piece.target).speed_limit);
+      const double front = (s - corridor.stations[p]) / corridor.scales[p];
+      changes = front > piece.begin - 2.0 && front < piece.end + body.length();
+    }
+    corridor.lane_limits.push_back(limit);
+    corridor.lateral_limits.push_back(lateral_limit(path, s, changes));
+  }
+}
+
+std::string CorridorMap::why_not(const GuidePath& path, const Vehicle& body,
+                                 const Corridor& corridor) const {
+  const double first =
+      corridor.course.start > 0.0 || !corridor.course.lead_in.empty()
+          ? body.rear
+          : corridor.stations.front() + body.length();
+  const double last = std::min(corridor.s_handback, path.length());
+  for (double s = std::max(0.0, first); s <= last; s += 0.5) {
+    if (std::abs(path.curvature(s)) > body.max_curvature()) {
+      return fmt::format("it turns on {:.1f} m, the body needs {:.1f} m",
+                         1.0 / std::abs(path.curvature(s)), body.min_turning_radius);
+    }
+  }
+  for (double s = std::max(0.0, first); s <= last; s += 1.0) {
+    if (area_.share_outside(path.at(s), body, Audit::kRoadTolerance) > 0.0) {
+      return "the body would leave the road";
+    }
+  }
+  return {};
+}
+
+}  // namespace mvtp

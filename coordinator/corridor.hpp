@@ -1,0 +1,79 @@
+#pragma once
+
+#include <array>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "coordinator/corridor_course.hpp"
+#include "coordinator/drivable_area.hpp"
+#include "coordinator/traffic.hpp"
+#include "planner/motion/path_library.hpp"
+
+namespace mvtp {
+
+/// A course through coordinated junctions for one body: the path of its rear axle, and what lies
+/// where along it. Stations are arc lengths of the rear axle [m].
+struct Corridor {
+  CorridorCourse course;
+  int path = 0;                      ///< in the PathLibrary
+  std::vector<double> stations;      ///< when the front bumper enters each piece
+  std::vector<double> scales;        ///< metres of path per metre of lane, per piece
+  std::vector<double> lane_limits;   ///< [m/s] per GuidePath::kSpacing of the path
+  std::vector<double> lateral_limits;  ///< [m/s] likewise, from the curvature
+  int exit_lane = LaneGraph::kNone;  ///< the first behind the last coordinated junction
+  int entry_lane = LaneGraph::kNone; ///< the last before the first coordinated stop line
+  double s_line = 0.0;               ///< when the front bumper is at that line
+  double s_exit = 0.0;               ///< when the front bumper enters the exit lane
+  double s_handback = 0.0;
+  double s_end = 0.0;     ///< where a plan is complete
+  std::string undriven;   ///< why this body cannot drive here; empty: it can
+
+  /// The station of a front bumper at `position` on `lane`, nearest to `expected`; nullopt if the
+  /// lane is not part of the corridor. A lane may be part of it more than once.
+  [[nodiscard]] std::optional<double> station(int lane, double position, double expected) const;
+  /// The number of the piece on which the front bumper is with the rear axle at `s`.
+  [[nodiscard]] std::size_t piece_at(double s) const;
+};
+
+struct CorridorLimits {
+  double max_lateral_accel = 0.0;  ///< [m/s^2]; 0: only the limits of the lanes
+  Margins margins;
+};
+
+/// The corridors in use, each made when it is first asked for.
+class CorridorMap {
+ public:
+  CorridorMap(const LaneGraph& graph, const DrivableArea& area, const CorridorLimits& limits)
+      : graph_(graph), area_(area), limits_(limits), library_(limits.margins) {}
+
+  /// The corridor along this course for this body.
+  int corridor_for(const CorridorCourse& course, const Vehicle& body);
+
+  [[nodiscard]] const Corridor& operator[](int c) const { return corridors_[std::size_t(c)]; }
+  [[nodiscard]] int size() const { return int(corridors_.size()); }
+  [[nodiscard]] PathLibrary& library() { return library_; }
+  [[nodiscard]] const PathLibrary& library() const { return library_; }
+
+ private:
+  struct Line;
+
+  [[nodiscard]] Line centre_line(const CorridorCourse& course) const;
+  [[nodiscard]] Corridor build(const CorridorCourse& course, const Vehicle& body);
+  void set_stations(const Line& line, const GuidePath& path, const Vehicle& body,
+                    Corridor& corridor) const;
+  void set_limits(const GuidePath& path, const Vehicle& body, Corridor& corridor) const;
+  [[nodiscard]] double lateral_limit(const GuidePath& path, double s, bool changes_lane) const;
+  [[nodiscard]] std::string why_not(const GuidePath& path, const Vehicle& body,
+                                    const Corridor& corridor) const;
+
+  const LaneGraph& graph_;
+  const DrivableArea& area_;
+  CorridorLimits limits_;
+  PathLibrary library_;
+  std::vector<Corridor> corridors_;
+  std::map<std::pair<CorridorCourse, std::array<double, 6>>, int> known_;
+};
+
+}  // namespace mvtp

@@ -1,0 +1,475 @@
+#include "coordinator/corridor_course.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "planner/problem/input_error.hpp"
+
+namespace mvtp {
+namespace {
+
+constexpr int kNone = LaneGraph::kNone;
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+constexpr double kLeadIn = 30.0;          ///< [m] of path before the takeover, for long bodies
+constexpr double kRunOut = 25.0;          ///< [m] behind the hand-back until a plan is complete
+constexpr double kSight = 20.0;           ///< [m] behind that in which others still matter
+constexpr double kBeforeEnd = 9.0;        ///< [m] that a hand-back keeps from the end of its lane
+constexpr double kDriverBrakes = 45.0;    ///< [m] that a driver needs to stop comfortably
+constexpr std::size_t kLookAhead = 2;     ///< edges behind a corridor that its lanes should lead to
+
+constexpr double kChangeCost = 10.0;      ///< of one lane change, and more where it must be short
+constexpr double kShortChangeCost = 20.0;
+constexpr double kShortChange = 40.0;     ///< [m]
+constexpr double kChangeLength = 36.0;    ///< [m] of a change over one lane, where there is room
+constexpr double kLeastChange = 14.0;     ///< [m]
+constexpr double kChangeRoom = 10.0;      ///< [m] beside that: until it begins, and behind its end
+constexpr double kChangeGrid = 4.0;       ///< [m] changes begin at multiples of this
+
+std::uint64_t pair_key(int a, int b) {
+  return (std::uint64_t(std::uint32_t(a)) << 32U) | std::uint32_t(b);
+}
+
+/// Of changing over `lanes` lanes within `room` metres.
+double cost_of_change(std::ptrdiff_t lanes, double room) {
+  const double n = double(std::abs(lanes));
+  if (n == 0.0) return 0.0;
+  if (room < kLeastChange * n + kChangeRoom) return kInfinity;
+  return kChangeCost * n + (room < kShortChange * n ? kShortChangeCost : 0.0);
+}
+
+}  // namespace
+
+/// Where a vehicle joins its route.
+struct CourseFinder::Start {
+  std::vector<int> inside;  ///< the rest of the internal lanes, if it is inside a junction
+  std::size_t edge = 0;     ///< in the query's edges: that of
+  int lane = kNone;         ///< its first normal lane
+  double position = 0.0;    ///< [m] on that; < 0: before it
+};
+
+/// What lies behind the last junction of a corridor.
+struct CourseFinder::Exit {
+  enum class Kind { kOpen, kLine, kForeign, kStop, kRouteEnd };
+  Kind kind = Kind::kOpen;
+  double room = 0.0;     ///< [m] from the start of the exit edge to what ends it
+  std::size_t edge = 0;  ///< at the end of this one
+};
+
+CourseFinder::CourseFinder(const LaneGraph& graph, std::vector<bool> coordinated,
+                           const CorridorOptions& options)
+    : graph_(graph), coordinated_(std::move(coordinated)), options_(options) {
+  for (int k = 0; k < graph.links(); ++k) {
+    const LaneGraph::Link& link = graph.link(k);
+    links_[pair_key(graph.edge_of(link.from), graph.edge_of(link.to))].push_back(k);
+  }
+  to_line_.assign(std::size_t(graph.lanes()), kInfinity);
+  // Backwards from the stop lines, as far as vehicles are taken over.
+  std::vector<int> open;
+  const auto reach = [&](int lane, double distance) {
+    const int edge = graph.edge_of(lane);
+    const std::span<const int> beside =
+        edge == kNone ? std::span<const int>(&lane, 1) : graph.lanes_of(edge);
+    for (const int l : beside) {
+      if (distance >= to_line_[std::size_t(l)] || distance > options_.takeover) continue;
+      to_line_[std::size_t(l)] = distance;
+      open.push_back(l);
+    }
+  };
+  for (int k = 0; k < graph.links(); ++k) {
+    if (is_coordinated(graph.link(k).junction)) reach(graph.link(k).from, 0.0);
+  }
+  while (!open.empty()) {
+    const int lane = open.back();
+    open.pop_back();
+    double distance = to_line_[std::size_t(lane)] + graph.lane(lane).length;
+    for (const int k : graph.links_to(lane)) {
+      const LaneGraph::Link& link = graph.link(k);
+      double behind = distance;
+      for (auto via = link.via.rbegin(); via != link.via.rend(); ++via) {
+        to_line_[std::size_t(*via)] = std::min(to_line_[std::size_t(*via)], behind);
+        behind += graph.lane(*via).length;
+      }
+      const bool foreign = !is_coordinated(link.junction) &&
+                           graph.junction(link.junction).has_conflicts;
+      if (!foreign) reach(link.from, behind);
+    }
+  }
+}
+
+bool CourseFinder::may_approach(int lane, double position) const {
+  return graph_.lane(lane).length - position + to_line_[std::size_t(lane)] <= options_.takeover;
+}
+
+std::span<const int> CourseFinder::links_between(int from_edge, int to_edge) const {
+  const auto found = links_.find(pair_key(from_edge, to_edge));
+  return found == links_.end() ? std::span<const int>() : std::span<const int>(found->second);
+}
+
+double CourseFinder::length(int edge) const {
+  return graph_.lane(graph_.lanes_of(edge).front()).length;
+}
+
+double CourseFinder::length_between(int from_edge, int to_edge) const {
+  const std::span<const int> links = links_between(from_edge, to_edge);
+  return links.empty() ? 0.0 : graph_.link(links.front()).length;
+}
+
+bool CourseFinder::is_open(int lane, const CourseQuery& query) const {
+  const Lane& l = graph_.lane(lane);
+  return query.vehicle_class == nullptr || l.allows(*query.vehicle_class);
+}
+
+std::optional<CourseFinder::Start> CourseFinder::start_of(const CourseQuery& query) const {
+  const int edge = graph_.edge_of(query.lane);
+  if (query.edges.empty()) return std::nullopt;
+  if (edge != kNone) {
+    if (query.edges[0] != edge) return std::nullopt;
+    return Start{.inside = {}, .edge = 0, .lane = query.lane, .position = query.position};
+  }
+  for (const int k : graph_.links_over(query.lane)) {
+    const LaneGraph::Link& link = graph_.link(k);
+    const int to = graph_.edge_of(link.to);
+    if (query.edges.size() < 2 || query.edges[0] != graph_.edge_of(link.from) ||
+        query.edges[1] != to) {
+      continue;
+    }
+    Start start{.inside = {}, .edge = 1, .lane = link.to, .position = query.position};
+    const auto here = std::ranges::find(link.via, query.lane);
+    start.inside.assign(here, link.via.end());
+    for (const int via : start.inside) start.position -= graph_.lane(via).length;
+    return start;
+  }
+  return std::nullopt;
+}
+
+/// The edge at whose end the first coordinated stop line on the route is, at most `within` metres
+/// ahead, and how far ahead; nullopt if there is none, or a junction of others before it.
+std::optional<std::size_t> CourseFinder::first_line(const CourseQuery& query, const Start& start,
+                                                    double within, double& distance) const {
+  distance = length(query.edges[start.edge]) - start.position;
+  for (std::size_t i = start.edge; i + 1 < query.edges.size(); ++i) {
+    if (distance > within || (query.stop_edge && *query.stop_edge <= i)) return std::nullopt;
+    const int junction = graph_.junction_behind(query.edges[i]);
+    if (junction == kNone) return std::nullopt;
+    if (is_coordinated(junction)) return i;
+    if (graph_.junction(junction).has_conflicts) return std::nullopt;
+    distance += length_between(query.edges[i], query.edges[i + 1]) + length(query.edges[i + 1]);
+  }
+  return std::nullopt;
+}
+
+CourseFinder::Exit CourseFinder::exit_behind(const CourseQuery& query, std::size_t edge,
+                                             double driven) const {
+  using Kind = Exit::Kind;
+  const double far = options_.exit + kRunOut + kSight + options_.takeover;
+  Exit exit{.kind = Kind::kOpen, .room = 0.0, .edge = edge};
+  for (std::size_t i = edge;; ++i) {
+    exit.edge = i;
+    if (query.stop_edge && *query.stop_edge == i) {
+      exit.kind = Kind::kStop;
+      exit.room += query.stop_position;
+      return exit;
+    }
+    exit.room += length(query.edges[i]);
+    exit.kind = Kind::kRouteEnd;
+    if (i + 1 == query.edges.size()) return exit;
+    const int junction = graph_.junction_behind(query.edges[i]);
+    if (junction == kNone) return exit;
+    exit.kind = is_coordinated(junction) ? Kind::kLine : Kind::kForeign;
+    if (is_coordinated(junction) || graph_.junction(junction).has_conflicts) break;
+    exit.kind = Kind::kOpen;
+    if (exit.room > far) return exit;
+    exit.room += length_between(query.edges[i], query.edges[i + 1]);
+  }
+  const bool chained = exit.kind == Exit::Kind::kLine && exit.room < options_.chain;
+  if (!chained || driven + exit.room > options_.longest) return exit;
+  return exit_behind(query, exit.edge + 1, driven + exit.room);
+}
+
+/// Where behind the start of the exit edge the front bumper is at the hand-back [m].
+double CourseFinder::handback_at(const Exit& exit, double body_length) const {
+  double at = options_.exit;
+  if (exit.kind == Exit::Kind::kLine) {
+    at = std::clamp(exit.room - options_.takeover, 15.0, options_.exit);
+  } else if (exit.kind == Exit::Kind::kForeign || exit.kind == Exit::Kind::kStop) {
+    at = std::min(exit.room - kDriverBrakes, options_.exit);
+  }
+  return std::max(at, body_length + 1.0);
+}
+
+/// For each edge from `first` to `last`, for each lane: the cost of the lane changes still to be made
+/// by a vehicle that enters the edge on it. On the first edge there are `room` metres left.
+std::vector<std::vector<double>> CourseFinder::costs_to_go(const CourseQuery& query,
+                                                           std::size_t first, std::size_t last,
+                                                           std::size_t exit, double room) const {
+  std::vector<std::vector<double>> costs(last - first + 1);
+  for (std::size_t i = last + 1; i-- > first;) {
+    const std::span<const int> lanes = graph_.lanes_of(query.edges[i]);
+    std::vector<double>& here = costs[i - first];
+    std::vector<double> leaving(lanes.size(), i == last ? 0.0 : kInfinity);
+    if (i < last) {
+      const std::span<const int> ahead = graph_.lanes_of(query.edges[i + 1]);
+      for (const int k : links_between(query.edges[i], query.edges[i + 1])) {
+        const LaneGraph::Link& link = graph_.link(k);
+        const auto from = std::size_t(std::ranges::find(lanes, link.from) - lanes.begin());
+        const auto to = std::size_t(std::ranges::find(ahead, link.to) - ahead.begin());
+        leaving[from] = std::min(leaving[from], costs[i + 1 - first][to]);
+      }
+    }
+    here.assign(lanes.size(), kInfinity);
+    const double free = i == first ? room : length(query.edges[i]);
+    for (std::size_t a = 0; a < lanes.size(); ++a) {
+      if (!is_open(lanes[a], query)) continue;
+      for (std::size_t b = 0; b < lanes.size(); ++b) {
+        if (!is_open(lanes[b], query)) continue;
+        // Behind the corridor the driver changes lanes, if he finds room.
+        double change = cost_of_change(std::ptrdiff_t(a) - std::ptrdiff_t(b), free);
+        if (i >= exit && a != b && change == kInfinity) change = 10.0 * kChangeCost;
+        here[a] = std::min(here[a], change + leaving[b]);
+      }
+    }
+  }
+  return costs;
+}
+
+bool CourseFinder::lay_pieces(const CourseQuery& query, const Start& start, std::size_t line,
+                              std::size_t exit, double reach, CorridorCourse& course) const {
+  std::size_t last = exit;
+  double covered = length(query.edges[exit]);
+  for (; covered < reach && last + 1 < query.edges.size(); ++last) {
+    const int junction = graph_.junction_behind(query.edges[last]);
+    if (junction == kNone || is_coordinated(junction) ||
+        graph_.junction(junction).has_conflicts) {
+      break;
+    }
+    covered += length_between(query.edges[last], query.edges[last + 1]) +
+               length(query.edges[last + 1]);
+  }
+  const std::size_t seen = std::min(last + kLookAhead, query.edges.size() - 1);
+  const double room = length(query.edges[start.edge]) - std::max(start.position, 0.0);
+  const auto costs = costs_to_go(query, start.edge, seen, exit, room);
+
+  for (const int via : start.inside) course.pieces.push_back({.lane = via});
+  int lane = start.lane;
+  for (std::size_t i = start.edge;; ++i) {
+    const std::span<const int> lanes = graph_.lanes_of(query.edges[i]);
+    const auto a = std::ranges::find(lanes, lane) - lanes.begin();
+    const double begin = i == start.edge ? std::max(start.position, 0.0) : 0.0;
+    const double free = length(query.edges[i]) - begin;
+    // The lane at the end of this edge, and the link from there.
+    double best = kInfinity;
+    int chosen = kNone;
+    if (i < last) {
+      const std::span<const int> ahead = graph_.lanes_of(query.edges[i + 1]);
+      for (const int k : links_between(query.edges[i], query.edges[i + 1])) {
+        const LaneGraph::Link& link = graph_.link(k);
+        const auto b = std::ranges::find(lanes, link.from) - lanes.begin();
+        if (!is_open(link.from, query) || (i >= exit && a != b)) continue;
+        const auto to = std::size_t(std::ranges::find(ahead, link.to) - ahead.begin());
+        const double cost =
+            cost_of_change(a - b, free) + costs[i + 1 - start.edge][to];
+        if (cost < best) best = cost, chosen = k;
+      }
+    }
+    if (i == line) course.line_piece = int(course.pieces.size());
+    if (i == exit) course.exit_piece = int(course.pieces.size());
+    CorridorPiece piece{.lane = lane};
+    if (chosen != kNone && graph_.link(chosen).from != lane) {
+      const double n = std::abs(double(a - (std::ranges::find(lanes, graph_.link(chosen).from) -
+                                            lanes.begin())));
+      piece.target = graph_.link(chosen).from;
+      piece.begin = std::ceil((begin + 2.0) / kChangeGrid) * kChangeGrid;
+      piece.end = std::min(piece.begin + kChangeLength * n, length(query.edges[i]) - 2.0);
+    }
+    course.pieces.push_back(piece);
+    if (i == last) return true;
+    if (chosen == kNone) return i >= exit;  // behind the last junction the course may just end
+    for (const int via : graph_.link(chosen).via) course.pieces.push_back({.lane = via});
+    lane = graph_.link(chosen).to;
+  }
+}
+
+/// The lanes behind the first piece, if the body still reaches there.
+void CourseFinder::lay_lead_in(const CourseQuery& query, CorridorCourse& course) const {
+  course.start = -(query.length + 12.0);
+  if (query.position > query.length + 3.0) return;  // straight on backwards: nobody is there
+  int lane = course.pieces.front().lane;
+  double covered = 0.0;
+  while (covered < -course.start) {
+    std::vector<int> behind;
+    if (graph_.edge_of(lane) == kNone) {
+      const LaneGraph::Link& link = graph_.link(graph_.links_over(lane).front());
+      const auto here = std::ranges::find(link.via, lane);
+      behind.push_back(link.from);
+      behind.insert(behind.end(), link.via.begin(), here);
+    } else {
+      const std::span<const int> links = graph_.links_to(lane);
+      auto chosen = std::ranges::find_if(
+          links, [&](int k) { return graph_.link(k).from == query.previous_lane; });
+      if (chosen == links.end() && links.size() == 1) chosen = links.begin();
+      if (chosen == links.end()) break;
+      behind.push_back(graph_.link(*chosen).from);
+      behind.insert(behind.end(), graph_.link(*chosen).via.begin(),
+                    graph_.link(*chosen).via.end());
+    }
+    course.lead_in.insert(course.lead_in.begin(), behind.begin(), behind.end());
+    for (const int l : behind) covered += graph_.lane(l).length;
+    lane = behind.front();
+    if (course.lead_in.size() > 12) break;
+  }
+}
+
+std::optional<CorridorCourse> CourseFinder::find(const CourseQuery& query) const {
+  const std::optional<Start> start = start_of(query);
+  double distance = 0.0;
+  if (!start) return std::nullopt;
+  const std::optional<std::size_t> line = first_line(query, *start, options_.takeover, distance);
+  if (!line || distance > options_.takeover) return std::nullopt;
+
+  const Exit exit = exit_behind(query, *line + 1, 0.0);
+  std::size_t first_exit = exit.edge;
+  // The exit edge is the first one behind the last coordinated junction.
+  while (first_exit > *line + 1 && !is_coordinated(graph_.junction_behind(query.edges[first_exit - 1]))) {
+    --first_exit;
+  }
+  CorridorCourse course;
+  const double wanted = handback_at(exit, query.length);
+  if (!lay_pieces(query, *start, *line, first_exit, wanted + kRunOut + kSight, course)) {
+    return std::nullopt;
+  }
+  double room = 0.0;
+  for (std::size_t i = std::size_t(course.exit_piece); i < course.pieces.size(); ++i) {
+    room += graph_.lane(course.pieces[i].lane).length;
+  }
+  room = std::min(room, exit.room);
+  const double latest = std::max(std::min(query.length + 1.0, room - 1.6), room - kBeforeEnd);
+  course.handback = std::max(0.1, std::min(wanted, latest));
+  course.end = std::max(course.handback, std::min(course.handback + kRunOut, room - 1.0));
+  course.reach = std::min(room, course.end + kSight);
+  course.start = query.position + distance - options_.takeover - kLeadIn;
+  if (course.start <= 0.0) lay_lead_in(query, course);
+  return course;
+}
+
+CorridorCourse CourseFinder::follow(const CourseQuery& query, double reach) const {
+  CorridorCourse course;
+  const std::optional<Start> start = start_of(query);
+  if (!start) {
+    course.pieces.push_back({.lane = query.lane});
+  } else {
+    for (const int via : start->inside) course.pieces.push_back({.lane = via});
+    int lane = start->lane;
+    double covered = graph_.lane(lane).length - start->position;
+    course.pieces.push_back({.lane = lane});
+    for (std::size_t i = start->edge; covered < reach && i + 1 < query.edges.size(); ++i) {
+      const std::span<const int> links = links_between(query.edges[i], query.edges[i + 1]);
+      const auto k = std::ranges::find_if(
+          links, [&](int n) { return graph_.link(n).from == lane; });
+      if (k == links.end()) break;
+      for (const int via : graph_.link(*k).via) course.pieces.push_back({.lane = via});
+      lane = graph_.link(*k).to;
+      course.pieces.push_back({.lane = lane});
+      covered += graph_.link(*k).length + graph_.lane(lane).length;
+    }
+  }
+  for (const CorridorPiece& piece : course.pieces) course.reach += graph_.lane(piece.lane).length;
+  course.handback = course.end = course.reach;
+  constexpr double kGrid = 50.0;  // [m]: few paths serve all vehicles of a long lane
+  course.start = std::floor((query.position - query.length - kLeadIn) / kGrid) * kGrid;
+  if (course.start <= 0.0) lay_lead_in(query, course);
+  return course;
+}
+
+std::optional<double> CourseFinder::distance_to_line(const CourseQuery& query) const {
+  const std::optional<Start> start = start_of(query);
+  double distance = 0.0;
+  if (!start || !first_line(query, *start, kInfinity, distance)) return std::nullopt;
+  return distance;
+}
+
+namespace {
+
+/// The junctions that a link of `junction` leads to within `chain` metres, over the junctions without
+/// conflicts between them.
+template <class Visit>
+void for_each_near(const LaneGraph& graph, int from_lane, double left, const Visit& visit) {
+  const double length = graph.lane(from_lane).length;
+  const int behind = graph.junction_behind(graph.edge_of(from_lane));
+  if (length >= left || behind == kNone) return;
+  if (graph.junction(behind).has_conflicts) return visit(behind);
+  for (const int k : graph.links_from(from_lane)) {
+    for_each_near(graph, graph.link(k).to, left - length - std::max(0.1, graph.link(k).length),
+                  visit);
+  }
+}
+
+}  // namespace
+
+std::vector<bool> select_junctions(const LaneGraph& graph, std::span<const std::string> ids,
+                                   double chain) {
+  std::vector<bool> chosen(std::size_t(graph.junctions()), false);
+  for (const std::string& id : ids) {
+    const int junction = graph.find_junction(id);
+    if (junction == kNone) {
+      throw InputError("--junction " + id, "the network has no junction with this id");
+    }
+    chosen[std::size_t(junction)] = true;
+  }
+  if (ids.empty()) {
+    for (int j = 0; j < graph.junctions(); ++j) {
+      chosen[std::size_t(j)] = graph.junction(j).has_conflicts;
+    }
+  }
+  for (bool grown = true; grown;) {
+    grown = false;
+    for (int k = 0; k < graph.links(); ++k) {
+      const LaneGraph::Link& link = graph.link(k);
+      for_each_near(graph, link.to, chain, [&](int near) {
+        const bool a = chosen[std::size_t(near)];
+        const bool b = chosen[std::size_t(link.junction)];
+        if (a == b || !graph.junction(link.junction).has_conflicts) return;
+        chosen[std::size_t(near)] = chosen[std::size_t(link.junction)] = true;
+        grown = true;
+      });
+    }
+  }
+  return chosen;
+}
+
+std::vector<ControlZone> partition(const LaneGraph& graph, const std::vector<bool>& coordinated,
+                                   double chain) {
+  std::vector<int> root(std::size_t(graph.junctions()));
+  std::iota(root.begin(), root.end(), 0);
+  const auto find = [&](int j) {
+    while (root[std::size_t(j)] != j) j = root[std::size_t(j)] = root[std::size_t(root[std::size_t(j)])];
+    return j;
+  };
+  for (int k = 0; k < graph.links(); ++k) {
+    const LaneGraph::Link& link = graph.link(k);
+    if (!coordinated[std::size_t(link.junction)]) continue;
+    for_each_near(graph, link.to, chain, [&](int near) {
+      if (coordinated[std::size_t(near)]) {
+        const auto [low, high] = std::minmax(find(near), find(link.junction));
+        root[std::size_t(high)] = low;
+      }
+    });
+  }
+  std::vector<int> zone_of(root.size(), kNone);
+  std::vector<ControlZone> zones;
+  for (int j = 0; j < graph.junctions(); ++j) {
+    if (!coordinated[std::size_t(j)]) continue;
+    int& zone = zone_of[std::size_t(find(j))];
+    if (zone == kNone) {
+      zone = int(zones.size());
+      zones.emplace_back();
+    }
+    zones[std::size_t(zone)].junctions.push_back(j);
+    zones[std::size_t(zone)].connections += int(graph.junction(j).connections.size());
+  }
+  return zones;
+}
+
+}  // namespace mvtp

@@ -1,0 +1,129 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#include "coordinator/lane_graph.hpp"
+
+namespace mvtp {
+
+/// One lane of a corridor; with a lane change where `target` is another lane of its edge.
+struct CorridorPiece {
+  int lane = LaneGraph::kNone;
+  int target = LaneGraph::kNone;  ///< lane at the end of the piece, if another one
+  double begin = 0.0;             ///< [m] along `lane` where the change begins and
+  double end = 0.0;               ///< where it ends
+
+  [[nodiscard]] int last_lane() const { return target == LaneGraph::kNone ? lane : target; }
+  friend auto operator<=>(const CorridorPiece&, const CorridorPiece&) = default;
+};
+
+/// The course of a vehicle through one or more coordinated junctions, as lanes.
+struct CorridorCourse {
+  std::vector<int> lead_in;  ///< lanes behind the first piece on which its tail may still be
+  std::vector<CorridorPiece> pieces;
+  int line_piece = 0;     ///< the last before the first coordinated stop line
+  int exit_piece = 0;     ///< the first behind the last coordinated junction
+  double start = 0.0;     ///< [m] on the first lane where the course begins; < 0: behind it
+  double handback = 0.0;  ///< [m] behind the start of the exit piece, of the front bumper
+  double end = 0.0;       ///< [m] likewise: where a plan is complete; >= handback
+  double reach = 0.0;     ///< [m] likewise: what lies further ahead does not matter
+
+  friend auto operator<=>(const CorridorCourse&, const CorridorCourse&) = default;
+};
+
+struct CorridorOptions {
+  double takeover = 80.0;    ///< [m] before a stop line
+  double exit = 60.0;        ///< [m] behind a junction where a vehicle is handed back at the latest
+  double chain = 50.0;       ///< [m] junctions nearer to each other share a corridor
+  double longest = 350.0;    ///< [m] of a corridor from its first stop line on
+};
+
+/// A vehicle as the course finder sees it.
+struct CourseQuery {
+  int lane = LaneGraph::kNone;
+  double position = 0.0;       ///< [m] of the front bumper on it
+  std::span<const int> edges;  ///< its route: the edge it is on (inside a junction: before it) first
+  double length = 4.5;         ///< [m] of the body
+  const std::string* vehicle_class = nullptr;
+  int previous_lane = LaneGraph::kNone;  ///< normal lane before the present one, if known
+  /// It stops here, on edges[stop_edge], before it goes on.
+  std::optional<std::size_t> stop_edge;
+  double stop_position = 0.0;  ///< [m]
+};
+
+/// Walks along routes: which lanes lead where a vehicle wants to go, from where on it is taken over,
+/// and where it is handed back.
+class CourseFinder {
+ public:
+  CourseFinder(const LaneGraph& graph, std::vector<bool> coordinated,
+               const CorridorOptions& options);
+
+  [[nodiscard]] bool is_coordinated(int junction) const {
+    return junction != LaneGraph::kNone && coordinated_[std::size_t(junction)];
+  }
+  /// Can a vehicle at this place be within the takeover distance of a coordinated stop line,
+  /// wherever it goes? Quick: most vehicles are not.
+  [[nodiscard]] bool may_approach(int lane, double position) const;
+
+  /// The course of a vehicle that is within the takeover distance; nullopt if it is not, or if no
+  /// lane leads where it wants to go.
+  [[nodiscard]] std::optional<CorridorCourse> find(const CourseQuery& query) const;
+
+  /// The course of a vehicle that nobody controls, for `reach` metres along its route.
+  [[nodiscard]] CorridorCourse follow(const CourseQuery& query, double reach) const;
+
+  /// Distance from the vehicle to the next coordinated stop line on its route [m], if there is one
+  /// before its route ends.
+  [[nodiscard]] std::optional<double> distance_to_line(const CourseQuery& query) const;
+
+ private:
+  struct Start;
+  struct Exit;
+
+  [[nodiscard]] std::span<const int> links_between(int from_edge, int to_edge) const;
+  [[nodiscard]] double length(int edge) const;
+  [[nodiscard]] double length_between(int from_edge, int to_edge) const;
+  [[nodiscard]] bool is_open(int lane, const CourseQuery& query) const;
+  [[nodiscard]] std::optional<Start> start_of(const CourseQuery& query) const;
+  [[nodiscard]] std::optional<std::size_t> first_line(const CourseQuery& query, const Start& start,
+                                                      double within, double& distance) const;
+  [[nodiscard]] Exit exit_behind(const CourseQuery& query, std::size_t edge, double driven) const;
+  [[nodiscard]] double handback_at(const Exit& exit, double body_length) const;
+  [[nodiscard]] std::vector<std::vector<double>> costs_to_go(const CourseQuery& query,
+                                                             std::size_t first, std::size_t last,
+                                                             std::size_t exit, double room) const;
+  [[nodiscard]] bool lay_pieces(const CourseQuery& query, const Start& start, std::size_t line,
+                                std::size_t exit, double reach, CorridorCourse& course) const;
+  void lay_lead_in(const CourseQuery& query, CorridorCourse& course) const;
+
+  const LaneGraph& graph_;
+  std::vector<bool> coordinated_;
+  CorridorOptions options_;
+  std::unordered_map<std::uint64_t, std::vector<int>> links_;
+  std::vector<double> to_line_;  ///< [m] from the end of each lane to the nearest stop line
+};
+
+/// Which junctions are coordinated. `ids`: those named; none named: all with conflicting connections.
+/// A junction with conflicts less than `chain` metres behind or before one of them on a road is
+/// coordinated with it: there is no room to hand vehicles back in between.
+/// @throws InputError if an id is not in the network.
+[[nodiscard]] std::vector<bool> select_junctions(const LaneGraph& graph,
+                                                 std::span<const std::string> ids, double chain);
+
+/// Junctions whose corridors share ground, and how many connections lead over them.
+struct ControlZone {
+  std::vector<int> junctions;
+  int connections = 0;
+};
+
+/// The coordinated junctions in zones: junctions less than `chain` metres apart are in one.
+[[nodiscard]] std::vector<ControlZone> partition(const LaneGraph& graph,
+                                                 const std::vector<bool>& coordinated,
+                                                 double chain);
+
+}  // namespace mvtp

@@ -1,0 +1,138 @@
+#include "coordinator/prediction.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace mvtp {
+namespace {
+
+constexpr double kHold = 3.0;          ///< [s] for which a driver keeps his speed
+constexpr double kAcceleration = 1.0;  ///< [m/s^2] after that
+constexpr double kBraking = 3.0;       ///< [m/s^2] before a line
+constexpr double kStand = 8.0;         ///< [s] that he stands there
+constexpr std::size_t kLongest = 3000; ///< steps that are predicted
+
+/// Appends states until the end of the path: held speed until step `hold`, then gentle acceleration.
+void drive_on(PathTrajectory& t, const RoadVehicle& v, const DecisionGrid& grid,
+              std::size_t hold) {
+  while (t.states.back().s < v.s_end && t.states.size() < kLongest) {
+    const InertialState last = t.states.back();
+    const bool holds = t.states.size() <= hold || last.v >= v.cruise_speed;
+    t.states.push_back(advance(last, holds ? 0.0 : kAcceleration, grid.dt));
+  }
+}
+
+constexpr double kHorizon = 120.0;     ///< [m] along its route for which a vehicle is predicted
+constexpr double kExitSight = 250.0;   ///< [m] behind a junction in which leaders matter
+
+}  // namespace
+
+Predictor::Predictor(const LaneGraph& graph, const CourseFinder& finder, CorridorMap& corridors,
+                     double takeover)
+    : graph_(graph), finder_(finder), corridors_(corridors), takeover_(takeover) {
+  watched_.assign(std::size_t(graph.lanes()), false);
+  for (int k = 0; k < graph.links(); ++k) {
+    const LaneGraph::Link& link = graph.link(k);
+    if (!finder.is_coordinated(link.junction)) continue;
+    watched_[std::size_t(link.from)] = watched_[std::size_t(link.to)] = true;
+    for (const int via : link.via) watched_[std::size_t(via)] = true;
+  }
+  for (int l = 0; l < graph.lanes(); ++l) exit_roots_.push_back(find_exit_root(l, kExitSight));
+}
+
+void Predictor::watch(const Corridor& corridor) {
+  for (const CorridorPiece& piece : corridor.course.pieces) {
+    watched_[std::size_t(piece.lane)] = watched_[std::size_t(piece.last_lane())] = true;
+  }
+}
+
+Predictor::ExitRoot Predictor::find_exit_root(int lane, double within) const {
+  double offset = 0.0;
+  for (int depth = 0; depth < 32 && offset < within; ++depth) {
+    const std::span<const int> links = graph_.links_to(lane);
+    if (links.empty()) return {};
+    for (const int k : links) {
+      if (finder_.is_coordinated(graph_.link(k).junction)) return {lane, offset};
+    }
+    if (links.size() > 1) return {};
+    const LaneGraph::Link& link = graph_.link(links.front());
+    lane = link.from;
+    offset += link.length + graph_.lane(lane).length;
+  }
+  return {};
+}
+
+/// The corridor that the vehicle follows, and where on it its rear axle is.
+int Predictor::path_of(const VehicleState& v, const CourseQuery& query, const Vehicle& body,
+                       double& station) {
+  const auto place_on = [&](const Corridor& corridor, double expected) {
+    const std::optional<double> s = corridor.station(query.lane, query.position, expected);
+    if (!s) return false;
+    const GuidePath& path = corridors_.library().path(corridor.path);
+    station = path.project({v.pose.x, v.pose.y}, *s - 3.0, *s + 3.0);
+    return station < path.length() - 1.0;
+  };
+  if (const auto known = last_corridor_.find(v.id); known != last_corridor_.end()) {
+    const Corridor& corridor = corridors_[known->second];
+    if (place_on(corridor, corridor.s_handback)) return known->second;
+    last_corridor_.erase(known);
+  }
+  const int own = corridors_.corridor_for(finder_.follow(query, kHorizon), body);
+  return place_on(corridors_[own], corridors_[own].stations.front()) ? own : LaneGraph::kNone;
+}
+
+std::optional<Forecast> Predictor::predict(const VehicleState& v, const CourseQuery& query,
+                                           const Vehicle& body, const DecisionGrid& grid,
+                                           std::int64_t step) {
+  const ExitRoot root = exit_roots_[std::size_t(query.lane)];
+  const std::optional<double> to_line = finder_.distance_to_line(query);
+  // Whoever is further from the next line than those under control cannot be ahead of them there.
+  if (to_line && *to_line > takeover_ && root.lane == LaneGraph::kNone) return std::nullopt;
+  double s = 0.0;
+  const int number = path_of(v, query, body, s);
+  if (number == LaneGraph::kNone) return std::nullopt;
+  const Corridor& corridor = corridors_[number];
+
+  Forecast forecast;
+  RoadVehicle& road = forecast.vehicle;
+  road.key = -1;
+  road.path = corridor.path;
+  road.now = {s, v.speed};
+  road.cruise_speed =
+      std::max(1.0, std::min(v.speed_factor * corridor.lane_limits.back(), body.max_speed));
+  if (root.lane != LaneGraph::kNone) {
+    road.exit_lane = root.lane;
+    road.s_exit_lane =
+        corridor.station(query.lane, 0.0, s - query.position).value_or(s) - root.offset;
+  }
+  road.s_end = corridors_.library().path(corridor.path).length();
+  road.s_handback = road.s_end;
+  const double line = s + to_line.value_or(0.0);
+  const bool may_halt = to_line && *to_line <= takeover_ && line < road.s_end;
+  forecast.trajectory = may_halt ? predict_halt(road, line, grid, step)
+                                 : predict_leader(road, grid, step);
+  return forecast;
+}
+
+PathTrajectory predict_leader(const RoadVehicle& v, const DecisionGrid& grid, std::int64_t step) {
+  PathTrajectory t{.begin = step, .states = {v.now}};
+  drive_on(t, v, grid, std::size_t(kHold / grid.dt));
+  return t;
+}
+
+PathTrajectory predict_halt(const RoadVehicle& v, double s_line, const DecisionGrid& grid,
+                            std::int64_t step) {
+  PathTrajectory t{.begin = step, .states = {v.now}};
+  double stood = 0.0;
+  while (stood < kStand && t.states.size() < kLongest) {
+    const InertialState last = t.states.back();
+    const double room = s_line - 1.0 - last.s - last.v * grid.dt;
+    const bool brakes = room <= stopping_distance(last.v, kBraking);
+    t.states.push_back(advance(last, brakes ? -kBraking : 0.0, grid.dt));
+    stood += t.states.back().v == 0.0 ? grid.dt : 0.0;
+  }
+  drive_on(t, v, grid, 0);
+  return t;
+}
+
+}  // namespace mvtp

@@ -1,0 +1,64 @@
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "coordinator/corridor.hpp"
+#include "planner/algorithms/road_scene.hpp"
+
+namespace mvtp {
+
+/// What vehicles that nobody controls are expected to do.
+class Predictor {
+ public:
+  Predictor(const LaneGraph& graph, const CourseFinder& finder, CorridorMap& corridors,
+            double takeover);
+
+  /// The vehicle was handed back on this corridor.
+  void handed_back(const std::string& id, int corridor) { last_corridor_[id] = corridor; }
+  void forget(const std::string& id) { last_corridor_.erase(id); }
+
+  /// Do vehicles on this lane matter to those under control?
+  [[nodiscard]] bool watches(int lane) const { return watched_[std::size_t(lane)]; }
+  /// From now on vehicles on the lanes of a corridor matter.
+  void watch(const Corridor& corridor);
+
+  /// The motion expected of a vehicle along its route; nullopt if it is leaving the sight of all.
+  [[nodiscard]] std::optional<Forecast> predict(const VehicleState& vehicle,
+                                                const CourseQuery& query, const Vehicle& body,
+                                                const DecisionGrid& grid, std::int64_t step);
+
+ private:
+  /// Where the exit begins that a lane belongs to: the first lane behind a coordinated junction, and
+  /// how far this lane is from there [m].
+  struct ExitRoot {
+    int lane = LaneGraph::kNone;
+    double offset = 0.0;
+  };
+
+  [[nodiscard]] ExitRoot find_exit_root(int lane, double within) const;
+  [[nodiscard]] int path_of(const VehicleState& vehicle, const CourseQuery& query,
+                            const Vehicle& body, double& station);
+
+  const LaneGraph& graph_;
+  const CourseFinder& finder_;
+  CorridorMap& corridors_;
+  double takeover_;
+  std::vector<bool> watched_;
+  std::vector<ExitRoot> exit_roots_;
+  std::map<std::string, int> last_corridor_;  ///< of vehicles handed back and still in sight
+};
+
+/// A driver with nothing to wait for: holds his speed for a while, then speeds up gently. Predicting
+/// that a standing leader stands for ever would leave the vehicles behind it without a complete plan.
+[[nodiscard]] PathTrajectory predict_leader(const RoadVehicle& vehicle, const DecisionGrid& grid,
+                                            std::int64_t step);
+
+/// A driver who may have to wait at a stop line: he halts before `s_line`, stands for a while, and
+/// goes on then.
+[[nodiscard]] PathTrajectory predict_halt(const RoadVehicle& vehicle, double s_line,
+                                          const DecisionGrid& grid, std::int64_t step);
+
+}  // namespace mvtp

@@ -1,0 +1,16 @@
+#pragma once
+
+#include <span>
+
+#include "coordinator/drivable_area.hpp"
+#include "planner/motion/guide_path.hpp"
+
+namespace mvtp {
+
+/// The path of the rear axle along a centre line for this body: smooth enough for its turning circle
+/// and, where the body is long, wide enough to keep its footprint on the road. The line may have any
+/// number of turns.
+[[nodiscard]] GuidePath make_reference_path(std::span<const Point> centre_line, const Vehicle& body,
+                                            const DrivableArea& area);
+
+}  // namespace mvtp

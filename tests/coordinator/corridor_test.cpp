@@ -1,0 +1,162 @@
+#include "coordinator/corridor.hpp"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "tests/coordinator/fake_traffic.hpp"
+
+namespace mvtp {
+namespace {
+
+/// A network to walk on, with every conflicting junction coordinated.
+struct Walk {
+  explicit Walk(RoadNetwork n, const CorridorOptions& options = {})
+      : network(std::move(n)),
+        graph(network),
+        finder(graph, select_junctions(graph, {}, options.chain), options) {}
+
+  [[nodiscard]] CourseQuery at(const std::string& lane, double position,
+                               std::vector<std::string> edges) {
+    route.clear();
+    for (const std::string& edge : edges) route.push_back(graph.find_edge(edge));
+    return {.lane = graph.find_lane(lane), .position = position, .edges = route};
+  }
+
+  [[nodiscard]] std::vector<std::string> lanes(const CorridorCourse& course) const {
+    std::vector<std::string> ids;
+    for (const CorridorPiece& piece : course.pieces) ids.push_back(graph.lane(piece.lane).id);
+    return ids;
+  }
+
+  RoadNetwork network;
+  LaneGraph graph;
+  CourseFinder finder;
+  std::vector<int> route;
+};
+
+TEST(CourseFinder, TakesVehiclesOverWithinTheDistanceOnly) {
+  Walk walk(make_crossroads());  // the approach is 192.8 m long
+  EXPECT_FALSE(walk.finder.find(walk.at("W_in_0", 112.0, {"W_in", "E_out"})));
+  const auto course = walk.finder.find(walk.at("W_in_0", 113.0, {"W_in", "E_out"}));
+  ASSERT_TRUE(course);
+  EXPECT_EQ(walk.lanes(*course), (std::vector<std::string>{"W_in_0", ":C_WE_0", "E_out_0"}));
+  EXPECT_DOUBLE_EQ(course->handback, 60.0);
+  EXPECT_DOUBLE_EQ(course->end, 85.0);
+}
+
+TEST(CourseFinder, KnowsNoCourseWhereNoLaneLeads) {
+  Walk walk(make_crossroads());
+  EXPECT_FALSE(walk.finder.find(walk.at("W_in_0", 150.0, {"W_in", "W_out"})));
+  EXPECT_FALSE(walk.finder.find(walk.at("W_in_0", 150.0, {"W_in"})));
+}
+
+TEST(CourseFinder, GoesOnFromInsideAJunction) {
+  Walk walk(make_crossroads());
+  // The junction itself is behind: nothing ahead is coordinated.
+  EXPECT_FALSE(walk.finder.find(walk.at(":C_WE_0", 2.0, {"W_in", "E_out"})));
+}
+
+TEST(CourseFinder, HandsBackOnTheExitLaneHoweverShortItIs) {
+  for (const double arm : {16.3, 20.0, 30.0, 60.0, 120.0}) {  // exits of 9.1 m and more
+    Walk walk(make_crossroads(arm));
+    const auto course =
+        walk.finder.find(walk.at("W_in_0", std::max(1.0, arm - 80.0), {"W_in", "E_out"}));
+    ASSERT_TRUE(course) << arm;
+    const double exit = arm - 7.2;
+    EXPECT_GT(course->handback, 4.5) << "the tail is out of the junction";
+    EXPECT_LE(course->handback, exit - 1.5) << arm;
+    EXPECT_GE(course->end, course->handback);
+    EXPECT_LE(course->end, exit) << arm;
+  }
+}
+
+TEST(CourseFinder, EndsBeforeAScheduledStop) {
+  Walk walk(make_crossroads());
+  CourseQuery query = walk.at("W_in_0", 150.0, {"W_in", "E_out"});
+  query.stop_edge = 1;
+  query.stop_position = 70.0;
+  const auto course = walk.finder.find(query);
+  ASSERT_TRUE(course);
+  EXPECT_LE(course->handback, 25.0);
+  query.stop_edge = 0;  // before the line: its driver stops there first
+  EXPECT_FALSE(walk.finder.find(query));
+}
+
+TEST(Corridor, ItsStationsGrowAndItsLimitsCoverThePath) {
+  Walk walk(make_crossroads());
+  const DrivableArea area(walk.network);
+  CorridorMap map(walk.graph, area, {});
+  const VehicleType car = FakeTraffic(walk.network, {}).type("car");
+  for (const std::string to : {"S_out", "E_out", "N_out"}) {
+    const auto course = walk.finder.find(walk.at("W_in_0", 150.0, {"W_in", to}));
+    ASSERT_TRUE(course);
+    const Corridor& c = map[map.corridor_for(*course, car.body)];
+    EXPECT_TRUE(c.undriven.empty()) << c.undriven;
+    EXPECT_TRUE(std::ranges::is_sorted(c.stations));
+    EXPECT_EQ(c.lane_limits.size(), map.library().path(c.path).samples());
+    EXPECT_LT(c.s_line, c.s_exit);
+    EXPECT_LT(c.s_exit, c.s_handback);
+    EXPECT_LE(c.s_handback, c.s_end);
+    EXPECT_LE(c.s_end, map.library().path(c.path).length());
+    // A place on a lane and its station lead to each other.
+    const auto s = c.station(course->pieces[0].lane, 150.0, 0.0);
+    ASSERT_TRUE(s);
+    EXPECT_EQ(c.piece_at(*s), 0U);
+    EXPECT_NEAR(map.library().path(c.path).at(*s + car.body.front).x, -50.0, 0.05);
+  }
+}
+
+TEST(CorridorMap, BodiesOfOneShapeShareACorridor) {
+  Walk walk(make_crossroads());
+  const DrivableArea area(walk.network);
+  CorridorMap map(walk.graph, area, {});
+  Vehicle body = FakeTraffic(walk.network, {}).type("car").body;
+  const auto course = walk.finder.find(walk.at("W_in_0", 150.0, {"W_in", "N_out"}));
+  const int first = map.corridor_for(*course, body);
+  EXPECT_EQ(map.corridor_for(*course, body), first);
+  body.max_speed += 1.0;
+  EXPECT_EQ(map.corridor_for(*course, body), first);
+  body.width += 0.1;
+  EXPECT_NE(map.corridor_for(*course, body), first);
+}
+
+// A bus of 12 m turns on a radius of 6 m: only a path of its own keeps it on the road.
+TEST(Corridor, ALongBusStaysOnTheRoadInTheTightestTurn) {
+  Walk walk(make_crossroads());
+  const DrivableArea area(walk.network);
+  CorridorMap map(walk.graph, area, {});
+  const Vehicle bus{.front = 8.64,
+                    .rear = 3.36,
+                    .width = 2.5,
+                    .wheelbase = 6.0,
+                    .min_turning_radius = 6.0,
+                    .max_speed = 20.0,
+                    .max_accel = 1.2,
+                    .max_decel = 4.0};
+  for (const std::string to : {"S_out", "E_out", "N_out"}) {
+    CourseQuery query = walk.at("W_in_0", 150.0, {"W_in", to});
+    query.length = bus.length();
+    const Corridor& c = map[map.corridor_for(*walk.finder.find(query), bus)];
+    EXPECT_TRUE(c.undriven.empty()) << to << ": " << c.undriven;
+    const GuidePath& path = map.library().path(c.path);
+    EXPECT_LE(path.max_abs_curvature() * bus.min_turning_radius, 1.0) << to;
+    for (double s = 30.0; s < c.s_handback; s += 0.5) {
+      EXPECT_EQ(area.share_outside(path.at(s), bus, 0.05), 0.0) << to << " at s = " << s;
+    }
+  }
+}
+
+TEST(Corridor, SaysWhyABodyCannotDriveIt) {
+  Walk walk(make_crossroads());
+  const DrivableArea area(walk.network);
+  CorridorMap map(walk.graph, area, {});
+  const Vehicle crane{.front = 14.0, .rear = 4.0, .width = 3.1, .wheelbase = 10.0,
+                      .min_turning_radius = 14.0, .max_accel = 1.0, .max_decel = 3.0};
+  CourseQuery query = walk.at("W_in_0", 150.0, {"W_in", "S_out"});
+  query.length = crane.length();
+  EXPECT_FALSE(map[map.corridor_for(*walk.finder.find(query), crane)].undriven.empty());
+}
+
+}  // namespace
+}  // namespace mvtp

@@ -1,0 +1,231 @@
+#include "planner/motion/contact_table.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <thread>
+
+#include "planner/motion/inertial_car.hpp"
+#include "planner/motion/path_library.hpp"
+#include "planner/search/draws.hpp"
+
+namespace mvtp {
+namespace {
+
+const Vehicle kCar = {.front = 3.6, .rear = 0.9, .width = 1.8, .min_turning_radius = 3.86};
+const Vehicle kBus = {.front = 9.0, .rear = 3.0, .width = 2.5, .min_turning_radius = 8.0};
+
+GuidePath straight(Point from, Point to) { return GuidePath(std::vector<Point>{from, to}); }
+
+/// Straight on, a bend of any angle, and straight on again.
+GuidePath bent(Pose at, double straight_length, double turn, double radius) {
+  std::vector<Point> points;
+  Pose p = at;
+  for (double s = 0.0; s < straight_length; s += 0.5, p = drive(p, 0.5, 0.0)) {
+    points.push_back({p.x, p.y});
+  }
+  const double curvature = std::copysign(1.0 / radius, turn);
+  for (double s = 0.0; s < std::abs(turn) * radius; s += 0.1, p = drive(p, 0.1, curvature)) {
+    points.push_back({p.x, p.y});
+  }
+  for (double s = 0.0; s < straight_length; s += 0.5, p = drive(p, 0.5, 0.0)) {
+    points.push_back({p.x, p.y});
+  }
+  return GuidePath(points);
+}
+
+/// A path that runs by the origin, from anywhere to anywhere.
+GuidePath any_path(Draws& draws) {
+  const double heading = draws.share() * 6.28;
+  const double aside = draws.share() * 8.0 - 4.0;
+  const Pose start = compose(Pose{0, 0, heading}, Pose{-35, aside, 0});
+  const double turn = draws.between(0, 2) == 0 ? 0.01 : draws.share() * 3.2 - 1.6;
+  return bent(start, 30.0, turn, 5.0 + draws.share() * 15.0);
+}
+
+/// The motion of a car that changes its acceleration now and then, in looks 0.1 s apart.
+struct Drive {
+  std::vector<InertialState> looks;
+  std::vector<double> accelerations;
+
+  Drive(Draws& draws, double s, double v) : looks({{s, v}}) {
+    double a = 0.0;
+    for (int i = 0; i < 60; ++i) {
+      if (i % 5 == 0) a = draws.share() * 7.1 - 4.5;
+      accelerations.push_back(a);
+      looks.push_back(advance(looks.back(), a, 0.1));
+    }
+  }
+  [[nodiscard]] double position(int millisecond) const {
+    const auto look = std::size_t(millisecond / 100);
+    return advance(looks[look], accelerations[look], (millisecond % 100) * 0.001).s;
+  }
+};
+
+bool bodies_touch(const GuidePath& a, const Vehicle& body_a, double s_a, const GuidePath& b,
+                  const Vehicle& body_b, double s_b) {
+  return separation(footprint(body_a, a.at(s_a)), footprint(body_b, b.at(s_b))) < 0.0;
+}
+
+TEST(ContactTable, HoldsWhatACheckOfAllPairsOfSamplesFinds) {
+  Draws draws(1);
+  for (int round = 0; round < 12; ++round) {
+    const SweptPath a(any_path(draws), round % 3 == 0 ? kBus : kCar, Margins{});
+    const SweptPath b(any_path(draws), kCar, Margins{});
+    const ContactTable table(a, b);
+    const double slack = std::max(0.0, (a.stride() + b.stride()) / 2.0 + 0.05 - 0.4);
+    for (std::size_t i = 0; i < a.boxes().size(); ++i) {
+      for (std::size_t j = 0; j < b.boxes().size(); ++j) {
+        const double gap = separation(a.boxes()[i], b.boxes()[j]) - slack;
+        if (std::abs(gap) < 1e-6) continue;
+        ASSERT_EQ(table.touches(double(i) * 0.25, double(j) * 0.25), gap <= 0.0)
+            << "round " << round << ", samples " << i << " and " << j;
+      }
+    }
+  }
+}
+
+TEST(ContactTable, TransposedSaysTheSameWithTheRolesExchanged) {
+  Draws draws(2);
+  for (int round = 0; round < 20; ++round) {
+    const SweptPath a(any_path(draws), kCar, Margins{});
+    const SweptPath b(any_path(draws), kBus, Margins{});
+    const ContactTable ab(a, b);
+    const ContactTable ba = ab.transposed();
+    for (double s_a = 0.05; s_a < 90.0; s_a += 0.25) {
+      for (double s_b = 0.05; s_b < 90.0; s_b += 0.25) {
+        ASSERT_EQ(ab.touches(s_a, s_b), ba.touches(s_b, s_a)) << s_a << ", " << s_b;
+      }
+    }
+  }
+}
+
+// At 40 m/s each is 4 m further at the next look: at both looks they are apart.
+TEST(ContactTable, SeesCarsThatMeetBetweenTwoLooks) {
+  const GuidePath east = straight({-50, 0}, {50, 0});
+  const GuidePath north = straight({0, -50}, {0, 50});
+  const Vehicle tiny = {.front = 0.4, .rear = 0.4, .width = 0.5};
+  const ContactTable table(east, tiny, north, tiny, Margins{});
+  EXPECT_FALSE(table.touches(48.0, 48.0));
+  EXPECT_FALSE(table.touches(52.0, 52.0));
+  EXPECT_TRUE(table.sweeps(48.0, 52.0, 48.0, 52.0));
+  EXPECT_FALSE(table.sweeps(48.0, 52.0, 44.0, 48.0));  // one after the other
+}
+
+TEST(ContactTable, WhoStandsIsMetByWhoeverDrivesPast) {
+  const GuidePath east = straight({-50, 0}, {50, 0});
+  const GuidePath north = straight({0, -50}, {0, 50});
+  const ContactTable table(east, kCar, north, kCar, Margins{});
+  EXPECT_TRUE(table.sweeps(49.0, 49.0, 0.0, 90.0));
+  EXPECT_TRUE(table.sweeps(0.0, 90.0, 49.0, 49.0));
+  EXPECT_FALSE(table.sweeps(40.0, 40.0, 0.0, 90.0));
+}
+
+// Safety between the looks: where no look and no sweep from one to the next finds a contact, the
+// true bodies are apart at every millisecond.
+TEST(ContactTable, WhatItClearsIsClearAtEveryMillisecond) {
+  Draws draws(3);
+  int cleared = 0;
+  int near_misses = 0;  // cleared, but close to each other
+  for (int round = 0; round < 1500; ++round) {
+    const GuidePath a = any_path(draws);
+    const GuidePath b = draws.between(0, 3) == 0 ? a : any_path(draws);  // following, or crossing
+    const Vehicle& body_a = draws.between(0, 4) == 0 ? kBus : kCar;
+    const ContactTable table(a, body_a, b, kCar, Margins{});
+    const double v_a = draws.share() * 40.0;
+    const double v_b = draws.between(0, 1) == 0 ? v_a : draws.share() * 40.0;
+    const Drive drive_a(draws, draws.share() * 30.0, v_a);
+    const Drive drive_b(draws, draws.share() * 30.0, v_b);
+    bool meet = false;
+    for (std::size_t i = 0; i < 60 && !meet; ++i) {
+      meet = table.sweeps(drive_a.looks[i].s, drive_a.looks[i + 1].s, drive_b.looks[i].s,
+                          drive_b.looks[i + 1].s);
+    }
+    if (meet) continue;
+    ++cleared;
+    double least = 1e9;
+    for (int ms = 0; ms < 6000; ++ms) {
+      const double s_a = drive_a.position(ms);
+      const double s_b = drive_b.position(ms);
+      if (s_a > a.length() || s_b > b.length()) break;
+      least = std::min(least, separation(footprint(body_a, a.at(s_a)), footprint(kCar, b.at(s_b))));
+      ASSERT_FALSE(bodies_touch(a, body_a, s_a, b, kCar, s_b))
+          << "round " << round << " at " << ms << " ms";
+    }
+    near_misses += least < 1.0 ? 1 : 0;
+  }
+  EXPECT_GT(cleared, 300);
+  EXPECT_GT(near_misses, 30);
+}
+
+TEST(ContactTable, BoundsNeverMissAContact) {
+  Draws draws(4);
+  for (int round = 0; round < 50; ++round) {
+    const ContactTable table(any_path(draws), kCar, any_path(draws), kCar, Margins{});
+    for (int k = 0; k < 2000; ++k) {
+      const double a = draws.share() * 80.0;
+      const double b = draws.share() * 80.0;
+      const double a_end = a + draws.share() * 10.0;
+      const double b_end = b + draws.share() * 10.0;
+      if (table.sweeps(a, a_end, b, b_end) || table.blocks(a, b, b_end)) {
+        ASSERT_TRUE(table.reaches(a, a_end, b, b_end));
+      }
+    }
+  }
+}
+
+class PathLibraryTest : public testing::Test {
+ protected:
+  PathLibraryTest() {
+    library.add(straight({-100, 0}, {100, 0}), kCar);
+    library.add(straight({0, -100}, {0, 100}), kCar);
+    library.add(straight({-100, 500}, {100, 500}), kCar);  // far from all others
+    library.add(bent({-60, 0, 0}, 55.0, 1.57, 8.0), kCar);
+  }
+  PathLibrary library{Margins{}};
+};
+
+TEST_F(PathLibraryTest, MakesTablesOnlyForPathsThatComeNearEachOther) {
+  library.prepare(std::vector{0, 1, 2, 3});
+  EXPECT_EQ(library.tables(), 10U);  // 0, 1 and 3 with each other, 2 with itself
+  EXPECT_TRUE(library.contacts(0, 2).empty());
+  EXPECT_EQ(&library.contacts(0, 2), &library.contacts(2, 1));
+  EXPECT_EQ(library.tables(), 10U);
+}
+
+TEST_F(PathLibraryTest, WhatIsNotPreparedIsBuiltAtItsFirstUse) {
+  PathLibrary prepared{Margins{}};
+  for (int p = 0; p < library.size(); ++p) prepared.add(library.path(p), library.body(p));
+  prepared.prepare(std::vector{3, 0});
+  EXPECT_EQ(prepared.tables(), 4U);
+  for (const auto& [a, b] : {std::pair(0, 3), std::pair(3, 0), std::pair(3, 3)}) {
+    for (double s_a = 0.0; s_a < 130.0; s_a += 0.5) {
+      for (double s_b = 0.0; s_b < 130.0; s_b += 0.5) {
+        ASSERT_EQ(prepared.contacts(a, b).touches(s_a, s_b),
+                  library.contacts(a, b).touches(s_a, s_b));
+      }
+    }
+  }
+}
+
+TEST_F(PathLibraryTest, ManyThreadsMayAskForTheSameTables) {
+  std::vector<const ContactTable*> seen(8);
+  std::vector<std::thread> threads;
+  for (std::size_t t = 0; t < seen.size(); ++t) {
+    threads.emplace_back([&, t] { seen[t] = &library.contacts(int(t % 2), 3); });
+  }
+  for (std::thread& thread : threads) thread.join();
+  for (std::size_t t = 2; t < seen.size(); ++t) EXPECT_EQ(seen[t], seen[t - 2]);
+}
+
+TEST_F(PathLibraryTest, ReferencesStayValidWhenPathsAreAdded) {
+  library.prepare(std::vector{0, 1});
+  const ContactTable& table = library.contacts(0, 1);
+  for (int i = 0; i < 100; ++i) library.add(straight({0, double(i)}, {50, double(i)}), kCar);
+  library.prepare(std::vector{0, 1, 50, 51});
+  EXPECT_EQ(&table, &library.contacts(0, 1));
+}
+
+}  // namespace
+}  // namespace mvtp
