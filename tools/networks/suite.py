@@ -157,8 +157,9 @@ class Runner:
         with open(record + ".part", "w", encoding="utf-8") as file:
             json.dump({"key": key, "row": row}, file, indent=1)
         os.replace(record + ".part", record)
-        if not self.options.keep_fcd and os.path.exists(os.path.join(folder, "fcd.xml")):
-            os.remove(os.path.join(folder, "fcd.xml"))
+        fcd = os.path.join(folder, "fcd.xml")
+        if row["verdict"] == "pass" and not self.options.keep_fcd and os.path.exists(fcd):
+            os.remove(fcd)
         return row
 
     def measure(self, command):
@@ -358,7 +359,7 @@ def parse_options():
                         help="a run that wants more is refused it (3000)")
     parser.add_argument("--jobs", type=int, default=1, help="runs at a time (1)")
     parser.add_argument("--again", action="store_true", help="repeat the runs that are there")
-    parser.add_argument("--keep-fcd", action="store_true", help="keep each run's fcd.xml")
+    parser.add_argument("--keep-fcd", action="store_true", help="keep fcd.xml of runs that pass, too")
     parser.add_argument("--list", action="store_true", help="list the scenarios and stop")
     options = parser.parse_args()
     options.mvtp = find_mvtp(options.mvtp)
