@@ -70,9 +70,10 @@ class Surroundings {
     for (const Other& other : others_) {
       // Two that are too close now cannot be asked to stand clear of each other.
       if (other.contact.contact->is_close_now()) continue;
+      const ContactTable& contacts = other.contact.table();
+      if (!contacts.concerns(state.s, rest)) continue;
       const double now = other.trajectory->at(k).s;
       const double end = other.trajectory->states.back().s;
-      const ContactTable& contacts = other.contact.table();
       if (now > end || !contacts.reaches(state.s, rest, now, end)) continue;
       for (int i = 1; i < steps; ++i) {
         const double s = braked_position(state, b, i * grid_.dt);
@@ -151,6 +152,8 @@ class Surroundings {
   /// @param reach  where we could get in both
   [[nodiscard]] bool meets(const Other& other, std::int64_t k, const InertialState& from, double a,
                            const InertialState& to, double reach) const {
+    const ContactTable& contacts = other.contact.table();
+    if (!contacts.concerns(from.s, reach)) return false;
     const PathTrajectory& t = *other.trajectory;
     const InertialState other_from = t.at(k);
     if (other_from.s >= PathTrajectory::kGone) return false;
@@ -159,7 +162,7 @@ class Surroundings {
     while (t.at(k + last).s >= PathTrajectory::kGone) --last;
     const InertialState other_to = t.at(k + last);
     const double other_reach = other_to.s + stopping_distance(other_to.v, other.body->max_decel);
-    if (!other.contact.table().reaches(from.s, reach, other_from.s, other_reach)) return false;
+    if (!contacts.reaches(from.s, reach, other_from.s, other_reach)) return false;
 
     const bool lenient = other.contact.is_close(from, other_from);
     const auto position = [&](int i) { return advance(from, a, i * grid_.dt).s; };
