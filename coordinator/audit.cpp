@@ -1,5 +1,7 @@
 #include "coordinator/audit.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -165,7 +167,14 @@ void Audit::follow(double time, const Sighting& s) {
     const Track& before = found->second;
     now.handed_back = before.coordinated && !s.coordinated ? time : before.handed_back;
     if (before.coordinated || s.coordinated) {
-      figures_.max_jump = std::max(figures_.max_jump, jump(before, now, s.type->body));
+      const double jumped = jump(before, now, s.type->body);
+      figures_.max_jump = std::max(figures_.max_jump, jumped);
+      if (jumped > kJump) {
+        events_.push_back({time,
+                           fmt::format("{} jumps {:.2f} m at its {}", s.state->id, jumped,
+                                       s.coordinated ? "takeover" : "hand-back"),
+                           where});
+      }
     }
     if (s.coordinated) judge_motion(time, s, before, now);
     const double braking = (before.speed - now.speed) / dt_;

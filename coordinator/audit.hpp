@@ -69,6 +69,7 @@ class Audit {
   static constexpr double kTolerance = 1e-3;      ///< [m] of overlap that counts as touching
   static constexpr double kRoadTolerance = 0.05;  ///< [m] beside the road that counts as on it
   static constexpr double kAfterHandback = 3.0;   ///< [s]
+  static constexpr double kJump = 0.05;           ///< [m] that show at a takeover or hand-back
   /// Sideways at the rear axle, or along beyond what its speed explains [m].
   static constexpr double kLeap = 1.0;
 

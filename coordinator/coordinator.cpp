@@ -5,22 +5,15 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <random>
 
 #include "coordinator/referee.hpp"
+#include "planner/search/draws.hpp"
 
 namespace mvtp {
 namespace {
 
-constexpr double kBlend = 20.0;   ///< [m] over which the offset at takeover disappears
-
 /// Comfortable braking towards lower speed limits.
 double envelope_braking(const Vehicle& body) { return std::min(3.5, 0.8 * body.max_decel); }
-
-double smoothstep(double x) {
-  x = std::clamp(x, 0.0, 1.0);
-  return x * x * (3.0 - 2.0 * x);
-}
 
 /// Where a plan has a vehicle at step k; at its end it stays.
 InertialState state_at(const PathTrajectory& t, std::int64_t k) {
@@ -115,23 +108,14 @@ void Coordinator::replan() {
   for (const Newcomer& n : newcomers) admitted.emplace(n.state->id, admit(n, next_key_++));
   driven_.insert(admitted.begin(), admitted.end());
 
-  JointPlan incumbent = plan_;
-  std::erase_if(incumbent.entries, [&](const auto& e) {
-    return !e.trajectory->complete || std::ranges::any_of(went_on, [&](const auto& before) {
-      return before.second.key == e.key;
-    });
-  });
   const RoadScene now = scene();
+  JointPlan incumbent = incumbents(went_on);
   std::vector<std::int64_t> order = without_plan(now, incumbent);
-  if (stagnates()) {  // a duplicate configuration [ESCoT, Alg. 2 l. 4-6]: another order, at random
-    incumbent.entries.clear();
-    order.clear();
-    for (const RoadVehicle& v : now.vehicles) order.push_back(v.key);
-    std::mt19937_64 random(options_.escot.seed + std::uint64_t(step_));
-    std::ranges::shuffle(order, random);
-  }
+  upset_stagnation(incumbent, order);
+  prepare_tables(now);
   RoadDecision decision = decide_on_road(now, incumbent, order, options_.escot);
-  const bool refused = !find_planned_contacts(now, decision.plan, plan_).empty();
+  const std::vector<PlannedContact> contacts = find_planned_contacts(now, decision.plan, plan_);
+  const std::vector<std::size_t> refused = groups_in_contact(decision.members, contacts);
 
   Replan record{.time = traffic_.time(),
                 .vehicles = int(now.vehicles.size()),
@@ -144,21 +128,95 @@ void Coordinator::replan() {
       std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
   const bool late =
       traffic_.time() >= options_.budget_from && record.ms > options_.replan_budget_ms;
-  record.fallback = late || refused;
+  record.fallback = late || !refused.empty();
   replans_.push_back(record);
-  if (record.fallback) {
-    for (const auto& [id, driven] : admitted) driven_.erase(id);
-    for (auto& [id, before] : went_on) driven_.at(id) = std::move(before);
-    return hold_back(newcomers);
+
+  std::set<std::int64_t> keep;  // keys of vehicles that keep what they have
+  for (std::size_t g = 0; g < decision.members.size(); ++g) {
+    const bool kept = late || std::ranges::binary_search(refused, g);
+    if (kept) keep.insert(decision.members[g].begin(), decision.members[g].end());
   }
-  plan_ = std::move(decision.plan);
+  groups_ = std::move(decision.members);
+  accept(std::move(decision.plan), keep, admitted, went_on);
+}
+
+/// Contact tables of all paths in use, before threads look into them.
+void Coordinator::prepare_tables(const RoadScene& now) {
+  std::vector<int> paths;
+  for (const RoadVehicle& v : now.vehicles) paths.push_back(v.path);
+  for (const Forecast& f : now.forecasts) paths.push_back(f.vehicle.path);
+  std::ranges::sort(paths);
+  paths.erase(std::unique(paths.begin(), paths.end()), paths.end());
+  corridors_.library().prepare(paths);
+}
+
+/// The plans that vehicles follow to the end of their corridors.
+JointPlan Coordinator::incumbents(const std::map<std::string, Driven>& went_on) const {
+  std::set<std::int64_t> elsewhere;
+  for (const auto& [id, before] : went_on) elsewhere.insert(before.key);
+  JointPlan incumbent = plan_;
+  std::erase_if(incumbent.entries, [&](const auto& e) {
+    return !e.trajectory->complete || elsewhere.contains(e.key);
+  });
+  return incumbent;
+}
+
+/// Makes `plan` what is executed, but for the vehicles in `keep`: those go on as before, and the
+/// newcomers among them are not taken over.
+void Coordinator::accept(JointPlan plan, const std::set<std::int64_t>& keep,
+                         const std::map<std::string, Driven>& admitted,
+                         std::map<std::string, Driven>& went_on) {
+  for (auto& [id, before] : went_on) {
+    if (keep.contains(before.key)) driven_.at(id) = std::move(before);
+    else announce(id, driven_.at(id));
+  }
+  std::erase_if(plan.entries, [&](const auto& e) { return keep.contains(e.key); });
+  for (const JointPlan::Entry& e : plan_.entries) {
+    if (keep.contains(e.key)) plan.entries.push_back(e);
+  }
+  plan_ = std::move(plan);
+  std::vector<std::string> held;
   for (const auto& [id, driven] : admitted) {
+    if (keep.contains(driven.key)) {
+      held.push_back(id);
+      driven_.erase(id);
+      continue;
+    }
     if (held_.erase(id) > 0) traffic_.hold(id, false);
     traffic_.take_over(id);
     taken_over_.push_back(id);
     announce(id, driven);
   }
-  for (const auto& [id, before] : went_on) announce(id, driven_.at(id));
+  for (const std::string& id : held) {
+    if (held_.insert(id).second) traffic_.hold(id, true);
+  }
+}
+
+/// Of the groups of the last decision, those that have not moved since though nobody in them drives:
+/// a duplicate configuration [ESCoT, Alg. 2 l. 4-6]. They plan anew, in another order, at random.
+void Coordinator::upset_stagnation(JointPlan& incumbent, std::vector<std::int64_t>& order) {
+  std::map<std::int64_t, InertialState> now;
+  for (const auto& [id, driven] : driven_) now[driven.key] = driven.road.now;
+  for (const std::vector<std::int64_t>& group : groups_) {
+    std::vector<std::int64_t> there;
+    bool stands = true;
+    for (const std::int64_t key : group) {
+      const auto state = now.find(key);
+      if (state == now.end()) continue;
+      const auto before = last_states_.find(key);
+      stands = stands && state->second.v == 0.0 && before != last_states_.end() &&
+               before->second == state->second;
+      there.push_back(key);
+    }
+    if (!stands || there.size() < 2) continue;
+    Draws draws(options_.escot.seed + std::uint64_t(step_) + std::uint64_t(there.front()));
+    draws.shuffle(there);
+    std::erase_if(order, [&](std::int64_t key) { return std::ranges::count(there, key) > 0; });
+    order.insert(order.begin(), there.begin(), there.end());
+    std::erase_if(incumbent.entries,
+                  [&](const auto& e) { return std::ranges::count(there, e.key) > 0; });
+  }
+  last_states_ = std::move(now);
 }
 
 /// Keys of the vehicles without an incumbent, the first of them first: those under control by age,
@@ -339,9 +397,8 @@ Driven Coordinator::admit(const Newcomer& newcomer, std::int64_t key) {
   Driven driven{.key = key, .corridor = newcomer.corridor, .route = newcomer.route};
 
   const double expected = c.s_line - newcomer.to_line;
-  driven.s_taken = path.project({v.pose.x, v.pose.y}, expected - 3.0, expected + 3.0);
-  driven.offset = relative(path.at(driven.s_taken), v.pose);
-  driven.offset.x = 0.0;
+  driven.approach = PathApproach(path, v.pose, path.project({v.pose.x, v.pose.y}, expected - 3.0,
+                                                            expected + 3.0));
 
   std::vector<double> limits = c.lateral_limits;
   for (std::size_t i = 0; i < limits.size(); ++i) {
@@ -350,13 +407,11 @@ Driven Coordinator::admit(const Newcomer& newcomer, std::int64_t key) {
   RoadVehicle& road = driven.road;
   road.key = driven.key;
   road.path = c.path;
-  road.now = {driven.s_taken, v.speed};
+  road.now = {driven.approach.begin(), v.speed};
   road.cruise_speed = std::min(v.speed_factor * c.lane_limits.back(), type.body.max_speed);
   road.envelope = std::make_shared<SpeedEnvelope>(std::move(limits), envelope_braking(type.body));
   road.min_gap = type.min_gap;
   road.tau = type.tau;
-  road.entry_lane = c.entry_lane;
-  road.s_entry_line = c.s_line;
   road.exit_lane = c.exit_lane;
   road.s_exit_lane = c.s_exit;
   road.s_handback = c.s_handback;
@@ -402,17 +457,6 @@ std::vector<Forecast> Coordinator::predict_others(const std::vector<Newcomer>& n
   return forecasts;
 }
 
-/// Has nothing moved since the last decision, though everybody is there to get away?
-bool Coordinator::stagnates() {
-  std::vector<InertialState> configuration;
-  for (const auto& [id, driven] : driven_) configuration.push_back(driven.road.now);
-  const bool all_stand =
-      std::ranges::all_of(configuration, [](const auto& x) { return x.v == 0.0; });
-  const bool same = all_stand && configuration == last_configuration_;
-  last_configuration_ = std::move(configuration);
-  return same;
-}
-
 bool Coordinator::planner_is_dead() const {
   return options_.replan_budget_ms <= 0.0 && traffic_.time() >= options_.budget_from;
 }
@@ -433,10 +477,8 @@ void Coordinator::hold_back(const std::vector<Newcomer>& newcomers) {
 void Coordinator::place_all() {
   for (const auto& [id, driven] : driven_) {
     const InertialState next = state_at(*plan_.find(driven.key), step_ + 1);
-    const double left = 1.0 - smoothstep((next.s - driven.s_taken) / kBlend);
-    const Pose aside{0.0, left * driven.offset.y, left * driven.offset.theta};
     const GuidePath& path = corridors_.library().path(corridors_[driven.corridor].path);
-    traffic_.place(id, compose(path.at(next.s), aside), next.v);
+    traffic_.place(id, driven.approach.pose(path, next.s), next.v);
   }
 }
 

@@ -10,6 +10,7 @@
 
 #include "coordinator/controller.hpp"
 #include "coordinator/corridor.hpp"
+#include "coordinator/path_approach.hpp"
 #include "coordinator/prediction.hpp"
 #include "planner/algorithms/road_escot.hpp"
 
@@ -32,8 +33,7 @@ struct Driven {
   std::int64_t key = 0;
   int corridor = 0;
   RoadVehicle road;        ///< `now` as of the last decision
-  Pose offset;             ///< from the path at takeover, blended out while driving
-  double s_taken = 0.0;    ///< where that was [m]
+  PathApproach approach;   ///< from where it was taken over onto the path
   std::vector<int> route;  ///< edges from the first piece of the corridor on
 };
 
@@ -98,7 +98,12 @@ class Coordinator : public Controller {
   void hold_back(const std::vector<Newcomer>& newcomers);
   [[nodiscard]] const VehicleType& type_of(const std::string& id);
   [[nodiscard]] std::vector<Forecast> predict_others(const std::vector<Newcomer>& newcomers);
-  [[nodiscard]] bool stagnates();
+  [[nodiscard]] JointPlan incumbents(const std::map<std::string, Driven>& went_on) const;
+  void accept(JointPlan plan, const std::set<std::int64_t>& keep,
+              const std::map<std::string, Driven>& admitted,
+              std::map<std::string, Driven>& went_on);
+  void prepare_tables(const RoadScene& now);
+  void upset_stagnation(JointPlan& incumbent, std::vector<std::int64_t>& order);
   void remember_lanes();
   void place_all();
   [[nodiscard]] const VehicleState* find_state(const std::string& id) const;
@@ -125,7 +130,8 @@ class Coordinator : public Controller {
   std::map<std::string, VehicleType> types_;
   std::set<std::string> held_;
   std::map<std::string, std::string> undriven_;  ///< what -> why
-  std::vector<InertialState> last_configuration_;
+  std::vector<std::vector<std::int64_t>> groups_;      ///< keys, of the last decision
+  std::map<std::int64_t, InertialState> last_states_;  ///< then, by key
   std::vector<Replan> replans_;
   std::vector<std::string> taken_over_;
   std::vector<std::string> handed_back_;

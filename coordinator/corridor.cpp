@@ -43,31 +43,78 @@ double smootherstep(double x) {
   return x * x * x * (10.0 + x * (6.0 * x - 15.0));
 }
 
-/// The way from one lane of an edge to another.
-std::vector<Point> changing_line(const Lane& from, const Lane& to, double begin, double end) {
-  const double from_length = length_of(from.shape);
-  const double to_length = length_of(to.shape);
-  const int n = std::max(2, int(std::ceil(from_length)));
-  std::vector<Point> line;
-  for (int i = 0; i <= n; ++i) {
-    const double u = double(i) / n;
-    const double share = smootherstep((u * from.length - begin) / std::max(1.0, end - begin));
-    line.push_back(
-        lerp(point_at(from.shape, u * from_length), point_at(to.shape, u * to_length), share));
+/// The line from `from` to `to` [m] along another, both within its length.
+std::vector<Point> stretch_of(std::span<const Point> line, double from, double to) {
+  std::vector<Point> points = {point_at(line, from)};
+  double s = 0.0;
+  for (std::size_t i = 1; i < line.size(); ++i) {
+    s += distance(line[i - 1], line[i]);
+    if (s > from && s < to) points.push_back(line[i]);
   }
-  return line;
+  points.push_back(point_at(line, to));
+  return points;
 }
 
-/// Appends points without repeating any; returns the length that was added [m].
-double append(std::vector<Point>& line, std::span<const Point> more) {
-  double added = 0.0;
-  for (const Point& p : more) {
-    const double step = line.empty() ? 1.0 : distance(line.back(), p);
-    if (step <= 1e-3) continue;
-    added += line.empty() ? 0.0 : step;
-    line.push_back(p);
+/// A centre line in parts: between two of them it jumps sideways, from one lane to another.
+struct BrokenLine {
+  struct Jump {
+    std::size_t first = 0;  ///< point behind it
+    double left = 0.0;      ///< [m] to the left
+    double begin = 0.0;     ///< [m] along the line: over this stretch the jump is to be spread out
+    double end = 0.0;
+  };
+  std::vector<Point> points;
+  std::vector<Jump> jumps;
+  double length = 0.0;  ///< [m] without the jumps
+
+  /// Appends points without repeating any.
+  void append(std::span<const Point> more) {
+    for (const Point& p : more) {
+      const bool fresh =
+          points.empty() || (!jumps.empty() && jumps.back().first == points.size());
+      const double step = fresh ? 0.0 : distance(points.back(), p);
+      if (!fresh && step <= 1e-3) continue;
+      length += step;
+      points.push_back(p);
+    }
   }
-  return added;
+};
+
+/// The line with its jumps spread out: before each it leans towards where it jumps to, behind it comes
+/// from where it jumped from.
+std::vector<Point> without_jumps(const BrokenLine& line) {
+  if (line.jumps.empty()) return line.points;
+  std::vector<Point> moved;
+  const auto add = [&](const Point& p, const Point& ahead, std::size_t segment, double s) {
+    double left = 0.0;
+    for (const BrokenLine::Jump& jump : line.jumps) {
+      const double share = smootherstep((s - jump.begin) / (jump.end - jump.begin));
+      left += segment < jump.first ? jump.left * share : jump.left * (share - 1.0);
+    }
+    const double length = std::max(1e-9, std::hypot(ahead.x, ahead.y));
+    moved.push_back({p.x - left * ahead.y / length, p.y + left * ahead.x / length});
+  };
+  double s = 0.0;
+  for (std::size_t i = 1; i < line.points.size(); ++i) {
+    if (std::ranges::find(line.jumps, i, &BrokenLine::Jump::first) != line.jumps.end()) continue;
+    const Point& a = line.points[i - 1];
+    const Point& b = line.points[i];
+    const double step = distance(a, b);
+    const int n = std::max(1, int(std::ceil(step)));
+    const Point ahead{b.x - a.x, b.y - a.y};
+    const bool last = i + 1 == line.points.size() ||
+                      std::ranges::find(line.jumps, i + 1, &BrokenLine::Jump::first) !=
+                          line.jumps.end();
+    for (int k = 0; k < n + (last ? 1 : 0); ++k) {
+      add(lerp(a, b, double(k) / n), ahead, i, s + step * k / n);
+    }
+    s += step;
+  }
+  std::vector<Point> line_without;
+  for (const Point& p : moved) {
+    if (line_without.empty() || distance(line_without.back(), p) > 1e-3) line_without.push_back(p);
+  }
+  return line_without;
 }
 
 /// The line without its first `length` metres; continued straight backwards if that is negative.
@@ -123,21 +170,41 @@ int CorridorMap::corridor_for(const CorridorCourse& course, const Vehicle& body)
   return entry->second;
 }
 
+/// Appends a lane of which the other half is another lane.
+void append_change(BrokenLine& line, const CorridorPiece& piece, const Lane& from, const Lane& to) {
+  const double from_length = length_of(from.shape);
+  const double to_length = length_of(to.shape);
+  const double scale = from_length / from.length;
+  const double middle = std::clamp(0.5 * (piece.begin + piece.end) / from.length, 0.1, 0.9);
+  const std::vector<Point> first = stretch_of(from.shape, 0.0, middle * from_length);
+  const std::vector<Point> second = stretch_of(to.shape, middle * to_length, to_length);
+  const double begin = line.length;
+  line.append(first);
+  const Point& a = first[first.size() - 2];
+  const Point& b = first.back();
+  const Point& c = second.front();
+  const double left = ((b.x - a.x) * (c.y - b.y) - (b.y - a.y) * (c.x - b.x)) / distance(a, b);
+  line.jumps.push_back(
+      {line.points.size(), left, begin + piece.begin * scale, begin + piece.end * scale});
+  line.append(second);
+}
+
 CorridorMap::Line CorridorMap::centre_line(const CorridorCourse& course) const {
+  BrokenLine whole;
   Line line;
-  double along = 0.0;
-  for (const int l : course.lead_in) along += append(line.points, graph_.lane(l).shape);
+  for (const int l : course.lead_in) whole.append(graph_.lane(l).shape);
   for (const CorridorPiece& piece : course.pieces) {
-    line.begins.push_back(along);
+    line.begins.push_back(whole.length);
     const Lane& lane = graph_.lane(piece.lane);
-    along += piece.target == LaneGraph::kNone
-                 ? append(line.points, lane.shape)
-                 : append(line.points, changing_line(lane, graph_.lane(piece.target), piece.begin,
-                                                     piece.end));
+    if (piece.target == LaneGraph::kNone) {
+      whole.append(lane.shape);
+    } else {
+      append_change(whole, piece, lane, graph_.lane(piece.target));
+    }
   }
   const double kept =
       line.begins[std::size_t(course.exit_piece)] + std::max(course.reach, course.end) + 1.0;
-  line.points = shortened(std::move(line.points), along - kept);
+  line.points = shortened(without_jumps(whole), whole.length - kept);
   const Lane& first = graph_.lane(course.pieces.front().lane);
   const double scale = course.start > 0.0 ? length_of(first.shape) / first.length : 1.0;
   const double skipped = line.begins.front() + course.start * scale;
@@ -211,12 +278,14 @@ void CorridorMap::set_limits(const GuidePath& path, const Vehicle& body,
     const double s = double(i) * GuidePath::kSpacing;
     const std::size_t p = corridor.piece_at(s);
     const CorridorPiece& piece = pieces[p];
-    double limit = graph_.lane(piece.lane).speed_limit;
+    const double limit = std::min(graph_.lane(piece.lane).speed_limit,
+                                  graph_.lane(piece.last_lane()).speed_limit);
     bool changes = false;
-    if (piece.target != LaneGraph::kNone) {
-      limit = std::min(limit, graph_.lane(piece.target).speed_limit);
-      const double front = (s - corridor.stations[p]) / corridor.scales[p];
-      changes = front > piece.begin - 2.0 && front < piece.end + body.length();
+    for (std::size_t k = 0; k < pieces.size(); ++k) {
+      if (pieces[k].target == LaneGraph::kNone) continue;
+      const double front = (s - corridor.stations[k]) / corridor.scales[k];
+      changes = changes || (front > pieces[k].begin - 2.0 &&
+                            front < pieces[k].end + body.length());
     }
     corridor.lane_limits.push_back(limit);
     corridor.lateral_limits.push_back(lateral_limit(path, s, changes));

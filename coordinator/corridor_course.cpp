@@ -18,15 +18,18 @@ constexpr double kRunOut = 25.0;          ///< [m] behind the hand-back until a 
 constexpr double kSight = 20.0;           ///< [m] behind that in which others still matter
 constexpr double kBeforeEnd = 9.0;        ///< [m] that a hand-back keeps from the end of its lane
 constexpr double kDriverBrakes = 45.0;    ///< [m] that a driver needs to stop comfortably
+constexpr double kEarly = 60.0;           ///< [m] that a takeover may be earlier, before a junction
+constexpr double kBeforeJunction = 10.0;  ///< [m] before it, then
 constexpr std::size_t kLookAhead = 2;     ///< edges behind a corridor that its lanes should lead to
 
-constexpr double kChangeCost = 10.0;      ///< of one lane change, and more where it must be short
-constexpr double kShortChangeCost = 20.0;
-constexpr double kShortChange = 40.0;     ///< [m]
-constexpr double kChangeLength = 36.0;    ///< [m] of a change over one lane, where there is room
-constexpr double kLeastChange = 14.0;     ///< [m]
-constexpr double kChangeRoom = 10.0;      ///< [m] beside that: until it begins, and behind its end
-constexpr double kChangeGrid = 4.0;       ///< [m] changes begin at multiples of this
+constexpr double kChangeCost = 10.0;       ///< of one lane change,
+constexpr double kShortChangeCost = 20.0;  ///< more where it must be short,
+constexpr double kLateChangeCost = 100.0;  ///< and where it reaches into the junctions around it
+constexpr double kShortChange = 40.0;      ///< [m]
+constexpr double kChangeLength = 36.0;     ///< [m] of a change over one lane, where there is room
+constexpr double kLeastChange = 16.0;      ///< [m]
+constexpr double kChangeRoom = 8.0;        ///< [m] beside that: until it begins, and behind its end
+constexpr double kChangeGrid = 4.0;        ///< [m] changes begin at multiples of this
 
 std::uint64_t pair_key(int a, int b) {
   return (std::uint64_t(std::uint32_t(a)) << 32U) | std::uint32_t(b);
@@ -36,8 +39,26 @@ std::uint64_t pair_key(int a, int b) {
 double cost_of_change(std::ptrdiff_t lanes, double room) {
   const double n = double(std::abs(lanes));
   if (n == 0.0) return 0.0;
-  if (room < kLeastChange * n + kChangeRoom) return kInfinity;
+  if (room < kLeastChange * n + kChangeRoom) return kLateChangeCost * n;
   return kChangeCost * n + (room < kShortChange * n ? kShortChangeCost : 0.0);
+}
+
+/// Where a change over `lanes` lanes begins and ends on a lane of this length, for a vehicle that is
+/// at `position` on it, or before it (< 0). On a short lane it reaches beyond its ends.
+CorridorPiece with_change(CorridorPiece piece, int target, double lanes, double position,
+                          double length) {
+  piece.target = target;
+  if (position >= 0.0) {
+    piece.begin = std::ceil((position + 2.0) / kChangeGrid) * kChangeGrid;
+    piece.end = piece.begin + std::clamp(length - 2.0 - piece.begin, kLeastChange * lanes,
+                                         kChangeLength * lanes);
+  } else {
+    const double change =
+        std::clamp(length - 5.0, kLeastChange * lanes, kChangeLength * lanes);
+    piece.begin = std::min(3.0, 0.5 * (length - change));
+    piece.end = piece.begin + change;
+  }
+  return piece;
 }
 
 }  // namespace
@@ -73,7 +94,7 @@ CourseFinder::CourseFinder(const LaneGraph& graph, std::vector<bool> coordinated
     const std::span<const int> beside =
         edge == kNone ? std::span<const int>(&lane, 1) : graph.lanes_of(edge);
     for (const int l : beside) {
-      if (distance >= to_line_[std::size_t(l)] || distance > options_.takeover) continue;
+      if (distance >= to_line_[std::size_t(l)] || distance > options_.takeover + kEarly) continue;
       to_line_[std::size_t(l)] = distance;
       open.push_back(l);
     }
@@ -100,7 +121,8 @@ CourseFinder::CourseFinder(const LaneGraph& graph, std::vector<bool> coordinated
 }
 
 bool CourseFinder::may_approach(int lane, double position) const {
-  return graph_.lane(lane).length - position + to_line_[std::size_t(lane)] <= options_.takeover;
+  return graph_.lane(lane).length - position + to_line_[std::size_t(lane)] <=
+         options_.takeover + kEarly;
 }
 
 std::span<const int> CourseFinder::links_between(int from_edge, int to_edge) const {
@@ -226,8 +248,7 @@ std::vector<std::vector<double>> CourseFinder::costs_to_go(const CourseQuery& qu
       for (std::size_t b = 0; b < lanes.size(); ++b) {
         if (!is_open(lanes[b], query)) continue;
         // Behind the corridor the driver changes lanes, if he finds room.
-        double change = cost_of_change(std::ptrdiff_t(a) - std::ptrdiff_t(b), free);
-        if (i >= exit && a != b && change == kInfinity) change = 10.0 * kChangeCost;
+        const double change = cost_of_change(std::ptrdiff_t(a) - std::ptrdiff_t(b), free);
         here[a] = std::min(here[a], change + leaving[b]);
       }
     }
@@ -278,11 +299,11 @@ bool CourseFinder::lay_pieces(const CourseQuery& query, const Start& start, std:
     if (i == exit) course.exit_piece = int(course.pieces.size());
     CorridorPiece piece{.lane = lane};
     if (chosen != kNone && graph_.link(chosen).from != lane) {
-      const double n = std::abs(double(a - (std::ranges::find(lanes, graph_.link(chosen).from) -
-                                            lanes.begin())));
-      piece.target = graph_.link(chosen).from;
-      piece.begin = std::ceil((begin + 2.0) / kChangeGrid) * kChangeGrid;
-      piece.end = std::min(piece.begin + kChangeLength * n, length(query.edges[i]) - 2.0);
+      const int target = graph_.link(chosen).from;
+      const auto b = std::ranges::find(lanes, target) - lanes.begin();
+      const bool is_here = i == start.edge && start.position >= 0.0;
+      piece = with_change(piece, target, std::abs(double(a - b)), is_here ? begin : -1.0,
+                          length(query.edges[i]));
     }
     course.pieces.push_back(piece);
     if (i == last) return true;
@@ -322,12 +343,25 @@ void CourseFinder::lay_lead_in(const CourseQuery& query, CorridorCourse& course)
   }
 }
 
+/// Is it time to take the vehicle over? Inside a junction without conflicts and just behind it its
+/// pose is that of a turn, so it is taken over before such a junction instead.
+bool CourseFinder::is_due(const CourseQuery& query, const Start& start, std::size_t line,
+                          double distance) const {
+  if (distance <= options_.takeover) return true;
+  if (start.edge == line || start.position < 0.0) return false;
+  const double to_end = length(query.edges[start.edge]) - start.position;
+  const double inside = length_between(query.edges[start.edge], query.edges[start.edge + 1]);
+  const double behind = distance - to_end - inside - query.length - 3.0;
+  return to_end <= kBeforeJunction && behind <= options_.takeover;
+}
+
 std::optional<CorridorCourse> CourseFinder::find(const CourseQuery& query) const {
   const std::optional<Start> start = start_of(query);
   double distance = 0.0;
   if (!start) return std::nullopt;
-  const std::optional<std::size_t> line = first_line(query, *start, options_.takeover, distance);
-  if (!line || distance > options_.takeover) return std::nullopt;
+  const std::optional<std::size_t> line =
+      first_line(query, *start, options_.takeover + kEarly, distance);
+  if (!line || !is_due(query, *start, *line, distance)) return std::nullopt;
 
   const Exit exit = exit_behind(query, *line + 1, 0.0);
   std::size_t first_exit = exit.edge;

@@ -16,7 +16,7 @@ struct CorridorPiece {
   int lane = LaneGraph::kNone;
   int target = LaneGraph::kNone;  ///< lane at the end of the piece, if another one
   double begin = 0.0;             ///< [m] along `lane` where the change begins and
-  double end = 0.0;               ///< where it ends
+  double end = 0.0;               ///< where it ends; on a short lane, before and behind it
 
   [[nodiscard]] int last_lane() const { return target == LaneGraph::kNone ? lane : target; }
   friend auto operator<=>(const CorridorPiece&, const CorridorPiece&) = default;
@@ -92,6 +92,8 @@ class CourseFinder {
   [[nodiscard]] std::optional<Start> start_of(const CourseQuery& query) const;
   [[nodiscard]] std::optional<std::size_t> first_line(const CourseQuery& query, const Start& start,
                                                       double within, double& distance) const;
+  [[nodiscard]] bool is_due(const CourseQuery& query, const Start& start, std::size_t line,
+                            double distance) const;
   [[nodiscard]] Exit exit_behind(const CourseQuery& query, std::size_t edge, double driven) const;
   [[nodiscard]] double handback_at(const Exit& exit, double body_length) const;
   [[nodiscard]] std::vector<std::vector<double>> costs_to_go(const CourseQuery& query,

@@ -1,56 +1,59 @@
 #include "coordinator/footprint_motion.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 namespace mvtp {
 namespace {
 
-using Corners = std::array<Point, 4>;
+/// A footprint: its middle, the unit vector along it, and half its sides.
+struct Box {
+  Point middle;
+  Point axis;
+  double half_length;
+  double half_width;
+};
 
-/// Counter-clockwise: front left, rear left, rear right, front right.
-Corners corners(const Pose& rear_axle, const Vehicle& body) {
-  const double half = body.width / 2.0;
-  const double c = std::cos(rear_axle.theta);
-  const double s = std::sin(rear_axle.theta);
-  const auto at = [&](double ahead, double aside) {
-    return Point{rear_axle.x + c * ahead - s * aside, rear_axle.y + s * ahead + c * aside};
-  };
-  return {at(body.front, half), at(-body.rear, half), at(-body.rear, -half), at(body.front, -half)};
+Box box(const Pose& rear_axle, const Vehicle& body) {
+  const Point axis{std::cos(rear_axle.theta), std::sin(rear_axle.theta)};
+  const double ahead = (body.front - body.rear) / 2.0;
+  return {{rear_axle.x + ahead * axis.x, rear_axle.y + ahead * axis.y},
+          axis,
+          body.length() / 2.0,
+          body.width / 2.0};
 }
 
-/// How far all corners of `b` lie beyond the best side of `a` [m]; negative: none separates them.
-double separation(const Corners& a, const Corners& b) {
-  double best = -1e300;
-  for (std::size_t i = 0; i < 4; ++i) {
-    const Point& p = a[i];
-    const Point& q = a[(i + 1) % 4];
-    const double length = std::hypot(q.x - p.x, q.y - p.y);
-    const Point outward{(q.y - p.y) / length, -(q.x - p.x) / length};
-    double nearest = 1e300;
-    for (const Point& c : b) {
-      nearest = std::min(nearest, (c.x - p.x) * outward.x + (c.y - p.y) * outward.y);
-    }
-    best = std::max(best, nearest);
-  }
-  return best;
+/// The second box as the first one sees it: its middle and the unit vector along it.
+struct Seen {
+  Point middle;
+  Point axis;
+};
+
+Seen seen_from(const Box& a, const Box& b) {
+  const double dx = b.middle.x - a.middle.x;
+  const double dy = b.middle.y - a.middle.y;
+  return {{dx * a.axis.x + dy * a.axis.y, dy * a.axis.x - dx * a.axis.y},
+          {b.axis.x * a.axis.x + b.axis.y * a.axis.y, b.axis.y * a.axis.x - b.axis.x * a.axis.y}};
 }
 
-double distance_to_side(const Point& p, const Point& a, const Point& b) {
-  const double dx = b.x - a.x;
-  const double dy = b.y - a.y;
-  const double f =
-      std::clamp(((p.x - a.x) * dx + (p.y - a.y) * dy) / (dx * dx + dy * dy), 0.0, 1.0);
-  return std::hypot(p.x - a.x - f * dx, p.y - a.y - f * dy);
+/// How far all of `b` lies beyond the best side of `a` [m]; negative: none separates them.
+double separation(const Box& a, const Box& b, const Seen& seen) {
+  const double c = std::abs(seen.axis.x);
+  const double s = std::abs(seen.axis.y);
+  return std::max(std::abs(seen.middle.x) - a.half_length - b.half_length * c - b.half_width * s,
+                  std::abs(seen.middle.y) - a.half_width - b.half_length * s - b.half_width * c);
 }
 
-/// Two disjoint rectangles are nearest at a corner of one of them.
-double corner_distance(const Corners& a, const Corners& b) {
+/// Squared distance of the corner of `b` that is nearest to `a`; for boxes that do not overlap.
+double corner_distance_squared(const Box& a, const Box& b, const Seen& seen) {
   double nearest = 1e300;
-  for (const Point& p : a) {
-    for (std::size_t i = 0; i < 4; ++i) {
-      nearest = std::min(nearest, distance_to_side(p, b[i], b[(i + 1) % 4]));
+  for (const double ahead : {b.half_length, -b.half_length}) {
+    for (const double aside : {b.half_width, -b.half_width}) {
+      const double x = seen.middle.x + ahead * seen.axis.x - aside * seen.axis.y;
+      const double y = seen.middle.y + ahead * seen.axis.y + aside * seen.axis.x;
+      const double dx = std::max(std::abs(x) - a.half_length, 0.0);
+      const double dy = std::max(std::abs(y) - a.half_width, 0.0);
+      nearest = std::min(nearest, dx * dx + dy * dy);
     }
   }
   return nearest;
@@ -123,14 +126,19 @@ class LeastGap {
 }  // namespace
 
 double clearance(const Pose& a, const Vehicle& body_a, const Pose& b, const Vehicle& body_b) {
-  const Corners ca = corners(a, body_a);
-  const Corners cb = corners(b, body_b);
-  const double gap = std::max(separation(ca, cb), separation(cb, ca));
+  const Box box_a = box(a, body_a);
+  const Box box_b = box(b, body_b);
+  const Seen from_a = seen_from(box_a, box_b);
+  const Seen from_b = seen_from(box_b, box_a);
+  const double gap = std::max(separation(box_a, box_b, from_a), separation(box_b, box_a, from_b));
   if (gap <= 0.0) return gap;
-  return std::min(corner_distance(ca, cb), corner_distance(cb, ca));
+  // Two disjoint rectangles are nearest at a corner of one of them.
+  return std::sqrt(std::min(corner_distance_squared(box_a, box_b, from_a),
+                            corner_distance_squared(box_b, box_a, from_b)));
 }
 
-StepMotion::StepMotion(const Pose& from, const Pose& to) : from_(from), to_(to) {
+StepMotion::StepMotion(const Pose& from, const Pose& to)
+    : from_(from), to_(to), heading_{std::cos(from.theta), std::sin(from.theta)} {
   const Pose difference = relative(from, to);
   turn_ = difference.theta;
   // The inverse of what at() does for t = 1: half the turn over its tangent, and half the turn.
@@ -143,20 +151,19 @@ StepMotion::StepMotion(const Pose& from, const Pose& to) : from_(from), to_(to) 
 Pose StepMotion::at(double t) const {
   if (t <= 0.0) return from_;
   if (t >= 1.0) return to_;
-  // A twist is an arc whose tangent at the begin need not be the heading.
-  const double length = t * std::hypot(along_, aside_);
-  const double slip = length > 0.0 ? std::atan2(aside_, along_) : 0.0;
-  const double chord_angle = slip + t * turn_ / 2.0;
-  const double half = t * turn_ / 2.0;
-  const double chord = std::abs(half) < 1e-6 ? length : length * std::sin(half) / half;
-  return compose(from_, {chord * std::cos(chord_angle), chord * std::sin(chord_angle), t * turn_});
+  const double angle = t * turn_;
+  const bool straight = std::abs(angle) < 1e-6;
+  const double a = straight ? t : std::sin(angle) / turn_;
+  const double b = straight ? t * angle / 2.0 : (1.0 - std::cos(angle)) / turn_;
+  const double x = a * along_ - b * aside_;
+  const double y = b * along_ + a * aside_;
+  return {from_.x + heading_.x * x - heading_.y * y, from_.y + heading_.y * x + heading_.x * y,
+          wrap_to_pi(from_.theta + angle)};
 }
 
 Point StepMotion::velocity(double ahead) const {
-  const double c = std::cos(from_.theta);
-  const double s = std::sin(from_.theta);
   const double aside = aside_ + turn_ * ahead;
-  return {c * along_ - s * aside, s * along_ + c * aside};
+  return {heading_.x * along_ - heading_.y * aside, heading_.y * along_ + heading_.x * aside};
 }
 
 NearestMoment nearest_moment(const StepMotion& a, const Vehicle& body_a, const StepMotion& b,

@@ -25,6 +25,7 @@ class StepMotion {
 
  private:
   Pose from_, to_;
+  Point heading_;                ///< the unit vector along the body at the begin
   double along_, aside_, turn_;  ///< the twist, in the frame of the body
 };
 

@@ -1,0 +1,39 @@
+#include "coordinator/path_approach.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace mvtp {
+namespace {
+
+constexpr double kLength = 20.0;     ///< [m] of an approach
+constexpr double kSteepest = 1.2;    ///< [rad] between heading and path that is made up for
+
+}  // namespace
+
+PathApproach::PathApproach(const GuidePath& path, const Pose& pose, double near)
+    : begin_(near), length_(kLength) {
+  for (int round = 0; round < 4; ++round) begin_ += relative(path.at(begin_), pose).x;
+  const Pose offset = relative(path.at(begin_), pose);
+  aside_ = offset.y;
+  // On a bend, the metres beside the path are not those of the path.
+  const double stretch = 1.0 - path.curvature(begin_) * aside_;
+  slope_ = std::tan(std::clamp(wrap_to_pi(offset.theta), -kSteepest, kSteepest)) * stretch;
+}
+
+Pose PathApproach::pose(const GuidePath& path, double s) const {
+  const double x = (s - begin_) / length_;
+  if (x >= 1.0 || x < 0.0) return path.at(s);
+  // The quintic with value and slope given at 0, no curvature there, and all three 0 at 1.
+  const double y0 = aside_;
+  const double m0 = slope_ * length_;
+  const double c3 = -10.0 * y0 - 6.0 * m0;
+  const double c4 = 15.0 * y0 + 8.0 * m0;
+  const double c5 = -6.0 * y0 - 3.0 * m0;
+  const double y = y0 + x * (m0 + x * x * (c3 + x * (c4 + x * c5)));
+  const double slope = (m0 + x * x * (3.0 * c3 + x * (4.0 * c4 + x * 5.0 * c5))) / length_;
+  const double stretch = 1.0 - path.curvature(s) * y;
+  return compose(path.at(s), {0.0, y, std::atan2(slope, stretch)});
+}
+
+}  // namespace mvtp

@@ -1,0 +1,31 @@
+#pragma once
+
+#include "planner/motion/guide_path.hpp"
+
+namespace mvtp {
+
+/// How a vehicle that stands beside its path gets onto it: the sideways distance fades out over some
+/// metres, with the slope that its heading has at first, so that the rear axle always moves along its
+/// heading.
+class PathApproach {
+ public:
+  PathApproach() = default;
+  /// @param pose  of the rear axle where the approach begins.
+  /// @param near  about the place on the path abreast of it [m].
+  PathApproach(const GuidePath& path, const Pose& pose, double near);
+
+  /// The place on the path abreast of the pose that it began from [m].
+  [[nodiscard]] double begin() const { return begin_; }
+  /// The rear axle when it has come to `s` on the path.
+  [[nodiscard]] Pose pose(const GuidePath& path, double s) const;
+  /// How far aside of the path the approach begins [m], to the left.
+  [[nodiscard]] double aside() const { return aside_; }
+
+ private:
+  double begin_ = 0.0;
+  double length_ = 1.0;  ///< [m] of path until it is reached
+  double aside_ = 0.0;   ///< [m] at first, and
+  double slope_ = 0.0;   ///< per metre of path
+};
+
+}  // namespace mvtp
