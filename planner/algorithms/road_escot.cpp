@@ -1,5 +1,6 @@
 #include "planner/algorithms/road_escot.hpp"
 
+#include <tbb/info.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
@@ -135,6 +136,20 @@ RoadDecision decide_group(const RoadScene& scene, const Keys& group, const Joint
   return decision;
 }
 
+/// Other threads are worth waking if there is something to do beside the largest group.
+int threads_for(const std::vector<Keys>& groups, const RoadEscotOptions& options) {
+  constexpr std::size_t kWorthIt = 200;  // pairs of vehicles
+  std::size_t all = 0;
+  std::size_t most = 0;
+  for (const Keys& group : groups) {
+    all += group.size() * group.size();
+    most = std::max(most, group.size() * group.size());
+  }
+  if (all - most < kWorthIt) return 1;
+  const int cores = tbb::info::default_concurrency();
+  return options.threads > 0 ? std::min(options.threads, cores) : cores;
+}
+
 }  // namespace
 
 std::vector<Keys> group_vehicles(const RoadScene& scene) {
@@ -174,10 +189,11 @@ RoadDecision decide_on_road(const RoadScene& scene, const JointPlan& incumbent, 
   const auto decide_one = [&](std::size_t g) {  // lines 13-21
     parts[g] = decide_group(scene, decision.members[g], incumbent, order, options);
   };
-  if (parts.size() < 2 || options.threads == 1) {
+  const int threads = threads_for(decision.members, options);
+  if (threads < 2) {
     for (std::size_t g = 0; g < parts.size(); ++g) decide_one(g);
   } else {
-    tbb::task_arena arena(options.threads > 0 ? options.threads : tbb::task_arena::automatic);
+    tbb::task_arena arena(threads);
     arena.execute([&] { tbb::parallel_for(std::size_t{0}, parts.size(), decide_one); });
   }
   for (RoadDecision& part : parts) {
