@@ -159,6 +159,7 @@ void Audit::follow(double time, const Sighting& s) {
   }
   Track now{.pose = s.state->pose,
             .speed = s.state->speed,
+            .along = {},
             .recent = {},
             .coordinated = s.coordinated,
             .handed_back = -1e9};
@@ -166,6 +167,7 @@ void Audit::follow(double time, const Sighting& s) {
   if (found != tracks_.end()) {
     const Track& before = found->second;
     now.handed_back = before.coordinated && !s.coordinated ? time : before.handed_back;
+    now.along = std::abs(displacement(before.pose, now.pose).along);
     if (before.coordinated || s.coordinated) {
       const double jumped = jump(before, now, s.type->body);
       figures_.max_jump = std::max(figures_.max_jump, jumped);
@@ -251,7 +253,14 @@ double Audit::jump(const Track& before, const Track& now, const Vehicle& body) c
   const double swung = std::max(0.0, turned) * std::max(body.front, body.rear);
   if (before.coordinated && now.coordinated) return aside + swung;
   const auto [slow, fast] = std::minmax(before.speed, now.speed);
-  const double excess = std::max({0.0, std::abs(d.along) - fast * dt_, slow * dt_ - farthest});
+  double excess = std::max({0.0, std::abs(d.along) - fast * dt_, slow * dt_ - farthest});
+  if (before.along) {
+    // On a lane whose length is not that of its shape, a vehicle is not as fast as it says.
+    const double more = body.max_accel * dt_ * dt_;
+    const double less = body.max_decel * dt_ * dt_;
+    excess = std::min(excess, std::max({0.0, std::abs(d.along) - *before.along - more,
+                                        *before.along - less - farthest}));
+  }
   return std::hypot(excess, aside + swung);
 }
 

@@ -96,6 +96,7 @@ class Audit {
   struct Track {
     Pose pose;                    ///< rear axle
     double speed = 0.0;           ///< as the traffic says [m/s]
+    std::optional<double> along;  ///< [m] that it drove in the last step
     std::vector<Stretch> recent;  ///< the last metre or second in one direction, oldest first
     bool coordinated = false;
     double handed_back = -1e9;  ///< when [s]

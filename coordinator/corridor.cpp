@@ -12,7 +12,6 @@
 namespace mvtp {
 namespace {
 
-constexpr double kDriverSmoothing = 1.5;  ///< [m]: a driver follows the lanes about so closely
 constexpr double kChangeLateralAccel = 3.0;  ///< [m/s^2] while changing lanes, whatever the limit
 
 double distance(const Point& a, const Point& b) { return std::hypot(b.x - a.x, b.y - a.y); }
@@ -171,6 +170,24 @@ int CorridorMap::corridor_for(const CorridorCourse& course, const Vehicle& body)
   return entry->second;
 }
 
+/// How the traffic itself moves a body: both its ends are on the line.
+GuidePath drivers_path(std::span<const Point> line, const Vehicle& body) {
+  constexpr double kStep = 0.5;  // [m]
+  const double length = length_of(line);
+  std::vector<Pose> poses;
+  const auto add = [&](const Point& rear, const Point& front) {
+    const Point axle = lerp(rear, front, body.rear / body.length());
+    const double theta = std::atan2(front.y - rear.y, front.x - rear.x);
+    if (!poses.empty() && std::hypot(axle.x - poses.back().x, axle.y - poses.back().y) < 0.05) return;
+    poses.push_back({axle.x, axle.y, theta});
+  };
+  for (double s = body.length(); s <= length; s += kStep) {
+    add(point_at(line, s - body.length()), point_at(line, s));
+  }
+  if (poses.size() < 2) return GuidePath(line);
+  return GuidePath(std::span<const Pose>(poses));
+}
+
 /// Appends a lane of which the other half is another lane.
 void append_change(BrokenLine& line, const CorridorPiece& piece, const Lane& from, const Lane& to) {
   const double from_length = length_of(from.shape);
@@ -216,7 +233,7 @@ CorridorMap::Line CorridorMap::centre_line(const CorridorCourse& course) const {
 
 Corridor CorridorMap::build(const CorridorCourse& course, const Vehicle& body) {
   const Line line = centre_line(course);
-  GuidePath path = course.own_driver ? GuidePath(smooth(line.points, kDriverSmoothing))
+  GuidePath path = course.own_driver ? drivers_path(line.points, body)
                                      : make_reference_path(line.points, body, area_);
   Corridor corridor{.course = course};
   set_stations(line, path, body, corridor);

@@ -99,6 +99,26 @@ GuidePath::GuidePath(std::span<const Point> points) {
     const Point& b = even[std::min(i + 1, n - 1)];
     poses_.push_back({even[i].x, even[i].y, std::atan2(b.y - a.y, b.x - a.x)});
   }
+  set_curvatures();
+}
+
+GuidePath::GuidePath(std::span<const Pose> poses) {
+  std::vector<Point> points;
+  for (const Pose& p : poses) points.push_back({p.x, p.y});
+  std::size_t i = 1;
+  for (const Point& p : even_chords(points, kSpacing)) {
+    while (i + 1 < poses.size() && distance(points[i - 1], points[i]) < distance(points[i - 1], p)) {
+      ++i;
+    }
+    const double f = distance(points[i - 1], p) / distance(points[i - 1], points[i]);
+    const double turn = wrap_to_pi(poses[i].theta - poses[i - 1].theta);
+    poses_.push_back({p.x, p.y, wrap_to_pi(poses[i - 1].theta + std::min(f, 1.0) * turn)});
+  }
+  set_curvatures();
+}
+
+void GuidePath::set_curvatures() {
+  const std::size_t n = poses_.size();
   for (std::size_t i = 0; i < n; ++i) {
     const std::size_t a = i == 0 ? 0 : i - 1;
     const std::size_t b = std::min(i + 1, n - 1);

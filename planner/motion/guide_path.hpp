@@ -18,6 +18,10 @@ class GuidePath {
   /// The curve through `points` (at least two, no two neighbours equal), resampled evenly.
   explicit GuidePath(std::span<const Point> points);
 
+  /// The curve through `poses` (at least two, no two neighbours at one place) with the headings given,
+  /// of a body that does not keep to its tangent.
+  explicit GuidePath(std::span<const Pose> poses);
+
   [[nodiscard]] double length() const { return kSpacing * double(poses_.size() - 1); }
   [[nodiscard]] std::size_t samples() const { return poses_.size(); }
   [[nodiscard]] const Pose& sample(std::size_t i) const { return poses_[i]; }
@@ -31,6 +35,8 @@ class GuidePath {
   [[nodiscard]] double project(const Point& p, double from, double to) const;
 
  private:
+  void set_curvatures();
+
   std::vector<Pose> poses_;
   std::vector<double> curvatures_;
 };
