@@ -18,8 +18,8 @@ namespace {
 constexpr std::string_view kError = "Error: ";
 constexpr std::string_view kWarning = "Warning: ";
 /// What the audit tells already, and more exactly.
-constexpr std::array<std::string_view, 3> kTold = {"emergency braking", "emergency stop",
-                                                   "collision with"};
+constexpr std::array<std::string_view, 4> kTold = {"emergency braking", "emergency stop",
+                                                   "collision with", "moved by TraCI"};
 constexpr std::size_t kShown = 3;
 constexpr std::size_t kLongestMessage = 600;
 
