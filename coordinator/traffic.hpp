@@ -112,6 +112,9 @@ class Traffic {
   virtual void place(const std::string& id, const Pose& pose, double speed) = 0;
   /// Makes a vehicle that is not taken over stop before the end of its lane (true), or go on.
   virtual void hold(const std::string& id, bool stop) = 0;
+  /// The driver of a vehicle that is not taken over heeds no signal and no right of way (true), or
+  /// does so again.
+  virtual void let_through(const std::string& /*id*/, bool /*pass*/) {}
   /// Keeps a vehicle that is not taken over from driving faster [m/s]; infinity: no matter.
   virtual void cap_speed(const std::string& /*id*/, double /*speed*/) {}
   /// Lowers the limit of a lane for every driver [m/s].

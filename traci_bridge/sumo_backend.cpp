@@ -34,6 +34,9 @@ constexpr int kOntoRoute = 1;         // onto the nearest lane of the route, and
 constexpr double kAnyDistance = 1e6;  // [m]
 // Speed and lane-change modes in which SUMO neither corrects the commanded pose nor the speed.
 constexpr int kObey = 0;
+// Safe speed, acceleration and braking as ever, but no right of way, no signal, no foe inside.
+constexpr int kHeedNobody = 39;
+constexpr int kOwnSpeedMode = 31;
 /// A vehicle that was just handed back first finds its place in its lane [s]; SUMO changes lanes at
 /// once, 3 m aside, where its sublane model is off.
 constexpr double kNoLaneChange = 1.0;
@@ -133,7 +136,7 @@ class Backend final : public SumoTraffic {
       controlled_[id] = {.front = vehicle.front,
                          .position = {p.x, p.y, api::Vehicle::getAngle(id)},
                          .speed = api::Vehicle::getSpeed(id),
-                         .speed_mode = api::Vehicle::getSpeedMode(id),
+                         .speed_mode = own_speed_mode(id),
                          .lane_change_mode = pending_lane_change_mode(id)};
       api::Vehicle::setSpeedMode(id, kObey);
       api::Vehicle::setLaneChangeMode(id, kObey);
@@ -203,12 +206,27 @@ class Backend final : public SumoTraffic {
   void hold(const std::string& id, bool stop) override {
     const auto found = held_.find(id);
     if (stop == (found != held_.end())) return;
+    if (!is_here(id)) {
+      held_.erase(id);
+      return;
+    }
     ask([&] {
       if (stop) {
         stop_at_the_end_of_its_lane(id);
       } else {
         go_on(id, found->second);
         held_.erase(found);
+      }
+    });
+  }
+
+  void let_through(const std::string& id, bool pass) override {
+    if (controlled_.contains(id) || !is_here(id)) return;
+    ask([&] {
+      if (pass) {
+        api::Vehicle::setSpeedMode(id, kHeedNobody);
+      } else {
+        api::Vehicle::setSpeedMode(id, kOwnSpeedMode);
       }
     });
   }
@@ -316,6 +334,11 @@ class Backend final : public SumoTraffic {
   SumoWarnings warnings() const override { return log_.warnings(); }
 
  private:
+  /// Is it on the road after the last step?
+  [[nodiscard]] bool is_here(const std::string& id) const {
+    return std::ranges::binary_search(vehicles_, id, {}, &VehicleState::id);
+  }
+
   /// A vehicle that goes where we put it: there again in each step until put elsewhere, since SUMO
   /// loses a vehicle that is off the road and not put anywhere in a step.
   struct Controlled {
@@ -552,6 +575,12 @@ class Backend final : public SumoTraffic {
     return characteristics_[id] = {.type = api::Vehicle::getTypeID(id),
                                    .front = body_of(length, api::Vehicle::getWidth(id)).front,
                                    .speed_factor = api::Vehicle::getSpeedFactor(id)};
+  }
+
+  /// The vehicle's own mode, even while it is let through.
+  static int own_speed_mode(const std::string& id) {
+    const int mode = api::Vehicle::getSpeedMode(id);
+    return mode == kHeedNobody ? kOwnSpeedMode : mode;
   }
 
   /// The vehicle's own mode, even if it has not got it back yet.

@@ -83,7 +83,7 @@ class CrossingPlanner {
                                               std::span<const Entry> before) {
     WorkBudget least{std::max(work_.left, kLeastWork)};
     const std::int64_t given = least.left;
-    auto t = plan_vehicle(pairs_, v, before, options_.trajectory, &least);
+    auto t = plan_vehicle(pairs_, v, before, options_.trajectory, {.work = &least});
     work_.left -= given - least.left;
     return t;
   }
@@ -140,7 +140,9 @@ class CrossingPlanner {
     for (std::size_t i = entries.size(); i < order.size(); ++i) cost += cost_alone(order[i]);
     for (std::size_t i = entries.size(); i < order.size(); ++i) {
       if (cost >= budget) return i;
-      auto t = plan_vehicle(pairs_, scene_.vehicle(order[i]), entries, options_.trajectory, &work_);
+      // Whoever costs more than this makes the whole no better.
+      const PlanLimits limits{.work = &work_, .cost = budget - cost + cost_alone(order[i])};
+      auto t = plan_vehicle(pairs_, scene_.vehicle(order[i]), entries, options_.trajectory, limits);
       if (!t || work_.left <= 0) return i;
       entries.push_back({order[i], std::make_shared<PathTrajectory>(std::move(*t))});
       cost += handback_cost(entries.back()) - cost_alone(order[i]);

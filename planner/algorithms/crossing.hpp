@@ -9,7 +9,7 @@ namespace mvtp {
 
 struct CrossingOptions {
   WholeTrajectoryOptions trajectory;
-  int tries = 10;               ///< orders tried per call; 0: the order of arrival
+  int tries = 30;               ///< orders tried per call; 0: the order of arrival
   int many = 30;                ///< with n > many vehicles, tries * (many / n)^2
   int repairs = 30;             ///< times that a vehicle without a plan is moved to the front
   double headway_weight = 3.0;  ///< [s/s] cost of a headway that is missing at hand-back

@@ -1,5 +1,6 @@
 #include "planner/algorithms/road_escot.hpp"
 
+#include <tbb/info.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
@@ -135,6 +136,20 @@ RoadDecision decide_group(const RoadScene& scene, const Keys& group, const Joint
   return decision;
 }
 
+/// Other threads are worth waking if there is something to do beside the largest group.
+int threads_for(const std::vector<Keys>& groups, const RoadEscotOptions& options) {
+  constexpr std::size_t kWorthIt = 200;  // pairs of vehicles
+  std::size_t all = 0;
+  std::size_t most = 0;
+  for (const Keys& group : groups) {
+    all += group.size() * group.size();
+    most = std::max(most, group.size() * group.size());
+  }
+  if (all - most < kWorthIt) return 1;
+  const int cores = tbb::info::default_concurrency();
+  return options.threads > 0 ? std::min(options.threads, cores) : cores;
+}
+
 }  // namespace
 
 std::vector<Keys> group_vehicles(const RoadScene& scene) {
@@ -174,10 +189,11 @@ RoadDecision decide_on_road(const RoadScene& scene, const JointPlan& incumbent, 
   const auto decide_one = [&](std::size_t g) {  // lines 13-21
     parts[g] = decide_group(scene, decision.members[g], incumbent, order, options);
   };
-  if (parts.size() < 2 || options.threads == 1) {
+  const int threads = threads_for(decision.members, options);
+  if (threads < 2) {
     for (std::size_t g = 0; g < parts.size(); ++g) decide_one(g);
   } else {
-    tbb::task_arena arena(options.threads > 0 ? options.threads : tbb::task_arena::automatic);
+    tbb::task_arena arena(threads);
     arena.execute([&] { tbb::parallel_for(std::size_t{0}, parts.size(), decide_one); });
   }
   for (RoadDecision& part : parts) {
@@ -201,6 +217,19 @@ RoadStepWorld::RoadStepWorld(const RoadPairs& pairs, const JointPlan& complete,
   }
 }
 
+namespace {
+
+/// Could the vehicle stop before a line, but not any longer after this decision? Then it has to be
+/// stopped: only a complete plan leads over a stop line.
+bool runs_over_a_line(const RoadVehicle& v, const Vehicle& body, const InertialState& from,
+                      const InertialState& to) {
+  const auto line = std::ranges::lower_bound(
+      v.stop_lines, from.s + stopping_distance(from.v, body.max_decel));
+  return line != v.stop_lines.end() && to.s + stopping_distance(to.v, body.max_decel) > *line;
+}
+
+}  // namespace
+
 std::vector<RoadStepWorld::Motion> RoadStepWorld::candidates(int i, const State& state) const {
   const RoadVehicle& v = vehicle(i);
   const Vehicle& body = scene().body(v);
@@ -212,6 +241,7 @@ std::vector<RoadStepWorld::Motion> RoadStepWorld::candidates(int i, const State&
        {body.max_accel, 0.5 * body.max_accel, 0.0, -0.5 * body.max_decel, -body.max_decel}) {
     const Motion m{state, a, advance(state, a, h)};
     if (a > -body.max_decel && m.to.v > v.envelope->at(m.to.s)) continue;
+    if (a > -body.max_decel && runs_over_a_line(v, body, state, m.to)) continue;
     if (a > -body.max_decel && !wait.clear_of_forecasts(state, a, m.to)) continue;
     const bool keeps_clear = wait.can_wait(scene().step + scene().grid.steps_per_decision, m.to);
     (keeps_clear ? clear : blocking).push_back(m);

@@ -11,7 +11,7 @@ namespace mvtp {
 struct RoadEscotOptions {
   CrossingOptions crossing;
   /// Looks at one other vehicle during one decision that a group may take per call; see WorkBudget.
-  std::int64_t work = 1'000'000;
+  std::int64_t work = 4'000'000;
   int threads = 0;  ///< for groups; 0: as many as there are cores. Same result for any number
   std::uint64_t seed = 0;
 };

@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <map>
+#include <tuple>
 
 namespace mvtp {
 namespace {
@@ -68,9 +70,10 @@ class Surroundings {
     for (const Other& other : others_) {
       // Two that are too close now cannot be asked to stand clear of each other.
       if (other.contact.contact->is_close_now()) continue;
+      const ContactTable& contacts = other.contact.table();
+      if (!contacts.concerns(state.s, rest)) continue;
       const double now = other.trajectory->at(k).s;
       const double end = other.trajectory->states.back().s;
-      const ContactTable& contacts = other.contact.table();
       if (now > end || !contacts.reaches(state.s, rest, now, end)) continue;
       for (int i = 1; i < steps; ++i) {
         const double s = braked_position(state, b, i * grid_.dt);
@@ -149,6 +152,8 @@ class Surroundings {
   /// @param reach  where we could get in both
   [[nodiscard]] bool meets(const Other& other, std::int64_t k, const InertialState& from, double a,
                            const InertialState& to, double reach) const {
+    const ContactTable& contacts = other.contact.table();
+    if (!contacts.concerns(from.s, reach)) return false;
     const PathTrajectory& t = *other.trajectory;
     const InertialState other_from = t.at(k);
     if (other_from.s >= PathTrajectory::kGone) return false;
@@ -157,7 +162,7 @@ class Surroundings {
     while (t.at(k + last).s >= PathTrajectory::kGone) --last;
     const InertialState other_to = t.at(k + last);
     const double other_reach = other_to.s + stopping_distance(other_to.v, other.body->max_decel);
-    if (!other.contact.table().reaches(from.s, reach, other_from.s, other_reach)) return false;
+    if (!contacts.reaches(from.s, reach, other_from.s, other_reach)) return false;
 
     const bool lenient = other.contact.is_close(from, other_from);
     const auto position = [&](int i) { return advance(from, a, i * grid_.dt).s; };
@@ -186,7 +191,7 @@ class Surroundings {
 class VehiclePlanner {
  public:
   VehiclePlanner(const RoadScene& scene, const RoadVehicle& vehicle, const Surroundings& around,
-                 const WholeTrajectoryOptions& options, std::int64_t most_work = kUnlimitedWork)
+                 const WholeTrajectoryOptions& options, const PlanLimits& limits = {})
       : grid_(scene.grid),
         start_(scene.step),
         vehicle_(vehicle),
@@ -194,7 +199,8 @@ class VehiclePlanner {
         around_(around),
         options_(options),
         max_decisions_(int(options.horizon / scene.grid.decision())),
-        most_work_(most_work) {}
+        most_work_(limits.work ? std::max<std::int64_t>(0, limits.work->left) : kUnlimitedWork),
+        best_cost_(limits.cost) {}
 
   [[nodiscard]] std::optional<PathTrajectory> plan() {
     std::optional<PathTrajectory> best;
@@ -239,7 +245,8 @@ class VehiclePlanner {
         }
         if (c > 0) continue;
         blocked_ = true;
-        if (go()) return true;
+        const Run run = go();
+        if (run != Run::kFails) return run == Run::kArrives;
       }
       if (chosen == choices.count) return false;
       append(from, choices[chosen]);
@@ -247,22 +254,34 @@ class VehiclePlanner {
     return true;
   }
 
-  /// Runs to the end as fast as the rules allow, or leaves the states as they were.
-  bool go() {
+  enum class Run { kArrives, kFails, kKnown };
+
+  /// Runs to the end as fast as the rules allow, or leaves the states as they were. How a run goes
+  /// on depends on nothing but its last state: one that gets where another one failed fails, too,
+  /// and one that gets where another one arrived is known.
+  Run go() {
     const std::size_t kept = states_.size();
+    const auto give_up = [&](Run run) {
+      states_.resize(kept);
+      return run;
+    };
+    std::vector<Run*> passed;
     while (states_.back().s < vehicle_.s_end) {
       const InertialState from = states_.back();
+      const auto [known, is_new] = runs_.try_emplace({now(), from.s, from.v}, Run::kFails);
+      if (!is_new) return give_up(known->second == Run::kArrives ? Run::kKnown : Run::kFails);
+      passed.push_back(&known->second);
       const Accelerations choices = accelerations(from, 1e9);
       const std::int64_t k = now();
       std::size_t c = 0;
       while (c < choices.count && !allowed(k, from, choices[c], /*must_wait=*/false)) ++c;
       if (c == choices.count || decisions() >= max_decisions_ || out_of_work()) {
-        states_.resize(kept);
-        return false;
+        return give_up(Run::kFails);
       }
       append(from, choices[c]);
     }
-    return true;
+    for (Run* run : passed) *run = Run::kArrives;
+    return Run::kArrives;
   }
 
   [[nodiscard]] bool allowed(std::int64_t k, const InertialState& from, double a,
@@ -353,8 +372,9 @@ class VehiclePlanner {
   int max_decisions_;
   std::int64_t most_work_;
   std::vector<InertialState> states_;
+  std::map<std::tuple<std::int64_t, double, double>, Run> runs_;  ///< by step, s and v
   bool blocked_ = false;
-  double best_cost_ = std::numeric_limits<double>::infinity();
+  double best_cost_;  ///< only cheaper plans are of use
 };
 
 /// Every decision of the trajectory, and braking after each.
@@ -375,11 +395,10 @@ bool is_clear(const Surroundings& around, const RoadScene& scene,
 std::optional<PathTrajectory> plan_vehicle(const RoadPairs& pairs, const RoadVehicle& vehicle,
                                            std::span<const JointPlan::Entry> before,
                                            const WholeTrajectoryOptions& options,
-                                           WorkBudget* work) {
+                                           const PlanLimits& limits) {
   const Surroundings around(pairs, vehicle, before, options);
-  const std::int64_t most = work ? std::max<std::int64_t>(0, work->left) : kUnlimitedWork;
-  auto trajectory = VehiclePlanner(pairs.scene(), vehicle, around, options, most).plan();
-  if (work) work->left -= around.work();
+  auto trajectory = VehiclePlanner(pairs.scene(), vehicle, around, options, limits).plan();
+  if (limits.work) limits.work->left -= around.work();
   return trajectory;
 }
 

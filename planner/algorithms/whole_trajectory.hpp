@@ -28,6 +28,12 @@ struct WorkBudget {
   std::int64_t left = kUnlimitedWork;
 };
 
+/// Where the search for one vehicle's plan may end early.
+struct PlanLimits {
+  WorkBudget* work = nullptr;  ///< when it is used up; with the best plan until then
+  double cost = std::numeric_limits<double>::infinity();  ///< [s] from which a plan is of no use
+};
+
 /// Plans one vehicle against everything planned `before` it and against the forecasts; nullopt if
 /// it finds no complete plan.
 ///
@@ -38,13 +44,11 @@ struct WorkBudget {
 ///
 /// Safety: at every decision of both parts, "everyone brakes now" is free of contact.
 /// Liveness: every plan leads to `s_end`.
-///
-/// @param work  if given, the search ends when it is used up, with the best plan until then.
 [[nodiscard]] std::optional<PathTrajectory> plan_vehicle(const RoadPairs& pairs,
                                                          const RoadVehicle& vehicle,
                                                          std::span<const JointPlan::Entry> before,
                                                          const WholeTrajectoryOptions& options,
-                                                         WorkBudget* work = nullptr);
+                                                         const PlanLimits& limits = {});
 
 /// The run of a vehicle that is alone on the road.
 [[nodiscard]] PathTrajectory plan_alone(const RoadPairs& pairs, const RoadVehicle& vehicle,

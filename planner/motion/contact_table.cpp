@@ -118,6 +118,11 @@ void ContactTable::finish() {
     bounds_.low = std::min(bounds_.low, blocks_.back().low);
     bounds_.high = std::max(bounds_.high, blocks_.back().high);
   }
+  if (!empty()) {
+    // A little inside, so that row_of() rounds into the rows.
+    first_ = (double(first_row_) - 0.5) * GuidePath::kSpacing + 1e-9;
+    last_ = first_ + double(rows()) * GuidePath::kSpacing - 2e-9;
+  }
   begin_.shrink_to_fit();
   intervals_.shrink_to_fit();
 }
@@ -150,14 +155,11 @@ ContactTable ContactTable::transposed() const {
 }
 
 bool ContactTable::sweeps(double a, double a_end, double b, double b_end) const {
+  if (!within_bounds(a, a_end, b, b_end)) return false;
   const double from = row_of(a);
   const double to = row_of(a_end);
-  const auto count = double(rows());
-  if (!(to >= 0.0 && from < count && b <= double(bounds_.high) && b_end >= double(bounds_.low))) {
-    return false;
-  }
   const auto first = std::size_t(std::max(from, 0.0));
-  const auto last = std::size_t(std::min(to, count - 1.0));
+  const auto last = std::size_t(std::min(to, double(rows()) - 1.0));
   const double b_per_row = to > from ? (b_end - b) / (to - from) : 0.0;
   for (std::size_t row = first; row <= last; ++row) {
     const bool enters = double(row) > from;
@@ -169,14 +171,8 @@ bool ContactTable::sweeps(double a, double a_end, double b, double b_end) const 
   return false;
 }
 
-bool ContactTable::reaches(double a, double a_end, double b, double b_end) const {
-  const double from = row_of(a);
-  const double to = row_of(a_end);
-  const auto count = double(rows());
-  if (!(to >= 0.0 && from < count && b <= double(bounds_.high) && b_end >= double(bounds_.low))) {
-    return false;
-  }
-  const std::size_t last = std::size_t(std::min(to, count - 1.0)) / kBlock;
+bool ContactTable::blocks_reach(double from, double to, double b, double b_end) const {
+  const std::size_t last = std::size_t(std::min(to, double(rows()) - 1.0)) / kBlock;
   for (std::size_t block = std::size_t(std::max(from, 0.0)) / kBlock; block <= last; ++block) {
     if (b <= double(blocks_[block].high) && b_end >= double(blocks_[block].low)) return true;
   }

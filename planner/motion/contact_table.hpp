@@ -98,7 +98,14 @@ class ContactTable {
 
   /// Is there, as far as bounds of 16 rows each tell, a contact with A within [a, a_end] and B
   /// within [b, b_end]? Never false where sweeps() or blocks() is true.
-  [[nodiscard]] bool reaches(double a, double a_end, double b, double b_end) const;
+  [[nodiscard]] bool reaches(double a, double a_end, double b, double b_end) const {
+    return within_bounds(a, a_end, b, b_end) && blocks_reach(row_of(a), row_of(a_end), b, b_end);
+  }
+
+  /// Is there any contact with A within [a, a_end]?
+  [[nodiscard]] bool concerns(double a, double a_end) const {
+    return a <= last_ && a_end >= first_;
+  }
 
   /// No contact at any position of the two.
   [[nodiscard]] bool empty() const { return intervals_.empty(); }
@@ -111,6 +118,13 @@ class ContactTable {
     return s_a / GuidePath::kSpacing + 0.5 - double(first_row_);
   }
   [[nodiscard]] std::size_t rows() const { return begin_.size() - 1; }
+
+  /// Can there be a contact, as far as the bounds of all rows tell?
+  [[nodiscard]] bool within_bounds(double a, double a_end, double b, double b_end) const {
+    return concerns(a, a_end) && b <= double(bounds_.high) && b_end >= double(bounds_.low);
+  }
+  /// @param from, to  as row_of() gives
+  [[nodiscard]] bool blocks_reach(double from, double to, double b, double b_end) const;
 
   [[nodiscard]] bool row_meets(std::size_t row, double low, double high) const {
     for (std::uint32_t i = begin_[row]; i < begin_[row + 1]; ++i) {
@@ -129,6 +143,8 @@ class ContactTable {
   std::vector<Interval> intervals_;
   std::vector<Interval> blocks_;             ///< bounds of kBlock rows each
   Interval bounds_ = {1e9F, -1e9F};          ///< of all rows
+  double first_ = 1e9;                       ///< [m] along A's path, where the rows begin and
+  double last_ = -1e9;                       ///< where they end
 };
 
 }  // namespace mvtp

@@ -25,7 +25,7 @@ struct CoordinateOptions {
   double max_lateral_accel = 0.0;   ///< [m/s^2]; 0: no limit but the lanes'
   double replan_budget_ms = -1.0;   ///< [ms]; < 0: no limit
   double replan_budget_from = 0.0;  ///< [s]
-  int tries = 10;
+  int tries = 30;
   int threads = 0;             ///< that plan; 0: one per core
   double margin_along = 0.6;   ///< [m]
   double margin_across = 0.4;  ///< [m]

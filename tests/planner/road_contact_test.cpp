@@ -1,0 +1,205 @@
+#include "planner/algorithms/road_contact.hpp"
+
+#include <gtest/gtest.h>
+
+#include "planner/algorithms/road_escot.hpp"
+#include "planner/search/draws.hpp"
+#include "tests/planner/crossing_fixture.hpp"
+
+namespace mvtp {
+namespace {
+
+using RoadContactTest = Crossing;
+using OrderOfVehicles = Crossing;
+using TooClose = Crossing;
+using Forecasts = Crossing;
+
+RoadStepWorld::Motion motion_of(const RoadScene& scene, const PathTrajectory& t, std::int64_t k) {
+  const InertialState from = t.at(k);
+  const InertialState to = t.at(k + scene.grid.steps_per_decision);
+  return {from, held_acceleration(from, to, scene.grid.decision()), to};
+}
+
+// One collision test for both: else PBCR finds vehicles whose safe stops conflict.
+TEST_F(RoadContactTest, WhatThePlannerAcceptsPbcrAccepts) {
+  Draws draws(5);
+  int pairs = 0;
+  for (int round = 0; round < 150; ++round) {
+    scene.vehicles.clear();
+    add(0, 60.0 + draws.share() * 30.0, draws.share() * 13.0);
+    add(1, 60.0 + draws.share() * 30.0, draws.share() * 13.0);
+    add(2, 30.0 + draws.share() * 20.0, draws.share() * 13.0);
+    const RoadPairs pairs_now(scene);
+    const CrossingResult result = plan_crossing(pairs_now, keys(), {}, {}, std::uint64_t(round));
+    const RoadStepWorld world(pairs_now, result.plan, {});
+    for (std::size_t i = 0; i < 3; ++i) {
+      for (std::size_t j = 0; j < i; ++j) {
+        const PathTrajectory* a = result.plan.find(std::int64_t(i));
+        const PathTrajectory* b = result.plan.find(std::int64_t(j));
+        if (!a || !b) continue;
+        ++pairs;
+        for (std::int64_t k = 0; k + 5 < std::min(a->end(), b->end()); k += 5) {
+          ASSERT_FALSE(world.conflict(int(i), motion_of(scene, *a, k), int(j),
+                                      motion_of(scene, *b, k)))
+              << "round " << round << ", vehicles " << i << " and " << j << " at step " << k;
+        }
+      }
+    }
+  }
+  EXPECT_GT(pairs, 300);
+}
+
+TEST_F(RoadContactTest, IsTheSameFromBothSides) {
+  Draws draws(6);
+  add(0, 90.0, 8.0);
+  add(1, 80.0, 8.0);
+  const RoadPairs pairs(scene);
+  const JointPlan none;
+  const WholeTrajectoryOptions options;
+  const RoadStepWorld world(pairs, none, options);
+  for (int round = 0; round < 2000; ++round) {
+    std::array<RoadStepWorld::Motion, 2> m;
+    for (auto& motion : m) {
+      const InertialState from{70.0 + 30.0 * draws.share(), 13.0 * draws.share()};
+      const double a = 7.0 * draws.share() - 4.5;
+      motion = {from, a, advance(from, a, 0.5)};
+    }
+    ASSERT_EQ(world.conflict(0, m[0], 1, m[1]), world.conflict(1, m[1], 0, m[0]));
+  }
+}
+
+// Everyone brakes at any moment: where the test says that two are clear, they are at every
+// hundredth of a second.
+TEST_F(RoadContactTest, BrakingIsClearAtEveryMoment) {
+  Draws draws(7);
+  int clear = 0;
+  for (int round = 0; round < 3000; ++round) {
+    scene.vehicles.clear();
+    add(0, 60.0 + 40.0 * draws.share(), 20.0 * draws.share());
+    add(draws.between(1, 2), 60.0 + 40.0 * draws.share(), 20.0 * draws.share());
+    const RoadVehicle& a = scene.vehicles[0];
+    const RoadVehicle& b = scene.vehicles[1];
+    const RoadContact contact(scene, a, b, 0.0);
+    if (contact.is_close_now()) continue;
+    ++clear;
+    for (double tau = 0.0; tau < 5.0; tau += 0.01) {
+      ASSERT_FALSE(bodies_touch(a, braked_position(a.now, 4.5, tau), b,
+                                braked_position(b.now, 4.5, tau)))
+          << "round " << round << " after " << tau << " s";
+    }
+  }
+  EXPECT_GT(clear, 1000);
+}
+
+TEST_F(OrderOfVehicles, WhoStandsInTheWayOfAnotherComesBeforeIt) {
+  add(0, 60.0, 5.0);   // 0: before the crossing
+  add(2, 80.0, 5.0);   // 1: ahead of it in the same lane
+  add(1, 100.0, 1.0);  // 2: in the middle of the crossing
+  add(1, 70.0, 5.0);   // 3: behind it
+  add(0, 120.0, 5.0);  // 4: through
+  const RoadPairs pairs(scene);
+  EXPECT_TRUE(pairs.leads(1, 0));
+  EXPECT_FALSE(pairs.leads(0, 1));
+  EXPECT_TRUE(pairs.leads(2, 0));
+  EXPECT_TRUE(pairs.leads(2, 1));
+  EXPECT_TRUE(pairs.leads(2, 3));
+  EXPECT_FALSE(pairs.leads(0, 3));  // both before the crossing: any order
+  EXPECT_FALSE(pairs.leads(3, 0));
+  EXPECT_TRUE(pairs.leads(4, 0));
+  EXPECT_FALSE(pairs.leads(4, 3));
+}
+
+TEST_F(OrderOfVehicles, EvenOfTwoInsideTheirMarginsTheFirstIsFirst) {
+  add(0, 100.0, 0.0);
+  add(2, 95.2, 0.0);  // 0.3 m behind
+  const RoadPairs pairs(scene);
+  EXPECT_TRUE(pairs.leads(0, 1));
+  EXPECT_FALSE(pairs.leads(1, 0));
+}
+
+// Drivers stop closer to each other than we would. Nobody may come nearer, and both get away.
+TEST_F(TooClose, TwoInsideTheirMarginsComeApartAgain) {
+  add(0, 60.0, 0.0);
+  add(2, 55.2, 0.0);  // 0.3 m behind
+  const double least = gap(scene.vehicles[0], 60.0, scene.vehicles[1], 55.2);
+  const RoadDecision decision = decide_on_road(scene, {}, {0, 1}, {});
+  EXPECT_EQ(decision.stepped, 0);
+  ASSERT_NE(decision.plan.find(0), nullptr);
+  ASSERT_NE(decision.plan.find(1), nullptr);
+  for (std::int64_t k = 0; k < 50; ++k) {
+    const double now = gap(scene.vehicles[0], decision.plan.find(0)->at(k).s, scene.vehicles[1],
+                           decision.plan.find(1)->at(k).s);
+    ASSERT_GE(now, least - 1e-5) << "at step " << k;
+  }
+  EXPECT_GE(decision.plan.find(1)->states.back().s, 190.0);
+}
+
+TEST_F(TooClose, NothingMakesADecisionFail) {
+  Draws draws(8);
+  for (int round = 0; round < 300; ++round) {
+    scene.vehicles.clear();
+    for (int i = 0; i < 5; ++i) {  // overlapping, too fast, too close, in each other's way
+      add(draws.between(0, 2), 80.0 + 30.0 * draws.share(), 13.0 * draws.share());
+    }
+    const RoadDecision decision = decide_on_road(scene, {}, keys(), {});
+    ASSERT_EQ(decision.plan.entries.size(), 5U);
+    for (const JointPlan::Entry& e : decision.plan.entries) {
+      const RoadVehicle& v = scene.vehicle(e.key);
+      ASSERT_EQ(e.trajectory->at(0), v.now);
+      for (std::int64_t k = 0; k + 1 < e.trajectory->end(); ++k) {
+        const double dv = e.trajectory->at(k + 1).v - e.trajectory->at(k).v;
+        ASSERT_LE(dv, 2.6 * 0.1 + 1e-9);
+        ASSERT_GE(dv, -4.5 * 0.1 - 1e-9);
+      }
+    }
+  }
+}
+
+// The one behind cannot stop in time any more: it brakes, and the one ahead makes room.
+TEST_F(TooClose, WhoWillBeRunIntoDrivesOn) {
+  add(0, 60.0, 4.0);
+  add(2, 53.0, 13.0);
+  const RoadDecision decision = decide_on_road(scene, {}, {0, 1}, {});
+  EXPECT_GE(decision.plan.find(0)->at(5).v, 4.0);
+  EXPECT_LT(decision.plan.find(1)->at(5).v, 12.0);
+}
+
+//   f --> us --->     The driver behind sees us; if we waited for him, both would wait for ever.
+TEST_F(Forecasts, WhoHasUsInHisWayDoesNotBlockUs) {
+  RoadVehicle& own = add(0, 60.0, 0.0);
+  own.exit_lane = -1;
+  RoadVehicle other = own;
+  other.key = -1;
+  other.path = 2;
+  other.now = {50.0, 10.0};
+  PathTrajectory runs_into_us{.states = {other.now}};
+  for (int k = 0; k < 150; ++k) {
+    runs_into_us.states.push_back(advance(runs_into_us.states.back(), 0.0, 0.1));
+  }
+  scene.forecasts.push_back({other, runs_into_us});
+  const auto plan = plan_vehicle(scene, scene.vehicles[0], {}, {});
+  ASSERT_TRUE(plan);
+  EXPECT_GT(plan->at(5).v, 1.0);
+}
+
+TEST_F(Forecasts, ALeaderAheadAlwaysCounts) {
+  add_standing_forecast(2, 120.0);
+  add(0, 60.0, 10.0);
+  EXPECT_FALSE(plan_vehicle(scene, scene.vehicles[0], {}, {}).has_value());
+}
+
+TEST_F(Forecasts, CrossTrafficCountsUntilWeAreInItsWay) {
+  RoadVehicle other = add(1, 40.0, 12.0);
+  scene.vehicles.clear();
+  other.key = -1;
+  PathTrajectory crosses{.states = {other.now}};
+  for (int k = 0; k < 150; ++k) crosses.states.push_back(advance(crosses.states.back(), 0.0, 0.1));
+  scene.forecasts.push_back({other, crosses});
+  add(0, 40.0, 12.0);
+  EXPECT_FALSE(RoadPairs(scene).follows(0, 0));
+  scene.vehicles[0].now = {100.0, 3.0};
+  EXPECT_TRUE(RoadPairs(scene).follows(0, 0));
+}
+
+}  // namespace
+}  // namespace mvtp

@@ -1,0 +1,182 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "planner/algorithms/road_escot.hpp"
+#include "tests/planner/crossing_fixture.hpp"
+
+namespace mvtp {
+namespace {
+
+using testing::ElementsAre;
+
+// Crossing number n lies 1000 n metres to the east; its paths are 2 n and 2 n + 1.
+class ManyCrossings : public testing::Test {
+ protected:
+  static constexpr int kCrossings = 4;
+
+  ManyCrossings() : library(Margins{}) {
+    for (int n = 0; n < kCrossings; ++n) {
+      const double x = 1000.0 * n;
+      library.add(straight({x - 100, 0}, {x + 100, 0}), kCar);
+      library.add(straight({x, -100}, {x, 100}), kCar);
+    }
+    scene.library = &library;
+  }
+
+  void add(int path, double s, double v) {
+    RoadVehicle vehicle{.key = std::int64_t(scene.vehicles.size()), .path = path, .now = {s, v}};
+    vehicle.envelope = std::make_shared<SpeedEnvelope>(std::vector<double>(801, 13.9), 3.5);
+    vehicle.exit_lane = path;
+    vehicle.s_exit_lane = 110.0;
+    vehicle.s_handback = 170.0;
+    vehicle.s_end = 190.0;
+    scene.vehicles.push_back(vehicle);
+  }
+
+  /// Eight vehicles at each of the crossings named.
+  void fill(const std::vector<int>& crossings) {
+    for (int i = 0; i < 4; ++i) {
+      for (const int n : crossings) {
+        add(2 * n, 70.0 - 14.0 * i, 12.0);
+        add(2 * n + 1, 66.0 - 14.0 * i - n, 12.0);
+      }
+    }
+  }
+
+  std::vector<std::int64_t> keys() const {
+    std::vector<std::int64_t> all;
+    for (const RoadVehicle& v : scene.vehicles) all.push_back(v.key);
+    return all;
+  }
+
+  static void expect_same(const RoadDecision& a, const RoadDecision& b) {
+    ASSERT_EQ(a.plan.entries.size(), b.plan.entries.size());
+    EXPECT_EQ(a.cost, b.cost);
+    for (std::size_t i = 0; i < a.plan.entries.size(); ++i) {
+      ASSERT_EQ(a.plan.entries[i].key, b.plan.entries[i].key);
+      ASSERT_EQ(a.plan.entries[i].trajectory->states, b.plan.entries[i].trajectory->states);
+    }
+  }
+
+  PathLibrary library;
+  RoadScene scene;
+};
+
+using Groups = Crossing;
+using WithoutAPlan = Crossing;
+using Work = Crossing;
+
+TEST_F(ManyCrossings, EachIsAGroup) {
+  fill({0, 1, 2, 3});
+  const RoadDecision decision = decide_on_road(scene, {}, keys(), {});
+  EXPECT_EQ(decision.groups, kCrossings);
+  ASSERT_EQ(decision.members.size(), 4U);
+  EXPECT_THAT(decision.members[1], testing::Contains(2));
+  EXPECT_EQ(decision.stepped, 0);
+}
+
+TEST_F(ManyCrossings, AnyNumberOfThreadsGivesTheSame) {
+  fill({0, 1, 2, 3});
+  RoadEscotOptions options;
+  options.threads = 1;
+  const RoadDecision one = decide_on_road(scene, {}, keys(), options);
+  for (const int threads : {0, 2, 3, 8}) {
+    options.threads = threads;
+    expect_same(decide_on_road(scene, {}, keys(), options), one);
+  }
+}
+
+TEST_F(ManyCrossings, AGroupIsPlannedAsIfItWereAlone) {
+  fill({0, 1, 2, 3});
+  const RoadDecision all = decide_on_road(scene, {}, keys(), {});
+  std::erase_if(scene.vehicles, [](const RoadVehicle& v) { return v.path / 2 != 1; });
+  const RoadDecision alone = decide_on_road(scene, {}, keys(), {});
+  for (const JointPlan::Entry& e : alone.plan.entries) {
+    EXPECT_EQ(e.trajectory->states, all.plan.find(e.key)->states);
+  }
+}
+
+TEST_F(Groups, VehiclesOfOneExitLaneBelongTogether) {
+  add(0, 150.0, 10.0);
+  add(3, 150.0, 10.0);
+  EXPECT_THAT(group_vehicles(scene), ElementsAre(ElementsAre(0), ElementsAre(1)));
+  scene.vehicles[1].exit_lane = 0;
+  EXPECT_THAT(group_vehicles(scene), ElementsAre(ElementsAre(0, 1)));
+}
+
+TEST_F(Groups, WhoIsThroughHasNothingToDoWithThoseBeforeTheCrossing) {
+  add(0, 130.0, 10.0);
+  add(1, 60.0, 10.0);
+  EXPECT_THAT(group_vehicles(scene), ElementsAre(ElementsAre(0), ElementsAre(1)));
+  scene.vehicles[0].now.s = 60.0;
+  EXPECT_THAT(group_vehicles(scene), ElementsAre(ElementsAre(0, 1)));
+}
+
+//          | 1     Vehicle 0 cannot leave: somebody stands behind the crossing for ever. Whoever
+//   0 -----+[ ]    drives through where it comes to rest has no plan.
+TEST_F(WithoutAPlan, NobodyIsPlannedThroughTheBodyOfOneThatBrakes) {
+  add(0, 96.0, 4.0);  // comes to rest in the middle of the crossing
+  add(1, 60.0, 10.0);
+  add(1, 40.0, 10.0);
+  add_standing_forecast(2, 107.5);
+  const RoadDecision decision = decide_on_road(scene, {}, {0, 1, 2}, {});
+  EXPECT_EQ(decision.plan.entries.size(), 3U);
+  for (std::size_t i = 0; i < 3; ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      const RoadVehicle& a = scene.vehicles[i];
+      const RoadVehicle& b = scene.vehicles[j];
+      EXPECT_FALSE(ever_touch(a, *decision.plan.find(a.key), b, *decision.plan.find(b.key)))
+          << i << " and " << j;
+    }
+  }
+}
+
+TEST_F(WithoutAPlan, OthersOfItsGroupKeepTheirPlans) {
+  add(0, 40.0, 4.0);   // cannot leave
+  add(1, 100.0, 10.0);  // is in the crossing, and out of it before anyone comes
+  add_standing_forecast(2, 107.5);
+  const RoadDecision decision = decide_on_road(scene, {}, {0, 1}, {});
+  EXPECT_EQ(decision.groups, 1);
+  EXPECT_EQ(decision.stepped, 1);
+  EXPECT_FALSE(decision.plan.find(0)->complete);
+  EXPECT_TRUE(decision.plan.find(1)->complete);
+}
+
+TEST_F(WithoutAPlan, AnOldPlanStandsUnlessSomebodyBrakesInItsWay) {
+  add(1, 60.0, 10.0);
+  const RoadDecision before = decide_on_road(scene, {}, {0}, {});
+  add(0, 40.0, 4.0);  // a newcomer that cannot leave, and stops before the crossing
+  add_standing_forecast(2, 107.5);
+  const RoadDecision after = decide_on_road(scene, before.plan, {1}, {});
+  EXPECT_EQ(after.plan.find(0), before.plan.find(0));
+  EXPECT_FALSE(after.plan.find(1)->complete);
+}
+
+TEST_F(Work, WithoutAnyLeftNewcomersArePlannedStill) {
+  for (int i = 0; i < 4; ++i) {
+    add(0, 70.0 - 14.0 * i, 12.0);
+    add(1, 66.0 - 14.0 * i, 12.0);
+  }
+  RoadEscotOptions options;
+  options.work = 1;
+  const RoadDecision decision = decide_on_road(scene, {}, keys(), options);
+  EXPECT_EQ(decision.stepped, 0);
+  for (const JointPlan::Entry& e : decision.plan.entries) EXPECT_TRUE(e.trajectory->complete);
+}
+
+TEST_F(Work, EndsTheSearchForABetterOrder) {
+  for (int i = 0; i < 5; ++i) {
+    add(0, 70.0 - 14.0 * i, 13.0);
+    add(1, 64.0 - 14.0 * i, 13.0);
+  }
+  CrossingOptions options;
+  options.tries = 60;
+  const double long_searched = plan_crossing(scene, keys(), {}, options, 1).cost;
+  const double not_searched = plan_crossing(scene, keys(), {}, options, 1, WorkBudget{1}).cost;
+  options.tries = 0;
+  EXPECT_EQ(not_searched, plan_crossing(scene, keys(), {}, options, 1).cost);
+  EXPECT_LT(long_searched, not_searched);
+}
+
+}  // namespace
+}  // namespace mvtp
