@@ -63,7 +63,8 @@ void SumoRoutes::look(const std::string& id, Route& route) const {
   }
   const int base = cut != nullptr ? int(cut->base) : 0;
   const int done = api::Vehicle::getRouteIndex(id) - base;  // negative before the departure
-  route.done = std::min(std::size_t(std::max(done, 0)), route.edges.size() - 1);
+  const std::size_t last = std::max<std::size_t>(route.edges.size(), 1) - 1;
+  route.done = std::min(std::size_t(std::max(done, 0)), last);
 }
 
 /// SUMO has found another way to the end of the piece that it knows, or to another end.
