@@ -1,5 +1,4 @@
-// Compiled twice: against libsumo, and with LIBTRACI defined against libtraci. Their headers
-// exclude each other; their functions are the same, in two namespaces.
+// Compiled twice: against libsumo, and with LIBTRACI defined against libtraci (sumo_api.hpp).
 #include "traci_bridge/sumo_backend.hpp"
 
 #include <algorithm>
@@ -13,20 +12,18 @@
 #include <stdexcept>
 #include <utility>
 
-#ifdef LIBTRACI
-#include <libsumo/libtraci.h>
-namespace api = libtraci;
-#else
-#include <libsumo/libsumo.h>
-namespace api = libsumo;
-#endif
-
 #include "planner/problem/input_error.hpp"
+#include "traci_bridge/sumo_api.hpp"
+#include "traci_bridge/sumo_connection.hpp"
 #include "traci_bridge/sumo_frame.hpp"
+#include "traci_bridge/sumo_lanes.hpp"
 #include "traci_bridge/sumo_log.hpp"
-#include "traci_bridge/sumo_process.hpp"
+#include "traci_bridge/sumo_routes.hpp"
 
 namespace mvtp {
+
+using namespace MVTP_SUMO_NAMESPACE;
+
 namespace {
 
 // moveToXY's bits "keep the route" and "off the road is allowed": poses are exact and the route
@@ -43,46 +40,14 @@ constexpr int kOwnSpeedMode = 31;
 /// A vehicle that was just handed back first finds its place in its lane [s]; SUMO changes lanes at
 /// once, 3 m aside, where its sublane model is off.
 constexpr double kNoLaneChange = 1.0;
-constexpr double kHoldGap = 1.0;    // from a held vehicle's front to the end of its lane [m]
-constexpr double kForever = 1.0e6;  // [s]
-constexpr double kOwnSpeed = -1.0;  // TraCI: the driver's choice again
-constexpr int kStoppedBit = 1;      // of getStopState()
-constexpr int kParkedBits = 129;    // of getStopState(): stopped, in a parking area
-constexpr double kStanding = 0.1;   // [m/s]
-// How far the tail is behind the begin of the lane where SUMO's idea of it cannot get stale within
-// a step: for any speed up to 40 m/s.
-constexpr double kTailRoom = 2.0;                     // [m]
-constexpr double kTailTime = 40.0;                    // [m/s]
-constexpr int kParkingAreaBit = 64;                   // of TraCINextStopData::stopFlags
+constexpr double kHoldGap = 1.0;     // from a held vehicle's front to the end of its lane [m]
+constexpr double kForever = 1.0e6;   // [s]
+constexpr double kOwnSpeed = -1.0;   // TraCI: the driver's choice again
+constexpr int kStoppedBit = 1;       // of getStopState()
+constexpr int kParkedBits = 129;     // of getStopState(): stopped, in a parking area
+constexpr double kStanding = 0.1;    // [m/s]
+constexpr int kParkingAreaBit = 64;  // of TraCINextStopData::stopFlags
 const char* const kTurningRadius = "turning-radius";  // our parameter of a vType [m]
-
-#ifdef LIBTRACI
-class SumoConnection {
- public:
-  SumoConnection(const std::vector<std::string>& arguments, const SumoLog& log)
-      : process_(arguments, log.descriptor()) {
-    const std::string port = std::to_string(process_.port());
-    api::Simulation::init(process_.port(), 0, "127.0.0.1", "mvtp-" + port);
-  }
-
-  void close() {
-    api::Simulation::close();
-    if (!process_.wait()) throw std::runtime_error("it did not end well");
-  }
-
- private:
-  SumoProcess process_;
-};
-#else
-class SumoConnection {
- public:
-  SumoConnection(const std::vector<std::string>& arguments, const SumoLog& /*log*/) {
-    api::Simulation::start(arguments);
-  }
-
-  void close() { api::Simulation::close(); }
-};
-#endif
 
 class Backend final : public SumoTraffic {
  public:
@@ -90,9 +55,10 @@ class Backend final : public SumoTraffic {
       : configuration_(std::move(launch.configuration)),
         network_(std::move(launch.network)),
         outputs_(std::move(launch.outputs)),
-        log_(launch.log) {
+        log_(launch.log),
+        lanes_(network_, log_),
+        routes_(network_, log_) {
     ask([&] {
-      index_network();
       connection_ = std::make_unique<SumoConnection>(launch.arguments, log_);
       step_length_ = api::Simulation::getDeltaT();
       observe();
@@ -157,21 +123,20 @@ class Backend final : public SumoTraffic {
   }
 
   std::span<const std::string> route_edges(const std::string& id) const override {
-    Route& route = routes_[id];
-    if (route.seen != time_) look_up([&] { refresh(id, route); });
-    return std::span(route.edges).subspan(route.done);
+    return look_up([&] { return routes_.rest(id, time_); });
   }
 
   void take_over(const std::string& id) override {
     if (controlled_.contains(id)) return;
     hold(id, false);
+    unrestored_.erase(id);
     ask([&] {
       const Characteristics& vehicle = characteristics(id);
       const libsumo::TraCIPosition p = api::Vehicle::getPosition(id);
       controlled_[id] = {.front = vehicle.front,
                          .position = {p.x, p.y, api::Vehicle::getAngle(id)},
                          .speed = api::Vehicle::getSpeed(id),
-                         .speed_mode = api::Vehicle::getSpeedMode(id),
+                         .speed_mode = own_speed_mode(id),
                          .lane_change_mode = pending_lane_change_mode(id)};
       api::Vehicle::setSpeedMode(id, kObey);
       api::Vehicle::setLaneChangeMode(id, kObey);
@@ -185,7 +150,7 @@ class Backend final : public SumoTraffic {
     if (found == controlled_.end()) return;
     ask([&] {
       settle(id);
-      restore_route(id, found->second);
+      if (!routes_.restore(id, time_)) unrestored_.insert(id);
       if (api::Vehicle::getLaneID(id).empty()) put_onto_route(id, found->second);
       // SUMO only knows a speed it has measured itself, cut off at the limit of the lane.
       api::Vehicle::setPreviousSpeed(id, found->second.speed);
@@ -195,21 +160,10 @@ class Backend final : public SumoTraffic {
     controlled_.erase(found);
   }
 
-  /// SUMO puts a vehicle onto the nearest lane of its whole route, those it has left behind
-  /// included, and fails an assertion once that is another one than where it is: where a route
-  /// meets itself, SUMO only knows the piece of it on which the vehicle is.
   void drive_along(const std::string& id, std::span<const std::string> edges) override {
-    const auto found = controlled_.find(id);
-    if (found == controlled_.end() || edges.empty()) return;
-    const std::vector<std::string> rest = route(id);
-    const Route& known = routes_.at(id);
-    const std::size_t length = piece_length(rest, edges);
-    const bool whole = !found->second.piece && !meets_itself(known);
-    if (whole || length == 0) return;
-    ask([&] {
-      settle(id);
-      cut_route(id, found->second, rest, length);
-    });
+    if (!controlled_.contains(id) || edges.empty()) return;
+    const std::size_t length = look_up([&] { return routes_.length_to_cut(id, edges, time_); });
+    if (length > 0) ask([&] { cut_route(id, length); });
   }
 
   /// SUMO puts a vehicle onto any lane of the rest of its route that it comes near, and fails an
@@ -220,7 +174,7 @@ class Backend final : public SumoTraffic {
     Controlled& vehicle = found->second;
     vehicle.rest_of_route = route(id);
     ask([&] {
-      restore_route(id, vehicle);
+      (void)routes_.restore(id, time_);
       api::Vehicle::setRoute(id, std::vector<std::string>{vehicle.rest_of_route.front()});
     });
   }
@@ -298,14 +252,11 @@ class Backend final : public SumoTraffic {
 
   std::optional<Stop> next_stop(const std::string& id) const override {
     return ask([&]() -> std::optional<Stop> {
-      const auto controlled = controlled_.find(id);
       std::vector<libsumo::TraCINextStopData> stops = api::Vehicle::getStops(id, 0);
       if (const auto held = held_.find(id); held != held_.end()) {
         std::erase_if(stops, [&](const auto& stop) { return is_hold(held->second, stop); });
       }
-      if (stops.empty() && controlled != controlled_.end() && controlled->second.piece) {
-        stops = controlled->second.piece->stops;
-      }
+      if (stops.empty()) stops = routes_.stops_behind(id);
       if (stops.empty()) return std::nullopt;
       const libsumo::TraCINextStopData& next = stops.front();
       return Stop{.lane = next.lane,
@@ -354,9 +305,11 @@ class Backend final : public SumoTraffic {
     ask([&] {
       resume_lane_changes();
       leave_parking_areas();
+      std::erase_if(unrestored_, [&](const std::string& id) { return routes_.restore(id, time_); });
       for (const auto& [id, vehicle] : controlled_) {
         if (leaving_.contains(id)) continue;
         settle(id);
+        if (const std::size_t next = routes_.next_cut(id, time_)) routes_.cut(id, next, time_);
         const SumoPosition& p = vehicle.position;
         api::Vehicle::moveToXY(id, vehicle.enters ? vehicle.rest_of_route.front() : "",
                                vehicle.enters ? vehicle.lane_index : -1, p.x_m, p.y_m, p.angle_deg,
@@ -386,21 +339,6 @@ class Backend final : public SumoTraffic {
     return std::ranges::binary_search(vehicles_, id, {}, &VehicleState::id);
   }
 
-  /// A route, as SUMO names it: never two different ones alike.
-  struct Route {
-    std::string name;
-    std::vector<std::string> edges;
-    std::size_t done = 0;  ///< edges that the vehicle has left
-    double seen = -1.0;    ///< [s] simulated time of the last look at it
-  };
-
-  /// What SUMO knows of a route that it may not know as a whole.
-  struct Piece {
-    std::string name;                               ///< of that route
-    std::vector<std::string> rest;                  ///< the true one, from the same edge on
-    std::vector<libsumo::TraCINextStopData> stops;  ///< behind the piece: SUMO forgets them
-  };
-
   /// A vehicle that goes where we put it: there again in each step until put elsewhere, since SUMO
   /// loses a vehicle that is off the road and not put anywhere in a step.
   struct Controlled {
@@ -409,7 +347,6 @@ class Backend final : public SumoTraffic {
     double speed = 0.0;
     int speed_mode = 0;  ///< to restore
     int lane_change_mode = 0;
-    std::optional<Piece> piece;              ///< the cut, if SUMO does not know the whole route
     std::vector<std::string> rest_of_route;  ///< edges, of a vehicle that has left the road
     bool enters = false;                     ///< it is to be on the first of them again, in
     int lane_index = -1;                     ///< this lane
@@ -426,11 +363,6 @@ class Backend final : public SumoTraffic {
   struct Resumption {
     double time = 0.0;
     int mode = 0;
-  };
-
-  struct LanePlace {
-    std::string lane;
-    double position = 0.0;  ///< [m]
   };
 
   struct NextStop {
@@ -465,11 +397,11 @@ class Backend final : public SumoTraffic {
 
   /// The same for what is asked often and only reads.
   template <class Action>
-  void look_up(const Action& action) const {
+  auto look_up(const Action& action) const -> decltype(action()) {
     try {
-      action();
+      return action();
     } catch (const std::exception&) {
-      ask(action);
+      return ask(action);
     }
   }
 
@@ -488,7 +420,7 @@ class Backend final : public SumoTraffic {
     std::ranges::sort(arrived_);
     for (const std::string& id : arrived_) {
       characteristics_.erase(id);
-      routes_.erase(id);
+      routes_.forget(id);
     }
     std::vector<std::string> ids = api::Vehicle::getIDList();
     std::ranges::sort(ids);
@@ -504,10 +436,15 @@ class Backend final : public SumoTraffic {
   void forget_all_but(const std::vector<std::string>& ids) {
     const auto gone = [&](const std::string& id) { return !std::ranges::binary_search(ids, id); };
     const auto is_gone = [&](const auto& entry) { return gone(entry.first); };
-    std::erase_if(controlled_, is_gone);
+    std::erase_if(controlled_, [&](const auto& entry) {
+      if (!gone(entry.first)) return false;
+      routes_.forget(entry.first);
+      return true;
+    });
     std::erase_if(held_, is_gone);
     std::erase_if(lane_changes_, is_gone);
     std::erase_if(capped_, gone);
+    std::erase_if(unrestored_, gone);
     std::erase_if(leaving_, gone);
   }
 
@@ -531,161 +468,17 @@ class Backend final : public SumoTraffic {
     return (api::Vehicle::getStopState(id) & kParkedBits) == kParkedBits;
   }
 
-  /// Puts a vehicle that we place onto the lane again where it is already, in SUMO's own way.
-  ///
-  /// As long as a placed vehicle stays on its lane, SUMO does not look again on which lanes its
-  /// tail is, and inside a junction it may take an edge further on or back for the one before it.
-  /// Once the vehicle or a follower of it asks, an assertion fails. SUMO looks when a vehicle
-  /// enters a lane, so it goes onto another one first. Only where need be: each time, SUMO counts
-  /// the lane once more as driven (routeLength of its tripinfo).
-  void settle(const std::string& id) {
-    const auto found = network_.lanes.find(api::Vehicle::getLaneID(id));
-    if (found == network_.lanes.end()) return;
-    const Lane& lane = found->second;
-    const double position = std::min(api::Vehicle::getLanePosition(id), lane.length);
-    if (!has_stale_tail(id, lane, position) && !is_misplaced(id, lane)) return;
-    const std::optional<LanePlace> other = place_beside(id, lane, position);
-    if (!other) return;
-    try {
-      api::Vehicle::moveTo(id, other->lane, other->position);
-      api::Vehicle::moveTo(id, lane.id, position);
-    } catch (const libsumo::TraCIException&) {
-      static_cast<void>(log_.take_errors());  // not on the route: it is placed all the same
-    }
-  }
+  void settle(const std::string& id) { lanes_.settle(id, route_edges(id), step_length_); }
 
-  /// May its tail have left a lane that lies between two others on which SUMO believes it to be?
-  [[nodiscard]] bool has_stale_tail(const std::string& id, const Lane& lane,
-                                    double position) const {
-    const auto before = shortest_before_.find(lane.id);
-    if (before == shortest_before_.end()) return false;
-    const double length = api::Vehicle::getLength(id);
-    return before->second < length &&
-           position - length < std::max(kTailRoom, kTailTime * step_length_);
-  }
-
-  /// Does SUMO take another edge for the one that leads to this internal lane?
-  [[nodiscard]] bool is_misplaced(const std::string& id, const Lane& lane) const {
-    const auto inside = inside_.find(lane.id);
-    if (inside == inside_.end()) return false;
-    const std::span<const std::string> rest = route_edges(id);
-    return rest.front() != network_.lanes.at(inside->second->from_lane).edge;
-  }
-
-  /// A place on another lane of the vehicle's route, near to where it is.
-  [[nodiscard]] std::optional<LanePlace> place_beside(const std::string& id, const Lane& lane,
-                                                      double position) const {
-    if (const auto inside = inside_.find(lane.id); inside != inside_.end()) {
-      const Lane& from = network_.lanes.at(inside->second->from_lane);
-      return LanePlace{from.id, from.length};
-    }
-    for (const std::string& sibling : network_.edges.at(lane.edge)) {
-      if (sibling == lane.id) continue;
-      return LanePlace{sibling, std::min(position, network_.lanes.at(sibling).length)};
-    }
-    const std::span<const std::string> rest = route_edges(id);
-    const auto [first, last] = leaving_lane_.equal_range(lane.id);
-    for (auto way = first; way != last; ++way) {
-      const Connection& c = *way->second;
-      const bool follows = rest.size() > 1 && network_.lanes.at(c.to_lane).edge == rest[1];
-      if (follows && !c.via.empty()) return LanePlace{c.via.front(), 0.0};
-    }
-    return std::nullopt;
+  void cut_route(const std::string& id, std::size_t length) {
+    settle(id);
+    routes_.cut(id, length, time_);
   }
 
   /// From open ground onto the road, in the next step: SUMO's driver knows no way back.
   static void put_onto_route(const std::string& id, const Controlled& vehicle) {
     const SumoPosition& p = vehicle.position;
     api::Vehicle::moveToXY(id, "", -1, p.x_m, p.y_m, p.angle_deg, kOntoRoute, kAnyDistance);
-  }
-
-  void refresh(const std::string& id, Route& route) const {
-    const auto controlled = controlled_.find(id);
-    std::string name = api::Vehicle::getRouteID(id);
-    if (name != route.name) {
-      const bool cut = controlled != controlled_.end() && controlled->second.piece &&
-                       controlled->second.piece->name == name;
-      route.edges = cut ? controlled->second.piece->rest : api::Vehicle::getRoute(id);
-      route.name = std::move(name);
-    }
-    const int done = api::Vehicle::getRouteIndex(id);  // negative before the departure
-    route.done = std::min(std::size_t(std::max(done, 0)), route.edges.size() - 1);
-    route.seen = time_;
-  }
-
-  /// How many edges of the rest of a route lie between its begin and the end of a piece of it;
-  /// 0 if it has no such piece. Edges of the piece that the vehicle has left already do not count.
-  static std::size_t piece_length(std::span<const std::string> rest,
-                                  std::span<const std::string> piece) {
-    for (; !piece.empty(); piece = piece.subspan(1)) {
-      const auto found = std::ranges::search(rest, piece);
-      if (!found.empty()) return std::size_t(found.end() - rest.begin());
-    }
-    return 0;
-  }
-
-  /// Does a route come to a junction twice, or back to where it began?
-  [[nodiscard]] bool meets_itself(const Route& route) const {
-    const auto known = meeting_.find(route.name);
-    if (known != meeting_.end()) return known->second;
-    std::set<std::string> seen;
-    bool meets = false;
-    for (std::size_t i = 0; i < route.edges.size(); ++i) {
-      const auto [from, to] = ends_.at(route.edges[i]);
-      if (i == 0 && !from.empty()) meets = !seen.insert(from).second || meets;
-      if (!to.empty()) meets = !seen.insert(to).second || meets;
-    }
-    return meeting_[route.name] = meets;
-  }
-
-  /// Lets SUMO know the first edges of the rest of a route only.
-  void cut_route(const std::string& id, Controlled& vehicle, const std::vector<std::string>& rest,
-                 std::size_t length) {
-    const std::vector<std::string> edges(rest.begin(), rest.begin() + std::ptrdiff_t(length));
-    const std::string name = name_of(edges);
-    if (vehicle.piece && vehicle.piece->name == name) return;
-    std::vector<libsumo::TraCINextStopData> stops = api::Vehicle::getStops(id, 0);
-    if (vehicle.piece) {
-      stops.insert(stops.end(), vehicle.piece->stops.begin(), vehicle.piece->stops.end());
-    }
-    vehicle.piece = Piece{.name = name, .rest = rest, .stops = {}};
-    api::Vehicle::setRouteID(id, name);
-    const std::size_t kept = api::Vehicle::getStops(id, 0).size();
-    vehicle.piece->stops.assign(stops.begin() + std::ptrdiff_t(std::min(kept, stops.size())),
-                                stops.end());
-    routes_.erase(id);
-  }
-
-  /// Lets SUMO know the whole rest of the route again.
-  void restore_route(const std::string& id, Controlled& vehicle) {
-    if (!vehicle.piece) return;
-    const std::vector<std::string> rest = route(id);
-    const bool still_cut = routes_.at(id).name == vehicle.piece->name;  // nobody has rerouted it
-    const Piece piece = std::move(*vehicle.piece);
-    vehicle.piece.reset();
-    if (!still_cut) return;
-    api::Vehicle::setRouteID(id, name_of(rest));
-    for (const libsumo::TraCINextStopData& stop : piece.stops) add_stop(id, stop);
-    routes_.erase(id);
-  }
-
-  static void add_stop(const std::string& id, const libsumo::TraCINextStopData& stop) {
-    const bool named = !stop.stoppingPlaceID.empty();
-    const std::size_t index = stop.lane.rfind('_');
-    api::Vehicle::setStop(
-        id, named ? stop.stoppingPlaceID : stop.lane.substr(0, index), named ? 1.0 : stop.endPos,
-        named ? 0 : std::stoi(stop.lane.substr(index + 1)), stop.duration, stop.stopFlags,
-        named ? libsumo::INVALID_DOUBLE_VALUE : stop.startPos, stop.until);
-  }
-
-  /// SUMO's id of a route of ours with these edges.
-  const std::string& name_of(const std::vector<std::string>& edges) {
-    std::string& name = named_pieces_[edges];
-    if (name.empty()) {
-      name = "mvtp:" + std::to_string(named_pieces_.size());
-      api::Route::add(name, edges);
-    }
-    return name;
   }
 
   [[nodiscard]] bool is_hold(const Hold& hold, const libsumo::TraCINextStopData& stop) const {
@@ -784,6 +577,12 @@ class Backend final : public SumoTraffic {
                                    .speed_factor = api::Vehicle::getSpeedFactor(id)};
   }
 
+  /// The vehicle's own mode, even while it is let through.
+  static int own_speed_mode(const std::string& id) {
+    const int mode = api::Vehicle::getSpeedMode(id);
+    return mode == kHeedNobody ? kOwnSpeedMode : mode;
+  }
+
   /// The vehicle's own mode, even if it has not got it back yet.
   [[nodiscard]] int pending_lane_change_mode(const std::string& id) {
     const auto pending = lane_changes_.extract(id);
@@ -839,38 +638,12 @@ class Backend final : public SumoTraffic {
     ending->close();
   }
 
-  /// The junctions where each edge begins and ends; "" where the network ends.
-  using Ends = std::map<std::string, std::pair<std::string, std::string>>;
-
-  void index_network() {
-    for (const auto& [edge, lanes] : network_.edges) ends_[edge];
-    for (const auto& [id, junction] : network_.junctions) {
-      for (const std::string& lane : junction.incoming_lanes) {
-        ends_[network_.lanes.at(lane).edge].second = id;
-      }
-      for (const Connection& c : junction.connections) {
-        ends_[network_.lanes.at(c.to_lane).edge].first = id;
-        leaving_lane_.emplace(c.from_lane, &c);
-        const Lane* before = &network_.lanes.at(c.from_lane);
-        for (const std::string& via : c.via) {
-          inside_[via] = &c;
-          note_before(via, *before);
-          before = &network_.lanes.at(via);
-        }
-        note_before(c.to_lane, *before);
-      }
-    }
-  }
-
-  void note_before(const std::string& lane, const Lane& before) {
-    double& shortest = shortest_before_.emplace(lane, before.length).first->second;
-    shortest = std::min(shortest, before.length);
-  }
-
   std::string configuration_;
   RoadNetwork network_;
   std::vector<OutputFile> outputs_;
   mutable SumoLog log_;
+  SumoLanes lanes_;
+  SumoRoutes routes_;
   std::unique_ptr<SumoConnection> connection_;
 
   double time_ = -1.0;  ///< before the start
@@ -885,14 +658,8 @@ class Backend final : public SumoTraffic {
   std::map<std::string, Characteristics> characteristics_;
   std::map<std::string, Controlled> controlled_;
   std::set<std::string> capped_;
+  std::set<std::string> unrestored_;  ///< handed back, but SUMO does not know the whole route yet
   std::map<std::string, Hold> held_;
-  Ends ends_;
-  std::multimap<std::string, const Connection*> leaving_lane_;  ///< by the lane they leave
-  std::map<std::string, const Connection*> inside_;             ///< by internal lane
-  std::map<std::string, double> shortest_before_;  ///< of the lanes that lead onto each lane [m]
-  mutable std::map<std::string, Route> routes_;
-  mutable std::map<std::string, bool> meeting_;  ///< by the name of a route
-  std::map<std::vector<std::string>, std::string> named_pieces_;
   std::set<std::string> leaving_;  ///< parked, without a stop from the next step on
   std::map<std::string, Resumption> lane_changes_;
 };

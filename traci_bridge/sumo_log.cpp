@@ -6,9 +6,11 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <iostream>
 #include <sstream>
 #include <string_view>
 #include <system_error>
+#include <utility>
 
 #include "planner/problem/input_error.hpp"
 
@@ -18,8 +20,8 @@ namespace {
 constexpr std::string_view kError = "Error: ";
 constexpr std::string_view kWarning = "Warning: ";
 /// What the audit tells already, and more exactly.
-constexpr std::array<std::string_view, 3> kTold = {"emergency braking", "emergency stop",
-                                                   "collision with"};
+constexpr std::array<std::string_view, 4> kTold = {"emergency braking", "emergency stop",
+                                                   "collision with", "moved by TraCI"};
 constexpr std::size_t kShown = 3;
 constexpr std::size_t kLongestMessage = 600;
 
@@ -91,13 +93,20 @@ SumoWarnings SumoLog::warnings() const {
 }
 
 SumoLog::Redirection::Redirection(const SumoLog& log)
-    : stderr_(fcntl(STDERR_FILENO, F_DUPFD_CLOEXEC, 0)) {
+    : stdout_(fcntl(STDOUT_FILENO, F_DUPFD_CLOEXEC, 0)),
+      stderr_(fcntl(STDERR_FILENO, F_DUPFD_CLOEXEC, 0)) {
+  std::fflush(stdout);
+  dup2(log.descriptor(), STDOUT_FILENO);
   dup2(log.descriptor(), STDERR_FILENO);
 }
 
 SumoLog::Redirection::~Redirection() {
-  dup2(stderr_, STDERR_FILENO);
-  close(stderr_);
+  std::cout.flush();
+  std::fflush(stdout);
+  for (const auto& [kept, stream] : {std::pair{stdout_, STDOUT_FILENO}, {stderr_, STDERR_FILENO}}) {
+    dup2(kept, stream);
+    close(kept);
+  }
 }
 
 }  // namespace mvtp

@@ -10,7 +10,7 @@
 
 namespace mvtp {
 
-/// What SUMO writes on stderr instead of saying it in its exceptions.
+/// What SUMO writes on stdout and stderr instead of saying it in its exceptions.
 class SumoLog {
  public:
   /// @param path  of the file that keeps it; empty: nobody does.
@@ -23,7 +23,7 @@ class SumoLog {
   /// Its warnings since the begin.
   [[nodiscard]] SumoWarnings warnings() const;
 
-  /// Sends this process's stderr into a log during its life.
+  /// Sends this process's stdout and stderr into a log during its life.
   class Redirection {
    public:
     explicit Redirection(const SumoLog& log);
@@ -32,6 +32,7 @@ class SumoLog {
     ~Redirection();
 
    private:
+    int stdout_;
     int stderr_;
   };
 

@@ -263,5 +263,30 @@ TEST(LotCoordinator, ThePolicyChoosesTheSlot) {
             near.coordinator.visits().at("c0").distance + 10.0);
 }
 
+/// The entry lane as the exit of a junction, whose controller still drives the cars there.
+class DrivenByAnother : public FakeLotTraffic {
+ public:
+  using FakeLotTraffic::FakeLotTraffic;
+  [[nodiscard]] bool is_taken_over(const std::string&) const override { return by_another; }
+  void hold(const std::string& id, bool stop) override {
+    EXPECT_FALSE(by_another) << id;
+    FakeLotTraffic::hold(id, stop);
+  }
+
+  bool by_another = true;
+};
+
+TEST(LotCoordinator, LeavesAloneWhomAnotherControllerDrives) {
+  DrivenByAnother traffic(make_lot(), {{.id = "v", .stay = 10.0}});
+  LotCoordinator coordinator(traffic, make_lot(), {});
+  Simulation simulation(traffic);
+  simulation.add(coordinator);
+  while (traffic.time() < 8.0) simulation.step();
+  EXPECT_FALSE(coordinator.drives("v"));
+  traffic.by_another = false;
+  while (traffic.time() < 60.0 && !coordinator.drives("v")) simulation.step();
+  EXPECT_TRUE(coordinator.drives("v"));
+}
+
 }  // namespace
 }  // namespace mvtp

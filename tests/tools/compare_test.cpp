@@ -141,9 +141,10 @@ TEST_F(Compare, AFailedRunIsARowAndTheOthersGoOn) {
   (void)directory_.file("x.sumocfg", std::string("<configuration><net-file value=\"") +
                                          MVTP_NETWORKS +
                                          "/crossroads.net.xml\"/><route-files value=\"x.rou.xml\"/>"
-                                         "<step-length value=\"0.1\"/></configuration>");
+                                         "</configuration>");
   const Outcome outcome = run("compare -c x.sumocfg --seeds 1 --quiet --output-dir out");
   EXPECT_EQ(outcome.exit_code, 1) << outcome.err;
+  EXPECT_THAT(outcome.err, HasSubstr("mvtp: note: SUMO runs at steps of 0.1 s, not"));
   EXPECT_THAT(outcome.out, ContainsRegex("\nFAILED: priority, seed 1: x.sumocfg: SUMO stopped "));
   EXPECT_THAT(outcome.out,
               ContainsRegex("\nFAILED: coordinated, seed 1: x.sumocfg: SUMO stopped "));

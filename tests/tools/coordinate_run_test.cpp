@@ -341,6 +341,7 @@ TEST_F(CoordinateRun, AClosingTableAndTheProgressUnlessQuiet) {
   Outcome outcome = coordinate();
   EXPECT_THAT(outcome.out, ContainsRegex("control +runs +delay .*\nescot +1/1 .* 1/1 "));
   EXPECT_THAT(outcome.err, HasSubstr("coordinate: 10 %, "));
+  write(vehicle("a", 0, "Wi Eo"), kStep + "<duration-log.statistics value=\"true\"/>");
   outcome = coordinate("--quiet");
   EXPECT_THAT(outcome.out, IsEmpty());
   EXPECT_THAT(outcome.err, IsEmpty());

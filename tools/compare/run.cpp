@@ -33,6 +33,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kCoordinated = "coordinated";
+constexpr std::string_view kNote = "mvtp: note: ";
 constexpr std::size_t kMaxSummaryBytes = 1'000'000;
 
 /// A control to compare: which scenario it is found in, and who drives.
@@ -90,7 +91,7 @@ std::string first_line(const fs::path& file) {
   std::ifstream stream(file);
   constexpr std::string_view kName = "mvtp: ";
   for (std::string line; std::getline(stream, line);) {
-    if (line.starts_with(kName) && !line.starts_with("mvtp: note: ")) {
+    if (line.starts_with(kName) && !line.starts_with(kNote)) {
       return line.substr(kName.size());
     }
   }
@@ -113,6 +114,7 @@ class Comparison {
       fmt::print(stderr, "mvtp: {}\n", refusal_);
       return kBadInput;
     }
+    pass_on_notes();
     sort_by_control();
     write_text_file(path("compare.csv"), comparison_csv(runs_));
     write_text_file(path("compare.json"),
@@ -125,6 +127,15 @@ class Comparison {
   }
 
  private:
+  /// What the first run of the last control has to say about the scenario; all say the same.
+  void pass_on_notes() const {
+    const auto run = std::ranges::find(runs_, controls_.back().name, &ComparedRun::control);
+    std::ifstream messages(jobs_[std::size_t(run - runs_.begin())].messages);
+    for (std::string line; std::getline(messages, line);) {
+      if (line.starts_with(kNote)) fmt::print(stderr, "{}\n", line);
+    }
+  }
+
   void plan(const Control& control, std::uint32_t seed) {
     ComparedRun run;
     run.control = control.name;

@@ -35,7 +35,9 @@ void declare_run_options(CLI::App& app, CoordinateOptions& o) {
       ->required()
       ->type_name("FILE")
       ->group("Input");
-  app.add_option("--end", o.end, "Simulated time at which to end [s] (default: all have arrived)")
+  app.add_option("--end", o.end,
+                 "Simulated time at which to end [s] (default: that of the scenario, else\n"
+                 "when all have arrived)")
       ->check(number_between(0.0, 1e9))
       ->group("Input");
   app.add_option("--junction", o.junctions,

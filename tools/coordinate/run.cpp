@@ -207,8 +207,9 @@ class Run {
   void complain() const {
     const auto missing = std::ranges::count_if(
         report_.vehicles, [](const VehicleRecord& v) { return !v.arrival.has_value(); });
-    if (!report_.message.empty()) say(report_.message);
-    if (report_.vehicles.empty()) {
+    if (!report_.message.empty()) {
+      say(report_.message);
+    } else if (report_.vehicles.empty()) {
       say(fmt::format(
           "no vehicle departed until t = {:.2f} s; is the demand of {} empty, or later?",
           report_.end, options_.configuration));
