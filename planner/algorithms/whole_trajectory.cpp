@@ -136,8 +136,8 @@ class Surroundings {
     bool forecast;
   };
 
-  void add(const ContactView& contact, const RoadVehicle& vehicle,
-           const PathTrajectory& trajectory, const Vehicle& body, bool forecast) {
+  void add(const ContactView& contact, const RoadVehicle& vehicle, const PathTrajectory& trajectory,
+           const Vehicle& body, bool forecast) {
     const bool same_exit = vehicle.exit_lane >= 0 && vehicle.exit_lane == vehicle_.exit_lane;
     if (contact.contact->never() && !same_exit) return;
     others_.push_back({contact, &trajectory, &vehicle, &body, forecast});

@@ -69,8 +69,7 @@ ContactTable::ContactTable(const GuidePath& path_a, const Vehicle& body_a, const
 ContactTable::ContactTable(const SweptPath& a, const SweptPath& b) {
   std::vector<std::pair<std::size_t, std::size_t>> near;
   std::vector<Run> runs;
-  const double slack =
-      std::max(0.0, (a.stride() + b.stride()) / 2.0 + kUneven - a.least_margin());
+  const double slack = std::max(0.0, (a.stride() + b.stride()) / 2.0 + kUneven - a.least_margin());
   for (std::size_t i = 0; i < a.boxes().size(); ++i) {
     if (i % SweptPath::kChunk == 0) find_near(b, a.chunks()[i / SweptPath::kChunk], near);
     runs.clear();
