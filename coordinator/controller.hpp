@@ -58,19 +58,12 @@ class Controller {
 /// Leaves all vehicles to their own drivers.
 class OwnDrivers : public Controller {
  public:
-  explicit OwnDrivers(Traffic& traffic) : traffic_(traffic) {}
-
   void decide() override {}
   void act() override {}
   [[nodiscard]] bool drives(const std::string& /*id*/) const override { return false; }
-  [[nodiscard]] bool rests(const std::string& id) const override {
-    const std::optional<ParkingStop> stop = traffic_.parking_stop(id);
-    return stop && stop->parked;
-  }
   [[nodiscard]] const std::vector<Replan>& replans() const override { return replans_; }
 
  private:
-  Traffic& traffic_;
   std::vector<Replan> replans_;
 };
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <utility>
 
 #include "coordinator/referee.hpp"
 #include "planner/search/draws.hpp"
@@ -39,7 +40,8 @@ Coordinator::Coordinator(Traffic& traffic, const DrivableArea& area,
       coordinated_(select_junctions(graph_, options.junctions, options.corridors.chain)),
       finder_(graph_, coordinated_, options.corridors),
       corridors_(graph_, area, options.limits),
-      predictor_(graph_, finder_, corridors_, options.corridors.takeover) {
+      predictor_(graph_, finder_, corridors_, options.corridors.takeover),
+      gate_(traffic) {
   grid_.dt = traffic.step_length();
   grid_.steps_per_decision = std::max(1, int(std::lround(options.decision / grid_.dt)));
 }
@@ -100,44 +102,81 @@ void Coordinator::replan() {
   leave_corridors(/*may_go_on=*/true, went_on);
   const std::vector<Newcomer> newcomers = find_newcomers();
   if (planner_is_dead()) return hold_back(newcomers);
-  if (newcomers.empty() && driven_.empty()) return;
+  if (newcomers.empty() && driven_.empty()) return admit_guests_freely();
 
   const auto begin = std::chrono::steady_clock::now();
-  forecasts_ = predict_others(newcomers);
   std::map<std::string, Driven> admitted;
   for (const Newcomer& n : newcomers) admitted.emplace(n.state->id, admit(n, next_key_++));
-  driven_.insert(admitted.begin(), admitted.end());
-
-  const RoadScene now = scene();
   JointPlan incumbent = incumbents(went_on);
-  std::vector<std::int64_t> order = without_plan(now, incumbent);
+  std::vector<std::int64_t> order = without_plan(incumbent, admitted);
   upset_stagnation(incumbent, order);
-  prepare_tables(now);
-  RoadDecision decision = decide_on_road(now, incumbent, order, options_.escot);
-  const std::vector<PlannedContact> contacts = find_planned_contacts(now, decision.plan, plan_);
-  const std::vector<std::size_t> refused = groups_in_contact(decision.members, contacts);
 
+  const Trial trial = best_trial(admitted, incumbent, order);
   Replan record{.time = traffic_.time(),
-                .vehicles = int(now.vehicles.size()),
+                .vehicles = int(driven_.size() + admitted.size()),
                 .newcomers = int(newcomers.size()),
-                .forecasts = int(forecasts_.size()),
-                .groups = decision.groups,
-                .stepped = decision.stepped,
-                .cost = decision.cost};
+                .forecasts = int(trial.forecasts.size()),
+                .groups = trial.decision.groups,
+                .stepped = trial.decision.stepped,
+                .cost = trial.decision.cost};
   record.ms =
       std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
   const bool late =
       traffic_.time() >= options_.budget_from && record.ms > options_.replan_budget_ms;
-  record.fallback = late || !refused.empty();
+  record.fallback = late || !trial.refused.empty();
   replans_.push_back(record);
+  accept(trial, late, admitted, went_on);
+}
 
-  std::set<std::int64_t> keep;  // keys of vehicles that keep what they have
-  for (std::size_t g = 0; g < decision.members.size(); ++g) {
-    const bool kept = late || std::ranges::binary_search(refused, g);
-    if (kept) keep.insert(decision.members[g].begin(), decision.members[g].end());
+/// The plan with all newcomers; with a guest that goes over the junction too, if that leaves nobody
+/// without a plan; without those newcomers whose plans the referee refuses.
+Coordinator::Trial Coordinator::best_trial(const std::map<std::string, Driven>& admitted,
+                                           const JointPlan& incumbent,
+                                           const std::vector<std::int64_t>& order) {
+  const std::optional<std::string> guest = gate_.propose();
+  std::set<std::string> excluded;
+  if (guest) {
+    Trial trial = plan_trial(admitted, excluded, incumbent, order, guest);
+    if (trial.decision.stepped == 0 && trial.refused.empty()) return trial;
   }
-  groups_ = std::move(decision.members);
-  accept(std::move(decision.plan), keep, admitted, went_on);
+  Trial trial = plan_trial(admitted, excluded, incumbent, order, std::nullopt);
+  for (const auto& [id, driven] : admitted) {
+    const bool refused = std::ranges::any_of(trial.refused, [&](std::size_t g) {
+      return std::ranges::binary_search(trial.decision.members[g], driven.key);
+    });
+    if (refused) excluded.insert(id);
+  }
+  if (excluded.empty()) return trial;
+  return plan_trial(admitted, excluded, incumbent, order, std::nullopt);
+}
+
+Coordinator::Trial Coordinator::plan_trial(const std::map<std::string, Driven>& admitted,
+                                           const std::set<std::string>& excluded,
+                                           const JointPlan& incumbent,
+                                           const std::vector<std::int64_t>& order,
+                                           const std::optional<std::string>& guest) {
+  Trial trial{.guest = guest, .excluded = excluded};
+  std::set<std::int64_t> left_out;
+  RoadScene now{.library = &corridors_.library(), .grid = grid_, .step = step_};
+  for (const auto& [id, driven] : driven_) now.vehicles.push_back(driven.road);
+  for (const auto& [id, driven] : admitted) {
+    if (excluded.contains(id)) left_out.insert(driven.key);
+    else now.vehicles.push_back(driven.road);
+  }
+  std::ranges::sort(now.vehicles, {}, &RoadVehicle::key);
+  now.forecasts = trial.forecasts = predict_others(admitted, excluded, guest);
+  prepare_tables(now);
+  std::vector<std::int64_t> keys = order;
+  std::erase_if(keys, [&](std::int64_t key) { return left_out.contains(key); });
+  trial.decision = decide_on_road(now, incumbent, keys, options_.escot);
+  const auto contacts = find_planned_contacts(now, trial.decision.plan, plan_);
+  trial.refused = groups_in_contact(trial.decision.members, contacts);
+  return trial;
+}
+
+/// Nobody is under control: whoever waits with its own driver may go, one after the other.
+void Coordinator::admit_guests_freely() {
+  if (const std::optional<std::string> guest = gate_.propose()) gate_.let_through(*guest);
 }
 
 /// Contact tables of all paths in use, before threads look into them.
@@ -161,34 +200,44 @@ JointPlan Coordinator::incumbents(const std::map<std::string, Driven>& went_on) 
   return incumbent;
 }
 
-/// Makes `plan` what is executed, but for the vehicles in `keep`: those go on as before, and the
-/// newcomers among them are not taken over.
-void Coordinator::accept(JointPlan plan, const std::set<std::int64_t>& keep,
+/// Makes a trial's plan what is executed, but for groups that the referee refuses and for all if it
+/// is late: those go on as before, and the newcomers among them are not taken over.
+void Coordinator::accept(const Trial& trial, bool late,
                          const std::map<std::string, Driven>& admitted,
                          std::map<std::string, Driven>& went_on) {
-  for (auto& [id, before] : went_on) {
-    if (keep.contains(before.key)) driven_.at(id) = std::move(before);
-    else announce(id, driven_.at(id));
+  std::set<std::int64_t> keep;  // keys
+  for (std::size_t g = 0; g < trial.decision.members.size(); ++g) {
+    const bool kept = late || std::ranges::binary_search(trial.refused, g);
+    const auto& members = trial.decision.members[g];
+    if (kept) keep.insert(members.begin(), members.end());
   }
+  for (auto& [id, before] : went_on) {
+    if (keep.contains(before.key)) {
+      driven_.at(id) = std::move(before);
+    } else {
+      announce(id, driven_.at(id));
+    }
+  }
+  JointPlan plan = trial.decision.plan;
   std::erase_if(plan.entries, [&](const auto& e) { return keep.contains(e.key); });
   for (const JointPlan::Entry& e : plan_.entries) {
     if (keep.contains(e.key)) plan.entries.push_back(e);
   }
   plan_ = std::move(plan);
-  std::vector<std::string> held;
+  groups_ = trial.decision.members;
+  forecasts_ = trial.forecasts;
+  if (trial.guest && !late) gate_.let_through(*trial.guest);
   for (const auto& [id, driven] : admitted) {
-    if (keep.contains(driven.key)) {
-      held.push_back(id);
-      driven_.erase(id);
+    if (keep.contains(driven.key) || trial.excluded.contains(id)) {
+      if (held_.insert(id).second) traffic_.hold(id, true);
       continue;
     }
+    gate_.release(id);
     if (held_.erase(id) > 0) traffic_.hold(id, false);
+    driven_.emplace(id, driven);
     traffic_.take_over(id);
     taken_over_.push_back(id);
     announce(id, driven);
-  }
-  for (const std::string& id : held) {
-    if (held_.insert(id).second) traffic_.hold(id, true);
   }
 }
 
@@ -221,12 +270,15 @@ void Coordinator::upset_stagnation(JointPlan& incumbent, std::vector<std::int64_
 
 /// Keys of the vehicles without an incumbent, the first of them first: those under control by age,
 /// then newcomers in the order of arrival.
-std::vector<std::int64_t> Coordinator::without_plan(const RoadScene& now,
-                                                    const JointPlan& incumbent) const {
+std::vector<std::int64_t> Coordinator::without_plan(
+    const JointPlan& incumbent, const std::map<std::string, Driven>& admitted) const {
   std::vector<std::int64_t> order;
-  for (const RoadVehicle& v : now.vehicles) {
-    if (!incumbent.find(v.key)) order.push_back(v.key);
+  for (const auto* vehicles : {&std::as_const(driven_), &admitted}) {
+    for (const auto& [id, driven] : *vehicles) {
+      if (!incumbent.find(driven.key)) order.push_back(driven.key);
+    }
   }
+  std::ranges::sort(order);
   return order;
 }
 
@@ -304,7 +356,7 @@ std::optional<Coordinator::Newcomer> Coordinator::newcomer_at(const VehicleState
     const auto& pieces = corridor.course.pieces;
     undriven_.try_emplace(
         fmt::format("type {} from lane {} to lane {}", type.id,
-                    graph_.lane(pieces[std::size_t(corridor.course.line_piece)].last_lane()).id,
+                    graph_.lane(pieces[std::size_t(corridor.course.lines.front())].last_lane()).id,
                     graph_.lane(corridor.exit_lane).id),
         corridor.undriven);
     return std::nullopt;
@@ -313,7 +365,7 @@ std::optional<Coordinator::Newcomer> Coordinator::newcomer_at(const VehicleState
   const double s = corridor.station(query.lane, query.position, 0.0).value_or(0.0);
   return Newcomer{.state = &state,
                   .corridor = number,
-                  .to_line = corridor.s_line - s,
+                  .to_line = corridor.lines.front() - s,
                   .route = std::move(route)};
 }
 
@@ -370,23 +422,38 @@ void Coordinator::remember_lanes() {
 
 std::vector<Coordinator::Newcomer> Coordinator::find_newcomers() {
   std::vector<Newcomer> newcomers;
+  gate_.begin();
   for (const VehicleState& v : traffic_.vehicles()) {
     const int lane = graph_.find_lane(v.lane);
     if (lane == LaneGraph::kNone || !finder_.may_approach(lane, v.lane_position)) continue;
     if (driven_.contains(v.id) || traffic_.is_taken_over(v.id)) continue;
-    if (v.halted_by_stop || !is_car_like(type_of(v.type).vehicle_class)) continue;
+    if (v.halted_by_stop) continue;
     std::vector<int> route = route_of(v);
     const CourseQuery query = query_for(v, route);
-    if (auto newcomer = newcomer_at(v, query, route)) {
+    if (!is_car_like(type_of(v.type).vehicle_class)) {
+      see_guest(v, query);
+    } else if (auto newcomer = newcomer_at(v, query, route)) {
       newcomers.push_back(std::move(*newcomer));
-    } else if (const auto line = finder_.distance_to_line(query);
-               line && *line <= options_.corridors.takeover) {
-      ++wrong_lane_sightings_;
+    } else {
+      see_guest(v, query);
     }
   }
+  gate_.end();
   // Whoever is nearer to the line has arrived earlier; lanes keep their order this way.
   std::ranges::stable_sort(newcomers, {}, &Newcomer::to_line);
   return newcomers;
+}
+
+/// A vehicle near a stop line that keeps its own driver.
+void Coordinator::see_guest(const VehicleState& v, const CourseQuery& query) {
+  const std::optional<double> to_line = finder_.distance_to_line(query);
+  const bool is_inside = graph_.edge_of(query.lane) == LaneGraph::kNone;
+  if (to_line && *to_line <= options_.corridors.takeover) {
+    ++guest_sightings_;
+    gate_.see(v, *to_line, type_of(v.type).body);
+  } else if (is_inside && gate_.passes(v.id)) {
+    gate_.see(v, -1.0, type_of(v.type).body);
+  }
 }
 
 Driven Coordinator::admit(const Newcomer& newcomer, std::int64_t key) {
@@ -396,7 +463,7 @@ Driven Coordinator::admit(const Newcomer& newcomer, std::int64_t key) {
   const GuidePath& path = corridors_.library().path(c.path);
   Driven driven{.key = key, .corridor = newcomer.corridor, .route = newcomer.route};
 
-  const double expected = c.s_line - newcomer.to_line;
+  const double expected = c.lines.front() - newcomer.to_line;
   driven.approach = PathApproach(path, v.pose, path.project({v.pose.x, v.pose.y}, expected - 3.0,
                                                             expected + 3.0));
 
@@ -412,6 +479,7 @@ Driven Coordinator::admit(const Newcomer& newcomer, std::int64_t key) {
   road.envelope = std::make_shared<SpeedEnvelope>(std::move(limits), envelope_braking(type.body));
   road.min_gap = type.min_gap;
   road.tau = type.tau;
+  road.stop_lines = c.lines;
   road.exit_lane = c.exit_lane;
   road.s_exit_lane = c.s_exit;
   road.s_handback = c.s_handback;
@@ -427,30 +495,32 @@ RoadScene Coordinator::scene() const {
   return scene;
 }
 
-std::vector<Forecast> Coordinator::predict_others(const std::vector<Newcomer>& newcomers) {
+/// What everybody does who is not under control, of those near somebody who is. The guest, if there is
+/// one, goes over the junction.
+std::vector<Forecast> Coordinator::predict_others(const std::map<std::string, Driven>& admitted,
+                                                  const std::set<std::string>& excluded,
+                                                  const std::optional<std::string>& guest) {
   constexpr double kSight = 150.0;  // [m] around those under control in which others matter
-  std::set<std::string> ours;
   std::vector<Point> places;
-  for (const Newcomer& n : newcomers) {
-    ours.insert(n.state->id);
-    places.push_back({n.state->pose.x, n.state->pose.y});
-  }
-  for (const auto& [id, driven] : driven_) {
-    const Pose& pose = find_state(id)->pose;
-    places.push_back({pose.x, pose.y});
+  for (const auto* vehicles : {&std::as_const(driven_), &admitted}) {
+    for (const auto& [id, driven] : *vehicles) {
+      const Pose& pose = find_state(id)->pose;
+      places.push_back({pose.x, pose.y});
+    }
   }
   std::vector<Forecast> forecasts;
   for (const VehicleState& v : traffic_.vehicles()) {
     const int lane = graph_.find_lane(v.lane);
-    if (lane == LaneGraph::kNone || !predictor_.watches(lane)) continue;
-    if (driven_.contains(v.id) || ours.contains(v.id)) continue;
+    if (lane == LaneGraph::kNone || !predictor_.watches(lane) || driven_.contains(v.id)) continue;
+    if (admitted.contains(v.id) && !excluded.contains(v.id)) continue;
     const bool near = std::ranges::any_of(places, [&](const Point& p) {
       return std::abs(p.x - v.pose.x) < kSight && std::abs(p.y - v.pose.y) < kSight;
     });
     if (!near) continue;
     const std::vector<int> route = route_of(v);
-    if (auto forecast = predictor_.predict(v, query_for(v, route), type_of(v.type).body, grid_,
-                                           step_)) {
+    const bool halts = !gate_.passes(v.id) && guest != v.id;
+    if (auto forecast = predictor_.predict(v, query_for(v, route), type_of(v.type).body, halts,
+                                           grid_, step_)) {
       forecasts.push_back(std::move(*forecast));
     }
   }

@@ -10,6 +10,7 @@
 
 #include "coordinator/controller.hpp"
 #include "coordinator/corridor.hpp"
+#include "coordinator/gate.hpp"
 #include "coordinator/path_approach.hpp"
 #include "coordinator/prediction.hpp"
 #include "planner/algorithms/road_escot.hpp"
@@ -26,6 +27,7 @@ struct CoordinatorOptions {
   /// dropped. 0: no planning at all, as if the planner had died.
   double replan_budget_ms = 1e9;
   double budget_from = 0.0;
+  int threads = 0;  ///< that plan; 0: one per core
 };
 
 /// A vehicle under control.
@@ -61,8 +63,8 @@ class Coordinator : public Controller {
   /// Ids taken over and handed back at the last decision.
   [[nodiscard]] const std::vector<std::string>& taken_over() const { return taken_over_; }
   [[nodiscard]] const std::vector<std::string>& handed_back() const { return handed_back_; }
-  /// Sightings of vehicles near a stop line in a lane that does not lead where they go.
-  [[nodiscard]] std::int64_t wrong_lane_sightings() const { return wrong_lane_sightings_; }
+  /// Sightings of vehicles near a stop line that keep their own drivers.
+  [[nodiscard]] std::int64_t guest_sightings() const { return guest_sightings_; }
   [[nodiscard]] const CorridorMap& corridors() const { return corridors_; }
 
   /// What the planner sees now; public so that the invariants can be tested from outside.
@@ -76,6 +78,15 @@ class Coordinator : public Controller {
     int corridor = 0;
     double to_line = 0.0;    ///< [m]
     std::vector<int> route;  ///< edges
+  };
+
+  /// A plan that may be accepted.
+  struct Trial {
+    RoadDecision decision;
+    std::vector<Forecast> forecasts;
+    std::vector<std::size_t> refused;  ///< groups, ascending
+    std::optional<std::string> guest;  ///< who goes over the junction with its own driver
+    std::set<std::string> excluded;    ///< newcomers that are not taken over
   };
 
   void replan();
@@ -92,16 +103,26 @@ class Coordinator : public Controller {
   [[nodiscard]] std::vector<int> route_of(const VehicleState& state) const;
   [[nodiscard]] Driven admit(const Newcomer& newcomer, std::int64_t key);
   void announce(const std::string& id, const Driven& driven);
-  [[nodiscard]] std::vector<std::int64_t> without_plan(const RoadScene& now,
-                                                       const JointPlan& incumbent) const;
+  [[nodiscard]] std::vector<std::int64_t> without_plan(
+      const JointPlan& incumbent, const std::map<std::string, Driven>& admitted) const;
   [[nodiscard]] bool planner_is_dead() const;
   void hold_back(const std::vector<Newcomer>& newcomers);
   [[nodiscard]] const VehicleType& type_of(const std::string& id);
-  [[nodiscard]] std::vector<Forecast> predict_others(const std::vector<Newcomer>& newcomers);
+  [[nodiscard]] std::vector<Forecast> predict_others(const std::map<std::string, Driven>& admitted,
+                                                     const std::set<std::string>& excluded,
+                                                     const std::optional<std::string>& guest);
   [[nodiscard]] JointPlan incumbents(const std::map<std::string, Driven>& went_on) const;
-  void accept(JointPlan plan, const std::set<std::int64_t>& keep,
-              const std::map<std::string, Driven>& admitted,
+  [[nodiscard]] Trial best_trial(const std::map<std::string, Driven>& admitted,
+                                 const JointPlan& incumbent,
+                                 const std::vector<std::int64_t>& order);
+  [[nodiscard]] Trial plan_trial(const std::map<std::string, Driven>& admitted,
+                                 const std::set<std::string>& excluded, const JointPlan& incumbent,
+                                 const std::vector<std::int64_t>& order,
+                                 const std::optional<std::string>& guest);
+  void accept(const Trial& trial, bool late, const std::map<std::string, Driven>& admitted,
               std::map<std::string, Driven>& went_on);
+  void admit_guests_freely();
+  void see_guest(const VehicleState& state, const CourseQuery& query);
   void prepare_tables(const RoadScene& now);
   void upset_stagnation(JointPlan& incumbent, std::vector<std::int64_t>& order);
   void remember_lanes();
@@ -120,6 +141,7 @@ class Coordinator : public Controller {
   CourseFinder finder_;
   CorridorMap corridors_;
   Predictor predictor_;
+  Gate gate_;
   DecisionGrid grid_;
   std::int64_t step_ = 0;
   std::int64_t next_key_ = 0;
@@ -135,7 +157,7 @@ class Coordinator : public Controller {
   std::vector<Replan> replans_;
   std::vector<std::string> taken_over_;
   std::vector<std::string> handed_back_;
-  std::int64_t wrong_lane_sightings_ = 0;
+  std::int64_t guest_sightings_ = 0;
 };
 
 }  // namespace mvtp

@@ -12,6 +12,7 @@
 namespace mvtp {
 namespace {
 
+constexpr double kDriverSmoothing = 1.5;  ///< [m]: a driver follows the lanes about so closely
 constexpr double kChangeLateralAccel = 3.0;  ///< [m/s^2] while changing lanes, whatever the limit
 
 double distance(const Point& a, const Point& b) { return std::hypot(b.x - a.x, b.y - a.y); }
@@ -215,11 +216,12 @@ CorridorMap::Line CorridorMap::centre_line(const CorridorCourse& course) const {
 
 Corridor CorridorMap::build(const CorridorCourse& course, const Vehicle& body) {
   const Line line = centre_line(course);
-  GuidePath path = make_reference_path(line.points, body, area_);
+  GuidePath path = course.own_driver ? GuidePath(smooth(line.points, kDriverSmoothing))
+                                     : make_reference_path(line.points, body, area_);
   Corridor corridor{.course = course};
   set_stations(line, path, body, corridor);
   set_limits(path, body, corridor);
-  corridor.undriven = why_not(path, body, corridor);
+  if (!course.own_driver) corridor.undriven = why_not(path, body, corridor);
   corridor.path = library_.add(std::move(path), body);
   return corridor;
 }
@@ -246,9 +248,9 @@ void CorridorMap::set_stations(const Line& line, const GuidePath& path, const Ve
                                       : (corridor.stations[i + 1] - corridor.stations[i]) /
                                             graph_.lane(course.pieces[i].lane).length);
   }
-  const auto line_piece = std::size_t(course.line_piece);
-  corridor.entry_lane = course.pieces[line_piece].last_lane();
-  if (line_piece + 1 < corridor.stations.size()) corridor.s_line = corridor.stations[line_piece + 1];
+  for (const int piece : course.lines) {
+    corridor.lines.push_back(corridor.stations[std::size_t(piece) + 1]);
+  }
   const auto exit = std::size_t(course.exit_piece);
   corridor.exit_lane = course.pieces[exit].lane;
   corridor.s_exit = corridor.stations[exit];

@@ -23,8 +23,7 @@ struct Corridor {
   std::vector<double> lane_limits;   ///< [m/s] per GuidePath::kSpacing of the path
   std::vector<double> lateral_limits;  ///< [m/s] likewise, from the curvature
   int exit_lane = LaneGraph::kNone;  ///< the first behind the last coordinated junction
-  int entry_lane = LaneGraph::kNone; ///< the last before the first coordinated stop line
-  double s_line = 0.0;               ///< when the front bumper is at that line
+  std::vector<double> lines;  ///< when the front bumper is at each coordinated stop line
   double s_exit = 0.0;               ///< when the front bumper enters the exit lane
   double s_handback = 0.0;
   double s_end = 0.0;     ///< where a plan is complete

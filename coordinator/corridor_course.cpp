@@ -226,7 +226,7 @@ double CourseFinder::handback_at(const Exit& exit, double body_length) const {
 /// by a vehicle that enters the edge on it. On the first edge there are `room` metres left.
 std::vector<std::vector<double>> CourseFinder::costs_to_go(const CourseQuery& query,
                                                            std::size_t first, std::size_t last,
-                                                           std::size_t exit, double room) const {
+                                                           double room) const {
   std::vector<std::vector<double>> costs(last - first + 1);
   for (std::size_t i = last + 1; i-- > first;) {
     const std::span<const int> lanes = graph_.lanes_of(query.edges[i]);
@@ -256,8 +256,8 @@ std::vector<std::vector<double>> CourseFinder::costs_to_go(const CourseQuery& qu
   return costs;
 }
 
-bool CourseFinder::lay_pieces(const CourseQuery& query, const Start& start, std::size_t line,
-                              std::size_t exit, double reach, CorridorCourse& course) const {
+bool CourseFinder::lay_pieces(const CourseQuery& query, const Start& start, std::size_t exit,
+                              double reach, CorridorCourse& course) const {
   std::size_t last = exit;
   double covered = length(query.edges[exit]);
   for (; covered < reach && last + 1 < query.edges.size(); ++last) {
@@ -271,7 +271,7 @@ bool CourseFinder::lay_pieces(const CourseQuery& query, const Start& start, std:
   }
   const std::size_t seen = std::min(last + kLookAhead, query.edges.size() - 1);
   const double room = length(query.edges[start.edge]) - std::max(start.position, 0.0);
-  const auto costs = costs_to_go(query, start.edge, seen, exit, room);
+  const auto costs = costs_to_go(query, start.edge, seen, room);
 
   for (const int via : start.inside) course.pieces.push_back({.lane = via});
   int lane = start.lane;
@@ -295,7 +295,9 @@ bool CourseFinder::lay_pieces(const CourseQuery& query, const Start& start, std:
         if (cost < best) best = cost, chosen = k;
       }
     }
-    if (i == line) course.line_piece = int(course.pieces.size());
+    if (i < exit && is_coordinated(graph_.junction_behind(query.edges[i]))) {
+      course.lines.push_back(int(course.pieces.size()));
+    }
     if (i == exit) course.exit_piece = int(course.pieces.size());
     CorridorPiece piece{.lane = lane};
     if (chosen != kNone && graph_.link(chosen).from != lane) {
@@ -371,7 +373,7 @@ std::optional<CorridorCourse> CourseFinder::find(const CourseQuery& query) const
   }
   CorridorCourse course;
   const double wanted = handback_at(exit, query.length);
-  if (!lay_pieces(query, *start, *line, first_exit, wanted + kRunOut + kSight, course)) {
+  if (!lay_pieces(query, *start, first_exit, wanted + kRunOut + kSight, course)) {
     return std::nullopt;
   }
   double room = 0.0;
@@ -411,6 +413,7 @@ CorridorCourse CourseFinder::follow(const CourseQuery& query, double reach) cons
   }
   for (const CorridorPiece& piece : course.pieces) course.reach += graph_.lane(piece.lane).length;
   course.handback = course.end = course.reach;
+  course.own_driver = true;
   constexpr double kGrid = 50.0;  // [m]: few paths serve all vehicles of a long lane
   course.start = std::floor((query.position - query.length - kLeadIn) / kGrid) * kGrid;
   if (course.start <= 0.0) lay_lead_in(query, course);
@@ -486,8 +489,9 @@ std::vector<ControlZone> partition(const LaneGraph& graph, const std::vector<boo
     if (!coordinated[std::size_t(link.junction)]) continue;
     for_each_near(graph, link.to, chain, [&](int near) {
       if (coordinated[std::size_t(near)]) {
-        const auto [low, high] = std::minmax(find(near), find(link.junction));
-        root[std::size_t(high)] = low;
+        const int a = find(near);
+        const int b = find(link.junction);
+        root[std::size_t(std::max(a, b))] = std::min(a, b);
       }
     });
   }

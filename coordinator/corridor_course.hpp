@@ -26,12 +26,13 @@ struct CorridorPiece {
 struct CorridorCourse {
   std::vector<int> lead_in;  ///< lanes behind the first piece on which its tail may still be
   std::vector<CorridorPiece> pieces;
-  int line_piece = 0;     ///< the last before the first coordinated stop line
+  std::vector<int> lines;  ///< pieces at whose ends there are coordinated stop lines
   int exit_piece = 0;     ///< the first behind the last coordinated junction
   double start = 0.0;     ///< [m] on the first lane where the course begins; < 0: behind it
   double handback = 0.0;  ///< [m] behind the start of the exit piece, of the front bumper
   double end = 0.0;       ///< [m] likewise: where a plan is complete; >= handback
   double reach = 0.0;     ///< [m] likewise: what lies further ahead does not matter
+  bool own_driver = false;  ///< who keeps to the lanes, however wide the body swings
 
   friend auto operator<=>(const CorridorCourse&, const CorridorCourse&) = default;
 };
@@ -98,9 +99,9 @@ class CourseFinder {
   [[nodiscard]] double handback_at(const Exit& exit, double body_length) const;
   [[nodiscard]] std::vector<std::vector<double>> costs_to_go(const CourseQuery& query,
                                                              std::size_t first, std::size_t last,
-                                                             std::size_t exit, double room) const;
-  [[nodiscard]] bool lay_pieces(const CourseQuery& query, const Start& start, std::size_t line,
-                                std::size_t exit, double reach, CorridorCourse& course) const;
+                                                             double room) const;
+  [[nodiscard]] bool lay_pieces(const CourseQuery& query, const Start& start, std::size_t exit,
+                                double reach, CorridorCourse& course) const;
   void lay_lead_in(const CourseQuery& query, CorridorCourse& course) const;
 
   const LaneGraph& graph_;

@@ -198,6 +198,7 @@ void LotCoordinator::watch_the_gates() {
     if (known == guests_.end() || known->second.phase != Phase::kAtGate) continue;
     Guest& guest = known->second;
     guest.entry = -1;
+    if (traffic_.is_taken_over(v.id)) continue;  // another controller still drives it
     for (std::size_t e = 0; e < lot_.entries.size(); ++e) {
       if (lot_.entries[e].lane != v.lane) continue;
       if (!guest.held) {

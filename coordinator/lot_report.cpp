@@ -57,6 +57,8 @@ std::optional<double> time_out(const VisitRecord& record, double end) {
   return record.visit.handed_back.value_or(end) - *record.visit.wished_out;
 }
 
+namespace {
+
 Json lot_json(const LotReport& report, double end) {
   Ways in;
   Ways out;
@@ -96,7 +98,34 @@ Json lot_json(const LotReport& report, double end) {
           {"stranded", std::move(stranded)}};
 }
 
-std::string visits_csv(const LotReport& report, double end) {
+/// All lots as one.
+LotReport merged(std::span<const LotReport> lots) {
+  LotReport all = lots.front();
+  for (const LotReport& lot : lots.subspan(1)) {
+    all.lot += ", " + lot.lot;
+    all.slots += lot.slots;
+    all.visits.insert(all.visits.end(), lot.visits.begin(), lot.visits.end());
+    for (std::size_t i = 0; i < std::min(all.occupancy.size(), lot.occupancy.size()); ++i) {
+      all.occupancy[i].parked += lot.occupancy[i].parked;
+      all.occupancy[i].under_way += lot.occupancy[i].under_way;
+      all.occupancy[i].at_gate += lot.occupancy[i].at_gate;
+    }
+  }
+  std::ranges::sort(all.visits, {}, [](const VisitRecord& r) { return r.visit.id; });
+  return all;
+}
+
+}  // namespace
+
+Json lots_json(std::span<const LotReport> lots, double end) {
+  Json json = lot_json(merged(lots), end);
+  if (lots.size() < 2) return json;
+  for (const LotReport& lot : lots) json["lots"].push_back(lot_json(lot, end));
+  return json;
+}
+
+std::string visits_csv(std::span<const LotReport> lots, double end) {
+  const LotReport report = merged(lots);
   std::string text =
       "id,slot,at_gate_s,asked_in_s,admitted_in_s,parked_s,wished_out_s,admitted_out_s,"
       "handed_back_s,gate_to_parked_s,alone_in_s,slot_to_exit_s,alone_out_s,distance_m,waited_s,"
@@ -113,7 +142,8 @@ std::string visits_csv(const LotReport& report, double end) {
   return text;
 }
 
-std::string occupancy_csv(const LotReport& report) {
+std::string occupancy_csv(std::span<const LotReport> lots) {
+  const LotReport report = merged(lots);
   std::string text = "time_s,parked,under_way,at_gate\n";
   for (const Occupied& o : report.occupancy) {
     text += fmt::format("{:.1f},{},{},{}\n", o.time, o.parked, o.under_way, o.at_gate);

@@ -2,6 +2,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -29,9 +30,10 @@ struct LotReport {
 [[nodiscard]] std::optional<double> time_in(const VisitRecord& record, double end);
 [[nodiscard]] std::optional<double> time_out(const VisitRecord& record, double end);
 
-/// The part "parking" of summary.json: the keys of docs/outputs.md.
-[[nodiscard]] nlohmann::ordered_json lot_json(const LotReport& report, double end);
-[[nodiscard]] std::string visits_csv(const LotReport& report, double end);
-[[nodiscard]] std::string occupancy_csv(const LotReport& report);
+/// The part "parking" of summary.json: the keys of docs/outputs.md, over all lots.
+/// @pre !lots.empty()
+[[nodiscard]] nlohmann::ordered_json lots_json(std::span<const LotReport> lots, double end);
+[[nodiscard]] std::string visits_csv(std::span<const LotReport> lots, double end);
+[[nodiscard]] std::string occupancy_csv(std::span<const LotReport> lots);
 
 }  // namespace mvtp

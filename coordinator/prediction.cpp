@@ -8,17 +8,18 @@ namespace {
 
 constexpr double kHold = 3.0;          ///< [s] for which a driver keeps his speed
 constexpr double kAcceleration = 1.0;  ///< [m/s^2] after that
+constexpr double kPassing = 2.0;       ///< [m/s^2] of a driver who is let through
 constexpr double kBraking = 3.0;       ///< [m/s^2] before a line
-constexpr double kStand = 8.0;         ///< [s] that he stands there
+constexpr double kStand = 60.0;        ///< [s] that he stands there
 constexpr std::size_t kLongest = 3000; ///< steps that are predicted
 
 /// Appends states until the end of the path: held speed until step `hold`, then gentle acceleration.
-void drive_on(PathTrajectory& t, const RoadVehicle& v, const DecisionGrid& grid,
-              std::size_t hold) {
+void drive_on(PathTrajectory& t, const RoadVehicle& v, const DecisionGrid& grid, std::size_t hold,
+              double acceleration) {
   while (t.states.back().s < v.s_end && t.states.size() < kLongest) {
     const InertialState last = t.states.back();
     const bool holds = t.states.size() <= hold || last.v >= v.cruise_speed;
-    t.states.push_back(advance(last, holds ? 0.0 : kAcceleration, grid.dt));
+    t.states.push_back(advance(last, holds ? 0.0 : acceleration, grid.dt));
   }
 }
 
@@ -82,8 +83,8 @@ int Predictor::path_of(const VehicleState& v, const CourseQuery& query, const Ve
 }
 
 std::optional<Forecast> Predictor::predict(const VehicleState& v, const CourseQuery& query,
-                                           const Vehicle& body, const DecisionGrid& grid,
-                                           std::int64_t step) {
+                                           const Vehicle& body, bool halts,
+                                           const DecisionGrid& grid, std::int64_t step) {
   const ExitRoot root = exit_roots_[std::size_t(query.lane)];
   const std::optional<double> to_line = finder_.distance_to_line(query);
   // Whoever is further from the next line than those under control cannot be ahead of them there.
@@ -108,15 +109,26 @@ std::optional<Forecast> Predictor::predict(const VehicleState& v, const CourseQu
   road.s_end = corridors_.library().path(corridor.path).length();
   road.s_handback = road.s_end;
   const double line = s + to_line.value_or(0.0);
-  const bool may_halt = to_line && *to_line <= takeover_ && line < road.s_end;
-  forecast.trajectory = may_halt ? predict_halt(road, line, grid, step)
-                                 : predict_leader(road, grid, step);
+  const bool at_line = to_line && *to_line <= takeover_ && line < road.s_end;
+  if (!at_line) {
+    forecast.trajectory = predict_leader(road, grid, step);
+  } else {
+    forecast.trajectory =
+        halts ? predict_halt(road, line, grid, step) : predict_passage(road, grid, step);
+  }
   return forecast;
 }
 
 PathTrajectory predict_leader(const RoadVehicle& v, const DecisionGrid& grid, std::int64_t step) {
   PathTrajectory t{.begin = step, .states = {v.now}};
-  drive_on(t, v, grid, std::size_t(kHold / grid.dt));
+  drive_on(t, v, grid, std::size_t(kHold / grid.dt), kAcceleration);
+  return t;
+}
+
+PathTrajectory predict_passage(const RoadVehicle& v, const DecisionGrid& grid,
+                               std::int64_t step) {
+  PathTrajectory t{.begin = step, .states = {v.now}};
+  drive_on(t, v, grid, 0, kPassing);
   return t;
 }
 
@@ -131,7 +143,7 @@ PathTrajectory predict_halt(const RoadVehicle& v, double s_line, const DecisionG
     t.states.push_back(advance(last, brakes ? -kBraking : 0.0, grid.dt));
     stood += t.states.back().v == 0.0 ? grid.dt : 0.0;
   }
-  drive_on(t, v, grid, 0);
+  drive_on(t, v, grid, 0, kAcceleration);
   return t;
 }
 

@@ -26,9 +26,11 @@ class Predictor {
   void watch(const Corridor& corridor);
 
   /// The motion expected of a vehicle along its route; nullopt if it is leaving the sight of all.
+  /// @param halts  it waits before the next coordinated stop line; else it goes over it.
   [[nodiscard]] std::optional<Forecast> predict(const VehicleState& vehicle,
                                                 const CourseQuery& query, const Vehicle& body,
-                                                const DecisionGrid& grid, std::int64_t step);
+                                                bool halts, const DecisionGrid& grid,
+                                                std::int64_t step);
 
  private:
   /// Where the exit begins that a lane belongs to: the first lane behind a coordinated junction, and
@@ -56,8 +58,11 @@ class Predictor {
 [[nodiscard]] PathTrajectory predict_leader(const RoadVehicle& vehicle, const DecisionGrid& grid,
                                             std::int64_t step);
 
-/// A driver who may have to wait at a stop line: he halts before `s_line`, stands for a while, and
-/// goes on then.
+/// A driver who is let over a junction: he speeds up at once.
+[[nodiscard]] PathTrajectory predict_passage(const RoadVehicle& vehicle, const DecisionGrid& grid,
+                                             std::int64_t step);
+
+/// A driver who waits at a stop line: he halts before `s_line` and goes on much later.
 [[nodiscard]] PathTrajectory predict_halt(const RoadVehicle& vehicle, double s_line,
                                           const DecisionGrid& grid, std::int64_t step);
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "coordinator/simulation.hpp"
 #include "coordinator/statistics.hpp"
 #include "planner/problem/text_file.hpp"
 
@@ -47,7 +48,8 @@ Json delay_json(const RunReport& report) {
 }
 
 Json audit_json(const AuditFigures& a) {
-  return {{"overlap_pairs", a.overlap_pairs},
+  return {{"between_steps", a.between_steps},
+          {"overlap_pairs", a.overlap_pairs},
           {"overlap_pairs_coordinated", a.overlap_pairs_coordinated},
           {"overlap_vehicle_steps", a.overlap_vehicle_steps},
           {"min_clearance_m", std::isfinite(a.min_clearance) ? Json(a.min_clearance) : Json()},
@@ -58,6 +60,22 @@ Json audit_json(const AuditFigures& a) {
           {"off_road_steps_coordinated", a.off_road_steps_coordinated}};
 }
 
+Json zones_json(const RunReport& report) {
+  Json zones = Json::array();
+  for (const ZoneFigures& zone : report.zones) {
+    zones.push_back({{"junctions", zone.junctions}, {"corridors", zone.corridors}});
+  }
+  return zones;
+}
+
+Json left_json(const RunReport& report) {
+  Json left = Json::array();
+  for (const LeftToTraffic& x : report.left_to_sumo) {
+    left.push_back({{"what", x.what}, {"why", x.why}});
+  }
+  return left;
+}
+
 std::string cell(const std::optional<double>& value) {
   return value ? fmt::format("{:.3f}", *value) : std::string();
 }
@@ -65,12 +83,13 @@ std::string cell(const std::optional<double>& value) {
 }  // namespace
 
 double delay_of(const VehicleRecord& v, double end) {
-  const double delay = v.arrival.value_or(end) - v.intended_departure - v.free_flow;
+  const double delay = v.arrival.value_or(end) - v.intended_departure - v.free_flow - v.stopped;
   return v.arrival ? delay : std::max(0.0, delay);
 }
 
 bool succeeded(const RunReport& report) {
-  return report.audit.overlap_pairs_coordinated == 0 && report.audit.people_touched == 0 &&
+  return report.status != to_string(RunStatus::kFailed) && !report.vehicles.empty() &&
+         report.audit.overlap_pairs_coordinated == 0 && report.audit.people_touched == 0 &&
          std::ranges::all_of(report.vehicles,
                              [](const VehicleRecord& v) { return v.arrival.has_value(); });
 }
@@ -96,6 +115,7 @@ std::string summary_json(const RunReport& r) {
 
   Json j;
   j["status"] = r.status;
+  if (!r.message.empty()) j["message"] = r.message;
   j["controller"] = r.controller;
   j["vehicles"] = departed;
   j["never_departed"] = std::int64_t(r.vehicles.size()) - departed;
@@ -108,6 +128,7 @@ std::string summary_json(const RunReport& r) {
   j["audit"] = audit_json(r.audit);
   j["overlap_pairs_coordinated"] = r.audit.overlap_pairs_coordinated;
   j["sumo_collisions"] = r.sumo_collisions;
+  j["sumo_warnings"] = r.sumo_warnings;
   j["max_accel"] = r.audit.max_accel;
   j["max_decel"] = r.audit.max_decel;
   j["accel_violations"] = r.audit.accel_violations;
@@ -124,7 +145,9 @@ std::string summary_json(const RunReport& r) {
   j["replans"] = r.replans.size();
   j["fallbacks"] = count([](const Replan& x) { return x.fallback; });
   j["replans_with_stepped_vehicles"] = count([](const Replan& x) { return x.stepped > 0; });
-  if (r.lot) j["parking"] = lot_json(*r.lot, r.end);
+  if (!r.lots.empty()) j["parking"] = lots_json(r.lots, r.end);
+  j["zones"] = zones_json(r);
+  j["left_to_sumo"] = left_json(r);
   j["simulated_s"] = r.end - r.begin;
   j["real_time_factor"] = r.wall_time > 0.0 ? (r.end - r.begin) / r.wall_time : 0.0;
   j["sumo_version"] = r.sumo_version;

@@ -23,12 +23,13 @@ struct VehicleRecord {
   double time_loss = 0.0;           ///< as SUMO says
   double waiting_time = 0.0;        ///< as SUMO says
   double speed_factor = 1.0;
+  double stopped = 0.0;                 ///< at scheduled stops
   bool coordinated = false;             ///< was it ever under control
   std::optional<double> min_clearance;  ///< [m] to any other vehicle; none: never within 3 m
 };
 
-/// Arrival - intended departure - free-flow duration; up to `end` for a vehicle that is not there
-/// yet.
+/// Arrival - intended departure - free-flow duration - time at scheduled stops; up to `end` for a
+/// vehicle that is not there yet.
 [[nodiscard]] double delay_of(const VehicleRecord& vehicle, double end);
 
 /// Everything that a run leaves behind.
@@ -37,21 +38,25 @@ struct RunReport {
   AuditFigures audit;
   std::vector<Replan> replans;
   std::vector<AuditEvent> events;
-  std::optional<LotReport> lot;  ///< of a run on a parking lot
+  std::vector<LotReport> lots;
   std::int64_t sumo_collisions = 0;
   std::int64_t wrong_lane_sightings = 0;
   double begin = 0.0;      ///< [s] simulated time
   double end = 0.0;        ///< [s]
   double wall_time = 0.0;  ///< [s] of the simulation loop
   std::string controller;
-  std::string status;  ///< "finished", "interrupted", "stuck", "end reached"
+  std::string status;   ///< as of to_string(RunStatus)
+  std::string message;  ///< what went wrong, in one line; empty if nothing did
+  std::vector<ZoneFigures> zones;
+  std::vector<LeftToTraffic> left_to_sumo;
+  std::int64_t sumo_warnings = 0;
   std::string sumo_version;
   std::string mvtp_version;
   std::uint64_t seed = 0;
   std::string command;
 };
 
-/// Did every vehicle arrive, and did no vehicle of ours touch another?
+/// Did every vehicle, of at least one, arrive, and did no vehicle of ours touch another?
 [[nodiscard]] bool succeeded(const RunReport& report);
 
 /// The figures that a run is judged by first.

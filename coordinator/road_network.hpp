@@ -60,6 +60,8 @@ struct RoadNetwork {
   std::map<std::string, Junction> junctions;
   /// lanes of each normal edge, rightmost first
   std::map<std::string, std::vector<std::string>> edges;
+  bool left_hand = false;       ///< traffic keeps to the left
+  bool opposite_lanes = false;  ///< drivers may overtake in the lane of the other direction
 };
 
 }  // namespace mvtp

@@ -82,6 +82,9 @@ class Traffic {
   /// False once no vehicle is left and none will enter.
   [[nodiscard]] virtual bool running() const = 0;
 
+  /// Vehicles that wait to enter the network, ordered by id; route() knows them too.
+  [[nodiscard]] virtual std::vector<std::string> pending() const { return {}; }
+
   /// All vehicles on the road after the last step, ordered by id.
   [[nodiscard]] virtual std::span<const VehicleState> vehicles() const = 0;
   /// The edges of its route, the one it is on (or, inside a junction, the one before) first.
@@ -109,6 +112,9 @@ class Traffic {
   virtual void place(const std::string& id, const Pose& pose, double speed) = 0;
   /// Makes a vehicle that is not taken over stop before the end of its lane (true), or go on.
   virtual void hold(const std::string& id, bool stop) = 0;
+  /// The driver of a vehicle that is not taken over heeds no signal and no right of way (true), or
+  /// does so again.
+  virtual void let_through(const std::string& /*id*/, bool /*pass*/) {}
   /// Keeps a vehicle that is not taken over from driving faster [m/s]; infinity: no matter.
   virtual void cap_speed(const std::string& /*id*/, double /*speed*/) {}
   /// Lowers the limit of a lane for every driver [m/s].

@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <spawn.h>
+#include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -11,6 +12,7 @@
 #include <cerrno>
 #include <chrono>
 #include <cmath>
+#include <cstdlib>
 #include <cstring>
 #include <ctime>
 #include <map>
@@ -20,6 +22,9 @@
 
 namespace mvtp {
 namespace {
+
+/// The environment variable by which a child knows who started it.
+constexpr const char* kParent = "MVTP_PARENT";
 
 /// Looks after the children of run_jobs.
 class JobRunner {
@@ -165,6 +170,13 @@ std::optional<siginfo_t> AwaitedSignals::next(Deadline latest) const {
   }
 }
 
+void end_with_parent() {
+  const char* const parent = std::getenv(kParent);
+  if (parent == nullptr || parent != std::to_string(::getppid())) return;
+  ::prctl(PR_SET_PDEATHSIG, SIGTERM);
+  if (parent != std::to_string(::getppid())) std::raise(SIGTERM);  // it died just before
+}
+
 pid_t start_child(const std::filesystem::path& program, const std::vector<std::string>& arguments,
                   const AwaitedSignals& signals, const std::filesystem::path& messages) {
   std::vector<std::string> words = arguments;
@@ -184,6 +196,7 @@ pid_t start_child(const std::filesystem::path& program, const std::vector<std::s
   posix_spawnattr_setsigmask(&attributes, &signals.before());
   posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK);
   pid_t child = 0;
+  ::setenv(kParent, std::to_string(::getpid()).c_str(), 1);
   const int error =
       posix_spawn(&child, program.c_str(), &actions, &attributes, argv.data(), environ);
   posix_spawnattr_destroy(&attributes);

@@ -33,6 +33,9 @@ class AwaitedSignals {
   sigset_t before_;
 };
 
+/// Ends this process by SIGTERM once the one that started it by start_child() has died, however.
+void end_with_parent();
+
 /// Starts a program with the signals as they were before `signals`.
 /// @param arguments  argv, the program's name first.
 /// @param messages   file that takes the child's stdout and stderr; empty: those of this process.

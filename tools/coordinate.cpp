@@ -12,20 +12,16 @@ void declare_options(CLI::App& app, CoordinateOptions& o) {
   app.add_option("--seed", o.seed, "Seed of SUMO's random numbers and of ours")
       ->capture_default_str()
       ->group("Input");
-  app.add_option(
-         "--controller", o.controller,
-         "escot; sumo: SUMO's own control, for comparison; on parking lots also prioritized\n"
-         "(each plans once, against all earlier ones) and one-at-a-time")
-      ->check(CLI::IsMember({"escot", "prioritized", "one-at-a-time", "sumo"}))
-      ->capture_default_str()
-      ->group("Control");
+  std::string meanings = "Who drives:";
+  for (const ControllerName& c : controller_names()) meanings += "\n" + c.name + ": " + c.meaning;
+  app.add_option("--controller", o.controller, meanings)->capture_default_str()->group("Control");
   app.add_option("--output-dir", o.output_dir, "Folder of the results; made if missing")
       ->capture_default_str()
       ->group("Output");
   app.add_flag("--no-view", o.no_view, "Do not write the replay page view.html")->group("Output");
   app.add_flag("--no-fcd", o.no_fcd, "Do not write the trajectories fcd.xml")->group("Output");
   app.add_flag("--gui", o.gui, "Show the run in sumo-gui")->group("Output");
-  app.add_flag("--quiet", o.quiet, "No progress on stderr")->group("Output");
+  app.add_flag("--quiet", o.quiet, "No progress on stderr, no table")->group("Output");
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "planner/problem/input_error.hpp"
+#include "tools/child_process.hpp"
 #include "tools/sibling.hpp"
 #include "tools/version.hpp"
 
@@ -59,6 +60,7 @@ int run(const Action& action) {
 }  // namespace
 
 int run_program(int argc, char** argv, std::span<const Command> commands) {
+  end_with_parent();
   try {
     if (argc > 1 && argv[1][0] != '-' && find(commands, argv[1]).declare == nullptr) {
       return run_sibling("mvtp-sumo", argc, argv);

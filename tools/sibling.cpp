@@ -1,15 +1,22 @@
 #include "tools/sibling.hpp"
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/wait.h>
+#include <unistd.h>
 
+#include <algorithm>
+#include <array>
+#include <climits>
 #include <csignal>
+#include <cstdlib>
 #include <cstring>
 #include <vector>
 
 #include "planner/problem/input_error.hpp"
 #include "tools/child_process.hpp"
 #include "tools/program.hpp"
+#include "tools/run_folder.hpp"
 
 namespace mvtp {
 namespace {
@@ -30,6 +37,33 @@ int wait_for(pid_t child, const AwaitedSignals& signals) {
   return status;
 }
 
+/// A pipe through which the sibling tells the folder that it writes into.
+class RunFolderNote {
+ public:
+  RunFolderNote() {
+    if (::pipe(ends_.data()) != 0) return;
+    ::fcntl(ends_[0], F_SETFD, FD_CLOEXEC);
+    ::fcntl(ends_[0], F_SETFL, O_NONBLOCK);
+    ::setenv(kRunFolderNote, std::to_string(ends_[1]).c_str(), 1);
+  }
+  RunFolderNote(const RunFolderNote&) = delete;
+  RunFolderNote& operator=(const RunFolderNote&) = delete;
+  ~RunFolderNote() {
+    ::unsetenv(kRunFolderNote);
+    for (const int end : ends_) ::close(end);
+  }
+
+  /// The folder; empty if none was told.
+  [[nodiscard]] std::string read() const {
+    std::array<char, PATH_MAX> text{};
+    const ssize_t count = ::read(ends_[0], text.data(), text.size());
+    return {text.data(), std::size_t(std::max<ssize_t>(count, 0))};
+  }
+
+ private:
+  std::array<int, 2> ends_{-1, -1};
+};
+
 }  // namespace
 
 fs::path sibling_path(const std::string& name) { return prefix() / "libexec" / "mvtp" / name; }
@@ -45,15 +79,19 @@ int run_sibling(const std::string& name, int argc, char** argv) {
                                           program.string()));
   }
   const AwaitedSignals signals;
-  const int status =
-      wait_for(start_child(program, std::vector<std::string>(argv, argv + argc), signals), signals);
+  RunFolderNote note;
+  const pid_t child = start_child(program, std::vector<std::string>(argv, argv + argc), signals);
+  const int status = wait_for(child, signals);
 
   if (WIFEXITED(status)) return WEXITSTATUS(status);
   const int signal = WTERMSIG(status);
   if (signal == SIGINT || signal == SIGTERM) return kInterrupted;
-  fmt::print(stderr,
-             "mvtp: {}: the simulation crashed ({}); the output holds what was finished before\n",
-             command, strsignal(signal));
+  const std::string message = fmt::format("the simulation crashed ({})", strsignal(signal));
+  const std::string folder = note.read();
+  const bool complete = !folder.empty() && complete_crashed_run(folder, message);
+  fmt::print(stderr, "mvtp: {}: {}; {}\n", command, message,
+             complete ? fmt::format("{} holds what was simulated before", folder)
+                      : "it had not got far enough to leave results");
   return kNotAchieved;
 }
 

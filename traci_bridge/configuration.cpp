@@ -64,6 +64,8 @@ class ConfigurationReader {
     } else if (name == "end" || name == "e") {
       const double end = time(option);
       if (end >= 0.0) configuration_.end = end;  // SUMO's -1: no end
+    } else {
+      configuration_.others[std::string(name)] = trim(value(option));
     }
   }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -12,9 +13,10 @@ struct Configuration {
   std::string net_file;
   std::vector<std::string> route_files;
   std::vector<std::string> additional_files;
-  double step_length = 1.0;   ///< [s]
-  double begin = 0.0;         ///< [s]
-  std::optional<double> end;  ///< [s]; none: until the last vehicle has arrived
+  double step_length = 1.0;                   ///< [s]
+  double begin = 0.0;                         ///< [s]
+  std::optional<double> end;                  ///< [s]; none: until the last vehicle has arrived
+  std::map<std::string, std::string> others;  ///< every further option as it is written
 };
 
 /// Reads a configuration, and checks that every file it names is there.

@@ -20,6 +20,8 @@ bool contains(const std::vector<std::string>& words, const std::string& word) {
   return std::ranges::find(words, word) != words.end();
 }
 
+bool is_true(const std::string& text) { return text == "1" || text == "true" || text == "yes"; }
+
 /// SUMO's classes of vehicles that drive on roads by a motor.
 constexpr std::array kMotorClasses = {"passenger", "private", "taxi",    "bus",       "coach",
                                       "delivery",  "truck",   "trailer", "emergency", "authority",
@@ -56,6 +58,7 @@ class NetworkReader {
       file_.fail(root, std::string("the root element is <") + root.Name() +
                            ">, not <net>; give the path of a SUMO network, *.net.xml");
     }
+    network_.left_hand = is_true(attribute(root, "lefthand"));
     for (const Element* edge : children(root, "edge")) add_edge(*edge);
     if (network_.edges.empty())
       file_.fail(root, "a network without edges; make it with netconvert");
@@ -98,6 +101,7 @@ class NetworkReader {
     lane.drivable = lane.allows("passenger");
     lane.road = std::ranges::any_of(kMotorClasses, [&](const char* c) { return lane.allows(c); });
     lane.footpath = lane.allowed == std::vector<std::string>{"pedestrian"};
+    network_.opposite_lanes |= element.FirstChildElement("neigh") != nullptr;
     if (lane.shape.size() < 2) file_.fail(element, "lane \"" + lane.id + "\" has no shape");
     if (lane.index != static_cast<int>(lanes_of_edge_[edge].size())) {
       file_.fail(element, "lane \"" + lane.id + "\" is not the next of its edge");

@@ -10,30 +10,38 @@
 
 namespace mvtp {
 
-OutputFile::OutputFile(std::string path) : path_(std::move(path)) {
+OutputFile::OutputFile(std::string path, const std::string& prefix) : path_(std::move(path)) {
+  const std::filesystem::path plain(part());
+  written_ = (plain.parent_path() / (prefix + plain.filename().string())).string();
   if (path_.find(':') != std::string::npos) {
     throw InputError(path_, "SUMO takes a path with a colon for host:port; choose another");
   }
   if (std::filesystem::is_directory(path_)) {
     throw InputError(path_, "is a directory; give the path of a file to write");
   }
-  if (!std::ofstream(part())) {
+  std::error_code ignored;
+  if (prefix.find('/') != std::string::npos) {
+    std::filesystem::create_directories(std::filesystem::path(written_).parent_path(), ignored);
+  }
+  if (!std::ofstream(written_)) {
     throw InputError(path_, "cannot be written (" + std::generic_category().message(errno) +
                                 "); choose another directory");
   }
 }
 
 OutputFile::OutputFile(OutputFile&& other) noexcept
-    : path_(std::move(other.path_)), pending_(std::exchange(other.pending_, false)) {}
+    : path_(std::move(other.path_)),
+      written_(std::move(other.written_)),
+      pending_(std::exchange(other.pending_, false)) {}
 
 OutputFile::~OutputFile() {
   std::error_code ignored;
-  if (pending_) std::filesystem::remove(part(), ignored);
+  if (pending_) std::filesystem::remove(written_, ignored);
 }
 
 void OutputFile::commit() {
   std::error_code error;
-  std::filesystem::rename(part(), path_, error);
+  std::filesystem::rename(written_, path_, error);
   if (error) throw InputError(path_, "cannot be written (" + error.message() + ")");
   pending_ = false;
 }

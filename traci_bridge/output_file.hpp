@@ -8,17 +8,22 @@ namespace mvtp {
 class OutputFile {
  public:
   /// Throws InputError unless the file can be written.
-  explicit OutputFile(std::string path);
+  /// @param prefix  what the writer puts before the last part of every path.
+  explicit OutputFile(std::string path, const std::string& prefix = "");
   OutputFile(OutputFile&& other) noexcept;
   OutputFile& operator=(OutputFile&&) = delete;
   ~OutputFile();
 
+  /// What to tell the writer: without the prefix.
   [[nodiscard]] std::string part() const { return path_ + ".part"; }
   /// Gives the file its name. Throws InputError.
   void commit();
+  /// It stays as it is, whatever happens.
+  void keep() { pending_ = false; }
 
  private:
   std::string path_;
+  std::string written_;  ///< where the writer puts it
   bool pending_ = true;
 };
 

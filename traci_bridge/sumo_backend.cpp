@@ -37,6 +37,9 @@ constexpr int kOntoRoute = 1;         // onto the nearest lane of the route, and
 constexpr double kAnyDistance = 1e6;  // [m]
 // Speed and lane-change modes in which SUMO neither corrects the commanded pose nor the speed.
 constexpr int kObey = 0;
+// Safe speed, acceleration and braking as ever, but no right of way, no signal, no foe inside.
+constexpr int kHeedNobody = 39;
+constexpr int kOwnSpeedMode = 31;
 /// A vehicle that was just handed back first finds its place in its lane [s]; SUMO changes lanes at
 /// once, 3 m aside, where its sublane model is off.
 constexpr double kNoLaneChange = 1.0;
@@ -86,7 +89,8 @@ class Backend final : public SumoTraffic {
   explicit Backend(SumoLaunch launch)
       : configuration_(std::move(launch.configuration)),
         network_(std::move(launch.network)),
-        outputs_(std::move(launch.outputs)) {
+        outputs_(std::move(launch.outputs)),
+        log_(launch.log) {
     ask([&] {
       index_network();
       connection_ = std::make_unique<SumoConnection>(launch.arguments, log_);
@@ -248,12 +252,27 @@ class Backend final : public SumoTraffic {
   void hold(const std::string& id, bool stop) override {
     const auto found = held_.find(id);
     if (stop == (found != held_.end())) return;
+    if (!is_here(id)) {
+      held_.erase(id);
+      return;
+    }
     ask([&] {
       if (stop) {
         stop_at_the_end_of_its_lane(id);
       } else {
         go_on(id, found->second);
         held_.erase(found);
+      }
+    });
+  }
+
+  void let_through(const std::string& id, bool pass) override {
+    if (controlled_.contains(id) || !is_here(id)) return;
+    ask([&] {
+      if (pass) {
+        api::Vehicle::setSpeedMode(id, kHeedNobody);
+      } else {
+        api::Vehicle::setSpeedMode(id, kOwnSpeedMode);
       }
     });
   }
@@ -355,7 +374,18 @@ class Backend final : public SumoTraffic {
     outputs_.clear();
   }
 
+  void keep_outputs() override {
+    for (OutputFile& output : outputs_) output.keep();
+  }
+
+  SumoWarnings warnings() const override { return log_.warnings(); }
+
  private:
+  /// Is it on the road after the last step?
+  [[nodiscard]] bool is_here(const std::string& id) const {
+    return std::ranges::binary_search(vehicles_, id, {}, &VehicleState::id);
+  }
+
   /// A route, as SUMO names it: never two different ones alike.
   struct Route {
     std::string name;

@@ -16,6 +16,7 @@ struct SumoLaunch {
   std::vector<std::string> arguments;  ///< of SUMO's command line, the program first
   RoadNetwork network;
   std::vector<OutputFile> outputs;
+  std::string log;  ///< as in SumoOptions
 };
 
 /// The two back ends: sumo_backend.cpp, compiled against libsumo and against libtraci.

@@ -1,9 +1,10 @@
 #include "traci_bridge/sumo_process.hpp"
 
 #include <arpa/inet.h>
+#include <fcntl.h>
 #include <netinet/in.h>
 #include <signal.h>
-#include <spawn.h>
+#include <sys/prctl.h>
 #include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -17,8 +18,6 @@
 #include <stdexcept>
 #include <system_error>
 #include <thread>
-
-extern char** environ;
 
 namespace mvtp {
 namespace {
@@ -72,24 +71,34 @@ bool wait_for(const std::function<bool()>& done, std::chrono::seconds limit) {
   return true;
 }
 
+/// In the child: the program instead of this one. In a process group of its own, since an interrupt
+/// from the terminal is ours to handle; and gone once this process is, however it ends.
+[[noreturn]] void become(char** argv, int log, pid_t parent, int failure) {
+  setpgid(0, 0);
+  prctl(PR_SET_PDEATHSIG, SIGKILL);
+  if (getppid() != parent) _exit(127);
+  dup2(log, STDOUT_FILENO);
+  dup2(log, STDERR_FILENO);
+  execvp(argv[0], argv);
+  const int error = errno;
+  if (write(failure, &error, sizeof(error)) < 0) _exit(126);
+  _exit(127);
+}
+
 pid_t spawn(std::vector<std::string>& arguments, int log) {
   std::vector<char*> argv;
   for (std::string& argument : arguments) argv.push_back(argument.data());
   argv.push_back(nullptr);
 
-  posix_spawn_file_actions_t files;
-  posix_spawn_file_actions_init(&files);
-  posix_spawn_file_actions_adddup2(&files, log, STDOUT_FILENO);
-  posix_spawn_file_actions_adddup2(&files, log, STDERR_FILENO);
-  // In a process group of its own: an interrupt from the terminal is ours to handle.
-  posix_spawnattr_t attributes;
-  posix_spawnattr_init(&attributes);
-  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
-
-  pid_t pid = -1;
-  const int error = posix_spawnp(&pid, argv[0], &files, &attributes, argv.data(), environ);
-  posix_spawn_file_actions_destroy(&files);
-  posix_spawnattr_destroy(&attributes);
+  std::array<int, 2> failure{};  // closed by a successful exec
+  if (pipe2(failure.data(), O_CLOEXEC) != 0) throw std::runtime_error("no pipe to start it by");
+  const pid_t parent = getpid();
+  const pid_t pid = fork();
+  if (pid == 0) become(argv.data(), log, parent, failure[1]);
+  close(failure[1]);
+  int error = pid < 0 ? errno : 0;
+  if (pid > 0 && read(failure[0], &error, sizeof(error)) > 0) waitpid(pid, nullptr, 0);
+  close(failure[0]);
   if (error != 0) {
     throw std::runtime_error(arguments[0] + " cannot be started (" +
                              std::generic_category().message(error) + "); install it");

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <ctime>
 #include <string_view>
 #include <utility>
 
@@ -58,8 +59,8 @@ void check_extra(const SumoOptions& options, const std::vector<std::string>& our
 std::vector<std::string> arguments_of(const SumoOptions& options) {
   std::vector<std::string> arguments = {
       options.gui ? "sumo-gui" : "sumo", "--configuration-file", options.configuration,
-      // Say nothing but errors.
-      "--no-step-log", "true", "--duration-log.disable", "true", "--no-warnings", "true",
+      // Say nothing but errors and warnings.
+      "--no-step-log", "true", "--duration-log.disable", "true", "--no-warnings", "false",
       "--xml-validation", "never",
       // Vehicles stay where they are: a jam or a contact shows in the results, not in teleports.
       "--time-to-teleport", "-1", "--collision.action", "warn", "--collision.check-junctions",
@@ -72,6 +73,38 @@ std::vector<std::string> arguments_of(const SumoOptions& options) {
   return arguments;
 }
 
+/// What goes before the name of every output file; SUMO's word TIME is the time of day.
+std::string output_prefix(const Configuration& configuration) {
+  const auto given = configuration.others.find("output-prefix");
+  if (given == configuration.others.end()) return "";
+  std::string prefix = given->second;
+  if (const std::size_t at = prefix.find("TIME"); at != std::string::npos) {
+    const std::time_t now = std::time(nullptr);
+    std::tm local{};
+    std::array<char, 32> text{};
+    localtime_r(&now, &local);
+    std::strftime(text.data(), text.size(), "%Y-%m-%d-%H-%M-%S", &local);
+    prefix.replace(at, 4, text.data());
+  }
+  return prefix;
+}
+
+/// Options of a scenario with which SUMO would wait for other programs, or is no microscopic one.
+void check_configuration(const SumoOptions& options, const Configuration& configuration) {
+  const auto refuse_unless = [&](const char* option, std::initializer_list<const char*> harmless,
+                                 const char* why) {
+    const auto given = configuration.others.find(option);
+    if (given == configuration.others.end()) return;
+    if (std::ranges::find(harmless, given->second) != harmless.end()) return;
+    throw InputError(options.configuration, std::string(option) + " " + given->second + ": " + why);
+  };
+  refuse_unless("remote-port", {"", "0", "-1"},
+                "SUMO would wait for another program to connect; leave it out");
+  refuse_unless("num-clients", {"", "1"}, "this program is SUMO's only client; leave it out");
+  refuse_unless("mesosim", {"", "0", "false", "no", "off"},
+                "the mesoscopic model has no vehicles that can be driven; leave it out");
+}
+
 }  // namespace
 
 std::unique_ptr<SumoTraffic> open_sumo(const SumoOptions& options) {
@@ -79,11 +112,17 @@ std::unique_ptr<SumoTraffic> open_sumo(const SumoOptions& options) {
   SumoLaunch launch{.configuration = options.configuration,
                     .arguments = arguments_of(options),
                     .network = read_network(configuration.net_file),
-                    .outputs = {}};
+                    .outputs = {},
+                    .log = options.log};
+  check_configuration(options, configuration);
   check_extra(options, launch.arguments);
 
+  const std::string prefix = output_prefix(configuration);
+  if (!prefix.empty()) {
+    launch.arguments.insert(launch.arguments.end(), {"--output-prefix", prefix});
+  }
   const auto write = [&](const char* option, const std::string& path) {
-    launch.outputs.emplace_back(path);
+    launch.outputs.emplace_back(path, prefix);
     launch.arguments.insert(launch.arguments.end(), {option, launch.outputs.back().part()});
   };
   if (!options.fcd_output.empty()) write("--fcd-output", options.fcd_output);

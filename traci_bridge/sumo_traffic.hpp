@@ -19,7 +19,15 @@ struct SumoOptions {
   bool separate_process = false;
   std::string fcd_output;          ///< path of the trajectories; empty: none
   std::string tripinfo_output;     ///< path of one record per vehicle; empty: none
+  std::string log;                 ///< path of what SUMO says on the way; empty: nowhere
   std::vector<std::string> extra;  ///< more options for SUMO, as on its command line
+};
+
+/// What SUMO has warned of.
+struct SumoWarnings {
+  std::int64_t count = 0;
+  std::int64_t untold = 0;         ///< those that are not about collisions and emergency braking
+  std::vector<std::string> first;  ///< of these
 };
 
 /// SUMO, opened at the begin of a scenario; nothing has entered the network before the first step.
@@ -34,12 +42,13 @@ class SumoTraffic : public Traffic {
   /// Vehicles that entered and left the network in the last step, ordered by id.
   [[nodiscard]] virtual const std::vector<std::string>& departed() const = 0;
   [[nodiscard]] virtual const std::vector<std::string>& arrived() const = 0;
-  /// Vehicles that wait to enter the network, ordered by id; route() knows them too.
-  [[nodiscard]] virtual std::vector<std::string> pending() const = 0;
 
   /// Ends the run and completes the output files; vehicles still on the road or waiting are in the
   /// tripinfo-output as unfinished. No other function may be called afterwards but this.
   virtual void close() = 0;
+  /// From now on its output files stay, even if the run cannot be closed: PATH.part then.
+  virtual void keep_outputs() = 0;
+  [[nodiscard]] virtual SumoWarnings warnings() const = 0;
 };
 
 /// Starts SUMO on a scenario.

@@ -1,5 +1,7 @@
 #include "traci_bridge/trips.hpp"
 
+#include <optional>
+
 #include "traci_bridge/xml.hpp"
 
 namespace mvtp {

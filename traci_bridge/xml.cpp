@@ -1,7 +1,9 @@
 #include "traci_bridge/xml.hpp"
 
 #include <unistd.h>
+#include <zlib.h>
 
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <filesystem>
@@ -18,6 +20,19 @@ std::string quoted(const std::string& text) {
   return '"' + (text.size() <= kLongestQuote ? text : text.substr(0, kLongestQuote) + "...") + '"';
 }
 
+std::string unpacked(const std::string& path) {
+  const gzFile file = gzopen(path.c_str(), "rb");
+  std::string text;
+  std::array<char, 1 << 16> block;
+  int count = 0;
+  while (file != nullptr && (count = gzread(file, block.data(), block.size())) > 0) {
+    text.append(block.data(), std::size_t(count));
+  }
+  const bool good = file != nullptr && gzclose(file) == Z_OK && count == 0;
+  if (!good) throw InputError(path, "cannot be unpacked; make it anew with gzip");
+  return text;
+}
+
 }  // namespace
 
 void check_readable(const std::string& path, const std::string& what) {
@@ -32,14 +47,14 @@ void check_readable(const std::string& path, const std::string& what) {
   if (access(path.c_str(), R_OK) != 0) {
     throw InputError(path, "may not be read; change its permissions");
   }
-  if (path.ends_with(".gz")) {
-    throw InputError(path, "compressed files are not supported; unpack it with gunzip");
-  }
 }
 
 XmlFile::XmlFile(std::string path, const std::string& what) : path_(std::move(path)) {
   check_readable(path_, what);
-  if (document_.LoadFile(path_.c_str()) != tinyxml2::XML_SUCCESS) {
+  const bool compressed = path_.ends_with(".gz");
+  const tinyxml2::XMLError error =
+      compressed ? document_.Parse(unpacked(path_).c_str()) : document_.LoadFile(path_.c_str());
+  if (error != tinyxml2::XML_SUCCESS) {
     throw InputError(
         path_ + ':' + std::to_string(document_.ErrorLineNum()),
         std::string("not XML (") + document_.ErrorName() + "); give the path of " + what);

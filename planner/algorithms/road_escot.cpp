@@ -216,6 +216,19 @@ RoadStepWorld::RoadStepWorld(const RoadPairs& pairs, const JointPlan& complete,
   }
 }
 
+namespace {
+
+/// Could the vehicle stop before a line, but not any longer after this decision? Then it has to be
+/// stopped: only a complete plan leads over a stop line.
+bool runs_over_a_line(const RoadVehicle& v, const Vehicle& body, const InertialState& from,
+                      const InertialState& to) {
+  const auto line = std::ranges::lower_bound(
+      v.stop_lines, from.s + stopping_distance(from.v, body.max_decel));
+  return line != v.stop_lines.end() && to.s + stopping_distance(to.v, body.max_decel) > *line;
+}
+
+}  // namespace
+
 std::vector<RoadStepWorld::Motion> RoadStepWorld::candidates(int i, const State& state) const {
   const RoadVehicle& v = vehicle(i);
   const Vehicle& body = scene().body(v);
@@ -227,6 +240,7 @@ std::vector<RoadStepWorld::Motion> RoadStepWorld::candidates(int i, const State&
        {body.max_accel, 0.5 * body.max_accel, 0.0, -0.5 * body.max_decel, -body.max_decel}) {
     const Motion m{state, a, advance(state, a, h)};
     if (a > -body.max_decel && m.to.v > v.envelope->at(m.to.s)) continue;
+    if (a > -body.max_decel && runs_over_a_line(v, body, state, m.to)) continue;
     if (a > -body.max_decel && !wait.clear_of_forecasts(state, a, m.to)) continue;
     const bool keeps_clear = wait.can_wait(scene().step + scene().grid.steps_per_decision, m.to);
     (keeps_clear ? clear : blocking).push_back(m);

@@ -45,8 +45,9 @@ struct RoadVehicle {
   double cruise_speed = 13.9;  ///< [m/s] where nothing slows it down
   double min_gap = 2.5;        ///< [m] and
   double tau = 1.0;            ///< [s] of the driver it is handed back to
-  int entry_lane = -1;         ///< vehicles of one entry lane keep their order
-  double s_entry_line = 0.0;   ///< rear axle when the front bumper is at the end of that lane [m]
+  /// Rear axle when the front bumper is at each stop line, ascending [m]: a vehicle without a
+  /// complete plan waits before the next.
+  std::vector<double> stop_lines;
   int exit_lane = -1;          ///< vehicles of one exit lane keep a headway on it
   double s_exit_lane = 0.0;    ///< rear axle when the front bumper enters the exit lane [m]
   double s_handback = 0.0;     ///< rear axle where the zone ends [m]

@@ -332,9 +332,9 @@ TEST(FreeFlow, AddsTheTimesOfAllLanes) {
   // 182.8 m before the junction, an arc of 5.6 m radius at 6.5 m/s, 150 m behind it.
   const double arc = network.lanes.at(":C_WS_0").length;
   const std::vector<std::string> route = {"W_in", "S_out"};
-  EXPECT_NEAR(free_flow_duration(network, route, "W_in_0", 10.0, 150.0, 1.0, 50.0),
+  EXPECT_NEAR(FreeFlow(network).duration(route, "W_in_0", 10.0, 150.0, 1.0, 50.0),
               (192.8 - 10.0) / 13.89 + arc / 6.5 + 150.0 / 13.89, 1e-9);
-  EXPECT_NEAR(free_flow_duration(network, route, "W_in_0", 10.0, 150.0, 1.0, 5.0),
+  EXPECT_NEAR(FreeFlow(network).duration(route, "W_in_0", 10.0, 150.0, 1.0, 5.0),
               (192.8 - 10.0 + arc + 150.0) / 5.0, 1e-9);
 }
 

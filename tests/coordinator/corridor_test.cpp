@@ -95,7 +95,7 @@ TEST(Corridor, ItsStationsGrowAndItsLimitsCoverThePath) {
     EXPECT_TRUE(c.undriven.empty()) << c.undriven;
     EXPECT_TRUE(std::ranges::is_sorted(c.stations));
     EXPECT_EQ(c.lane_limits.size(), map.library().path(c.path).samples());
-    EXPECT_LT(c.s_line, c.s_exit);
+    EXPECT_LT(c.lines.front(), c.s_exit);
     EXPECT_LT(c.s_exit, c.s_handback);
     EXPECT_LE(c.s_handback, c.s_end);
     EXPECT_LE(c.s_end, map.library().path(c.path).length());

@@ -111,7 +111,7 @@ TEST_F(Compare, RefusesBadInputBeforeAnyRun) {
 
 TEST_F(Compare, TellsWhatARunHasAgainstTheInput) {
   expect_refused(command("--quiet --junction nowhere"),
-                 "--junction nowhere: the network has no junction with this id");
+                 "--junction nowhere: the network has no junction with this id; there is C");
 }
 
 TEST_F(Compare, AnInterruptEndsTheRunsToo) {
@@ -126,6 +126,29 @@ TEST_F(Compare, AnInterruptEndsTheRunsToo) {
   for (const auto& entry : fs::recursive_directory_iterator(directory_.path("out"))) {
     EXPECT_NE(entry.path().extension(), ".part") << entry.path();
   }
+}
+
+TEST_F(Compare, AFailedRunIsARowAndTheOthersGoOn) {
+  const std::string car = "<vehicle id=\"%\" depart=\"@\"><route edges=\"#\"/></vehicle>";
+  const auto vehicle = [&](char id, const char* depart, const char* edges) {
+    std::string text = car;
+    text.replace(text.find('%'), 1, 1, id).replace(text.find('@'), 1, depart);
+    return text.replace(text.find('#'), 1, edges);
+  };
+  (void)directory_.file("x.rou.xml", "<routes>" + vehicle('a', "0", "Wi Eo") +
+                                         vehicle('b', "500", "Wi Eo") +
+                                         vehicle('c', "900", "Wi Atlantis") + "</routes>");
+  (void)directory_.file("x.sumocfg", std::string("<configuration><net-file value=\"") +
+                                         MVTP_NETWORKS +
+                                         "/crossroads.net.xml\"/><route-files value=\"x.rou.xml\"/>"
+                                         "<step-length value=\"0.1\"/></configuration>");
+  const Outcome outcome = run("compare -c x.sumocfg --seeds 1 --quiet --output-dir out");
+  EXPECT_EQ(outcome.exit_code, 1) << outcome.err;
+  EXPECT_THAT(outcome.out, ContainsRegex("\nFAILED: priority, seed 1: x.sumocfg: SUMO stopped "));
+  EXPECT_THAT(outcome.out,
+              ContainsRegex("\nFAILED: coordinated, seed 1: x.sumocfg: SUMO stopped "));
+  const std::string csv = content_of(directory_.path("out/compare.csv"));
+  EXPECT_THAT(csv, HasSubstr("\npriority,1,failed,"));
 }
 
 TEST_F(Compare, ACrashedRunIsToldAndNotHidden) {

@@ -103,7 +103,8 @@ TEST_F(Coordinate, WrongOptionsAreOneLine) {
   const std::string run = "coordinate -c '" + kQuiet + "' ";
   const std::string help = "; see mvtp coordinate --help";
   expect_refused(run + "--fly", "coordinate: [^\n]*--fly" + help);
-  expect_refused(run + "--controller magic", "coordinate: --controller: magic [^\n]*" + help);
+  expect_refused(run + "--controller magic",
+                 "--controller magic: is no controller; there are escot, [^\n]*");
   for (const char* radius : {"-5", "nan", "inf", "1e9", "five"}) {
     expect_refused(run + "--zone-radius " + radius,
                    std::string("coordinate: --zone-radius: is \"") + radius +
@@ -112,11 +113,14 @@ TEST_F(Coordinate, WrongOptionsAreOneLine) {
   expect_refused(run + "--end nan", "coordinate: --end: is \"nan\"; [^\n]*");
   for (const char* controller : {"escot", "sumo"}) {
     expect_refused(run + "--junction nowhere --controller " + controller,
-                   "--junction nowhere: the network has no junction with this id");
+                   "--junction nowhere: the network has no junction with this id; there is C");
   }
   expect_refused(run + "-- --bogus 3",
                  "[^\n]*crossroads[.]sumocfg: SUMO does not start: [^\n]*bogus[^\n]*");
   expect_refused(run + "-- --seed 3", "SUMO option --seed: [^\n]*");
+  expect_refused(run + "-- --step-length 0.5",
+                 "SUMO option --step-length: 0.5 s is too long [^\n]*");
+  expect_refused(run + "-- --step-length=1", "SUMO option --step-length: 1 s is too long [^\n]*");
   expect_no_files_but(0);
 }
 
@@ -129,7 +133,7 @@ TEST_F(Coordinate, UnwritableOutputIsOneLine) {
   expect_refused(run + "file", "file: cannot make this folder [^\n]*; choose [^\n]*");
   expect_refused(run + "/proc/mvtp", "/proc/mvtp: cannot make this folder [^\n]*");
   expect_refused(run + "/proc", "/proc/summary.json: cannot be written: [^\n]*");
-  expect_refused(run + "taken", "taken/fcd.xml: is a directory; [^\n]*");
+  expect_refused(run + "taken", "taken/fcd.xml: cannot be written: it is a directory; [^\n]*");
   expect_refused(run + "taken2",
                  "taken2/summary.json: cannot be written: it is a directory; [^\n]*");
   expect_no_files_but(1);

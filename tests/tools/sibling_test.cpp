@@ -49,9 +49,10 @@ TEST_F(Sibling, GetsTheArgumentsAndGivesItsExitCode) {
 TEST_F(Sibling, ACrashIsALineAndNotACrash) {
   testing::internal::CaptureStderr();
   EXPECT_EQ(run("kill -SEGV $$"), kNotAchieved);
-  EXPECT_EQ(testing::internal::GetCapturedStderr(),
-            "mvtp: coordinate: the simulation crashed (Segmentation fault); the output holds what "
-            "was finished before\n");
+  EXPECT_EQ(
+      testing::internal::GetCapturedStderr(),
+      "mvtp: coordinate: the simulation crashed (Segmentation fault); it had not got far enough "
+      "to leave results\n");
 }
 
 TEST_F(Sibling, ASignalToTheParentReachesTheChild) {

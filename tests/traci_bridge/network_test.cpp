@@ -251,7 +251,16 @@ TEST(ReadNetwork, PathsThatAreNoFilesAreRefused) {
             "/: not a file; give the path of a SUMO network, *.net.xml");
   const TemporaryDirectory directory;
   EXPECT_THAT(message_of([&] { return read_network(directory.write("a.net.xml.gz", "")); }),
-              MatchesRegex(".*: compressed files are not supported; unpack it with gunzip"));
+              MatchesRegex(".*/a.net.xml.gz:0: not XML .*"));
+}
+
+TEST(ReadNetwork, CompressedNetworksAreRead) {
+  const TemporaryDirectory directory;
+  const std::string packed = directory / "crossroads.net.xml.gz";
+  const std::string command =
+      "gzip -c '" + project_file("networks/crossroads.net.xml") + "' > '" + packed + "'";
+  ASSERT_EQ(std::system(command.c_str()), 0);
+  EXPECT_EQ(read_network(packed).lanes.size(), crossroads().lanes.size());
 }
 
 }  // namespace

@@ -240,10 +240,12 @@ TEST_F(SumoTrafficTest, AHoldThatIsLiftedInTimeLeavesNoTrace) {
   const auto traffic = open(vehicle("a", 0, "Wi Eo", "departPos=\"150\""));
   run_until(*traffic, 1.0);
   traffic->hold("a", true);
-  run_until(*traffic, 2.0);
-  traffic->hold("a", false);
   run_until(*traffic, 10.0);
+  EXPECT_LT(at(*traffic, "a").speed, 13.0);  // it has begun to brake
+  traffic->hold("a", false);
+  run_until(*traffic, 18.0);
   EXPECT_NEAR(at(*traffic, "a").speed, 13.89, 1e-6);
+  EXPECT_EQ(at(*traffic, "a").lane, "Eo_0");
 }
 
 TEST_F(SumoTrafficTest, AVehicleTooCloseToBrakeIsNotHeld) {

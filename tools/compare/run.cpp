@@ -5,11 +5,13 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <set>
 
+#include "coordinator/simulation.hpp"
 #include "planner/problem/input_error.hpp"
 #include "planner/problem/text_file.hpp"
 #include "tools/child_process.hpp"
@@ -17,6 +19,7 @@
 #include "tools/compare/report.hpp"
 #include "tools/program.hpp"
 #include "tools/progress.hpp"
+#include "tools/run_folder.hpp"
 #include "tools/version.hpp"
 #include "tools/view/load.hpp"
 #include "tools/view/page.hpp"
@@ -85,11 +88,13 @@ std::vector<Control> controls_of(const CompareOptions& options) {
 
 std::string first_line(const fs::path& file) {
   std::ifstream stream(file);
-  std::string line;
-  std::getline(stream, line);
   constexpr std::string_view kName = "mvtp: ";
-  if (line.starts_with(kName)) line.erase(0, kName.size());
-  return line;
+  for (std::string line; std::getline(stream, line);) {
+    if (line.starts_with(kName) && !line.starts_with("mvtp: note: ")) {
+      return line.substr(kName.size());
+    }
+  }
+  return "";
 }
 
 class Comparison {
@@ -184,7 +189,7 @@ class Comparison {
 
   /// Returns whether no signal cut it short.
   bool run_all() {
-    Progress progress("compare", options_.quiet);
+    Progress progress("compare", options_.quiet, TimeLeft::kShown);
     std::size_t done = 0;
     return run_jobs(jobs_, options_.jobs, [&](std::size_t i, int status) {
       judge(i, status);
@@ -204,6 +209,7 @@ class Comparison {
       const std::string said = first_line(jobs_[i].messages);
       run.failure = fmt::format("crashed ({}){}{}", strsignal(WTERMSIG(status)),
                                 said.empty() ? "" : ": ", said);
+      (void)complete_crashed_run(run.folder, run.failure);
       return;
     }
     if (code == kInterrupted) {
@@ -213,6 +219,9 @@ class Comparison {
     const std::string summary = (fs::path(run.folder) / "summary.json").string();
     try {
       read_summary(read_text_file(summary, kMaxSummaryBytes), summary, run);
+      if (run.status == to_string(RunStatus::kFailed)) {
+        run.failure = first_line(jobs_[i].messages);  // its figures end where it failed
+      }
     } catch (const InputError& error) {
       const std::string said = first_line(jobs_[i].messages);
       run.failure = fmt::format("exit code {}: {}", code, said.empty() ? error.what() : said);
@@ -265,6 +274,9 @@ class Comparison {
 
 }  // namespace
 
-int run_compare(const CompareOptions& options) { return Comparison(options).run(); }
+int run_compare(const CompareOptions& options) {
+  ::unsetenv(kRunFolderNote);  // each run has a folder of its own
+  return Comparison(options).run();
+}
 
 }  // namespace mvtp

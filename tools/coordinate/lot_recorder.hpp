@@ -4,11 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "coordinator/free_flow.hpp"
 #include "coordinator/lot_coordinator.hpp"
 #include "coordinator/lot_report.hpp"
 #include "coordinator/report.hpp"
-#include "traci_bridge/trips.hpp"
 
 namespace mvtp {
 
@@ -16,6 +14,8 @@ namespace mvtp {
 class LotRecorder {
  public:
   explicit LotRecorder(const LotCoordinator& lot) : lot_(lot) {}
+
+  [[nodiscard]] const ParkingLot& lot() const { return lot_.lot(); }
 
   /// After each step.
   void observe(double time);

@@ -1,8 +1,34 @@
 #include "tools/coordinate/options.hpp"
 
+#include <algorithm>
+#include <array>
+
+#include "planner/problem/input_error.hpp"
 #include "tools/option_types.hpp"
+#include "tools/suggest.hpp"
 
 namespace mvtp {
+
+namespace {
+
+const std::array kControllers = {
+    ControllerName{"escot", "ESCoT at junctions and on parking lots", true, true},
+    ControllerName{"prioritized", "on lots: each plans once, against all earlier ones", false,
+                   true},
+    ControllerName{"one-at-a-time", "on lots: one vehicle drives, the others wait", false, true},
+    ControllerName{kSumoController, "SUMO's own control, for comparison", true, true}};
+
+}  // namespace
+
+std::span<const ControllerName> controller_names() { return kControllers; }
+
+const ControllerName& controller_named(const std::string& name) {
+  const auto found = std::ranges::find(kControllers, name, &ControllerName::name);
+  if (found != kControllers.end()) return *found;
+  std::vector<std::string> names;
+  for (const ControllerName& controller : kControllers) names.push_back(controller.name);
+  throw InputError("--controller " + name, "is no controller; " + suggestion(name, names));
+}
 
 void declare_run_options(CLI::App& app, CoordinateOptions& o) {
   app.add_option("-c,--configuration", o.configuration, "SUMO scenario (*.sumocfg)")
@@ -13,7 +39,11 @@ void declare_run_options(CLI::App& app, CoordinateOptions& o) {
       ->check(number_between(0.0, 1e9))
       ->group("Input");
   app.add_option("--junction", o.junctions,
-                 "Junction to coordinate; repeatable (default: all with conflicting connections)")
+                 "Junctions to coordinate, A,B or repeated (default: all with conflicting\n"
+                 "connections)")
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->type_name("ID,ID,...")
       ->group("Control");
   app.add_option("--zone-radius", o.zone_radius, "Takeover this far before the stop line [m]")
       ->check(number_between(20.0, 1000.0))
@@ -35,6 +65,12 @@ void declare_run_options(CLI::App& app, CoordinateOptions& o) {
       ->group("Control");
   app.add_option("--tries", o.tries, "Orders of passage tried per replan (0: order of arrival)")
       ->check(number_between(0, 100000))
+      ->capture_default_str()
+      ->group("Control");
+  app.add_option("--threads", o.threads,
+                 "Threads that plan; the results do not depend on it "
+                 "(0: one per core)")
+      ->check(whole_number_between(0, 1024))
       ->capture_default_str()
       ->group("Control");
   app.add_option("--parking", o.parking, "How to stand in slots: forward, reverse, or any")

@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -10,12 +11,10 @@ namespace mvtp {
 
 /// The command line of `mvtp coordinate`.
 struct CoordinateOptions {
-  std::string configuration;           ///< *.sumocfg
-  std::vector<std::string> junctions;  ///< none: all with conflicting connections
-  double zone_radius = 80.0;           ///< [m]
-  /// Or "sumo": SUMO's own control, with the same figures; on parking lots also "prioritized" and
-  /// "one-at-a-time".
-  std::string controller = "escot";
+  std::string configuration;            ///< *.sumocfg
+  std::vector<std::string> junctions;   ///< none: all with conflicting connections
+  double zone_radius = 80.0;            ///< [m]
+  std::string controller = "escot";     ///< one of controller_names()
   std::string parking = "any";          ///< or "forward", "reverse"
   std::vector<std::string> breakdowns;  ///< VEHICLE@SECONDS
   std::string output_dir = "out";
@@ -27,12 +26,27 @@ struct CoordinateOptions {
   double replan_budget_ms = -1.0;   ///< [ms]; < 0: no limit
   double replan_budget_from = 0.0;  ///< [s]
   int tries = 30;
+  int threads = 0;             ///< that plan; 0: one per core
   double margin_along = 0.6;   ///< [m]
   double margin_across = 0.4;  ///< [m]
   bool no_view = false;
   bool no_fcd = false;
   std::vector<std::string> sumo;  ///< more options for SUMO, behind "--"
 };
+
+/// Who may drive.
+struct ControllerName {
+  std::string name;
+  std::string meaning;
+  bool at_junctions = false;
+  bool on_lots = false;
+};
+/// SUMO's own control, with the same figures.
+constexpr const char* kSumoController = "sumo";
+
+[[nodiscard]] std::span<const ControllerName> controller_names();
+/// @throws InputError for a name that is not one of them
+[[nodiscard]] const ControllerName& controller_named(const std::string& name);
 
 /// Declares the options that say what is run and how it is coordinated: all but the controller, the
 /// seed and the output. `mvtp compare` hands them on to each of its runs.

@@ -8,7 +8,7 @@ comes near is sampled densely (--sampling, in seconds) between two steps, each v
 the one point that carries its first pose into the second. Lengths and widths are those of the
 vehicle types in the scenario's files; SUMO writes the middle of the front bumper and the heading.
 A vehicle that leaps (sideways by more than 1 m, or along by 1 m more than its speed explains) is
-looked at at the step only, unless vehicles.csv says that it was coordinated.
+looked at at the step only.
 
 Exit codes: 0 no overlap (with --coordinated: with a coordinated vehicle), 1 overlaps, 2 bad input.
 """
@@ -154,7 +154,7 @@ def leaps(before, now, dt):
     """A lane change within one step or a teleport: no motion that could be looked at."""
     turn = now[1] / before[1]
     way = (now[0] - before[0]) / (before[1] * cmath.exp(0.5j * cmath.phase(turn)))
-    return abs(way.imag) > 1.5 or abs(way.real) > max(before[2], now[2]) * dt + 1.0
+    return abs(way.imag) > 1.0 or abs(way.real) > max(before[2], now[2]) * dt + 1.0
 
 
 def near_pairs(motions):
@@ -170,7 +170,7 @@ def near_pairs(motions):
                 yield i, j
 
 
-def check(fcd, sizes, coordinated, sampling):
+def check(fcd, sizes, sampling):
     """All overlapping pairs: {(id, id): [first time, deepest, time of that, steps]}."""
     pairs, unknown = {}, set()
     previous, last_time = {}, None
@@ -186,7 +186,7 @@ def check(fcd, sizes, coordinated, sampling):
                 size = CLASS_SIZES["passenger"]
             before = previous.get(vehicle)
             now = (front, heading, speed)
-            if before is None or (vehicle not in coordinated and leaps(before, now, dt)):
+            if before is None or leaps(before, now, dt):
                 still.add(vehicle)
                 before = now
             motions[vehicle] = Motion(before[:2], now[:2], size)
@@ -215,7 +215,7 @@ def result(fcd, config, vehicles=None, sampling=0.002):
     sizes = read_sizes(configured_files(config))
     ours = coordinated_vehicles(vehicles) if vehicles else set()
     try:
-        pairs, unknown = check(fcd, sizes, ours, sampling)
+        pairs, unknown = check(fcd, sizes, sampling)
     except (OSError, ET.ParseError, TypeError, ValueError) as error:
         raise BadInput(f"{fcd}: {error}") from error
     listed = [{"pair": list(pair), "first_s": round(first, 3), "depth_m": round(deep, 4),

@@ -73,23 +73,30 @@ class Judge(unittest.TestCase):
         self.assertEqual((row["verdict"], row["reasons"]), ("pass", ""))
 
     def test_late_vehicles_are_a_gridlock(self):
-        row = self.judge(GOOD, [("a", 0, "", 40), ("b", 10, 60, 40), ("c", 250, "", 40)])
-        self.assertEqual(row["late"], "1/2")  # c could not have arrived yet
+        row = self.judge(GOOD, [("a", 0, "", 40)] * 3 + [("b", 10, 60, 40), ("c", 250, "", 40)])
+        self.assertEqual(row["late"], "3/4")  # c could not have arrived yet
         self.assertIn("gridlock", row["reasons"])
+        suite.excuse(row)
+        self.assertEqual((row["verdict"], row["reasons"]), ("pass", ""))
+
+    def test_nothing_to_coordinate_is_not_run(self):
+        self.assertEqual(self.judge(GOOD, [])["verdict"], "not run")
+        said = {"exit": 2, "message": "mvtp: x: the network has no junction with conflicting connections"}
+        self.assertEqual(self.judge(None, measured=said)["verdict"], "not run")
 
     def test_each_fault_is_named(self):
         for key, what in (("overlap_pairs_coordinated", "overlapping"),
                           ("off_road_steps_coordinated", "off-road"),
                           ("people_touched", "people")):
-            row = self.judge(GOOD | {"audit": GOOD["audit"] | {key: 3}})
+            row = self.judge(GOOD | {"audit": GOOD["audit"] | {key: 3}}, [("a", 0, 50, 40)])
             self.assertEqual(row["verdict"], "fail")
             self.assertIn(f"3 {what}", row["reasons"])
 
     def test_crash_timeout_and_memory(self):
         self.assertIn("signal 6", self.judge(None, measured={"exit": -6})["reasons"])
         self.assertIn("timeout", self.judge(None, measured={"timeout": True})["reasons"])
-        self.assertIn("2000 MB", self.judge(GOOD, measured={"memory": 2000.0})["reasons"])
-        self.assertIn("no vehicle", self.judge(GOOD | {"vehicles": 0})["reasons"])
+        self.assertIn("2000 MB", self.judge(GOOD, [("a", 0, 50, 40)], {"memory": 2000.0})["reasons"])
+        self.assertIn("no vehicle", self.judge(GOOD | {"vehicles": 0}, [("a", 0, "", 40)])["reasons"])
 
 
 STUB = """#!/usr/bin/env python3
@@ -100,7 +107,7 @@ with open(os.environ["STUB_CALLS"], "a") as file:
 if os.environ.get("STUB_HANGS"):
     time.sleep(60)
 open(os.path.join(folder, "vehicles.csv"), "w").write(
-    "id,intended_departure_s,arrival_s,free_flow_s\\n")
+    "id,intended_departure_s,arrival_s,free_flow_s\\na,0,50,40\\n")
 open(os.path.join(folder, "summary.json"), "w").write(os.environ["STUB_SUMMARY"])
 """
 

@@ -1,0 +1,18 @@
+#pragma once
+
+namespace mvtp {
+
+/// From now on SIGINT and SIGTERM are noted instead of ending the process; a second one ends it at
+/// once, with exit code 130.
+void note_interrupts();
+
+/// Has one of them come? Cheap: for loops of any kind.
+[[nodiscard]] bool interrupted();
+
+/// Thrown by work of which nothing is worth keeping once it is interrupted.
+struct Interrupted {};
+
+/// Throws Interrupted if interrupted().
+void stop_if_interrupted();
+
+}  // namespace mvtp

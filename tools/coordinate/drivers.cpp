@@ -1,0 +1,142 @@
+#include "tools/coordinate/drivers.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <ranges>
+
+#include "planner/problem/input_error.hpp"
+#include "tools/coordinate/lot_options.hpp"
+#include "tools/suggest.hpp"
+
+namespace mvtp {
+namespace {
+
+void check_junctions(const CoordinateOptions& options, const RoadNetwork& network) {
+  for (const std::string& id : options.junctions) {
+    if (network.junctions.contains(id)) continue;
+    std::vector<std::string> known;
+    for (const auto& [name, junction] : network.junctions) {
+      if (junction.has_conflicts) known.push_back(name);
+    }
+    throw InputError("--junction " + id,
+                     "the network has no junction with this id; " + suggestion(id, known));
+  }
+}
+
+/// Do all ways through a junction lead from and to lanes of parking lots?
+bool belongs_to_lots(const Junction& junction, std::span<const ParkingLot> lots,
+                     const RoadNetwork& network) {
+  const auto is_lots = [&](const std::string& lane) {
+    const std::string& edge = network.lanes.at(lane).edge;
+    const auto names_it = [&](const LotLane& l) { return network.lanes.at(l.lane).edge == edge; };
+    return std::ranges::any_of(lots, [&](const ParkingLot& lot) {
+      return std::ranges::any_of(lot.entries, names_it) || std::ranges::any_of(lot.exits, names_it);
+    });
+  };
+  return std::ranges::all_of(junction.connections, [&](const Connection& c) {
+    return is_lots(c.from_lane) && is_lots(c.to_lane);
+  });
+}
+
+CoordinatorOptions coordinator_options(const CoordinateOptions& options,
+                                       const std::set<std::string>& junctions) {
+  CoordinatorOptions coordinator;
+  coordinator.corridors.takeover = options.zone_radius;
+  coordinator.limits.max_lateral_accel = options.max_lateral_accel;
+  coordinator.limits.margins = {options.margin_along, options.margin_across};
+  coordinator.junctions.assign(junctions.begin(), junctions.end());
+  coordinator.escot.seed = options.seed;
+  coordinator.escot.crossing.tries = options.tries;
+  if (options.replan_budget_ms >= 0.0) coordinator.replan_budget_ms = options.replan_budget_ms;
+  coordinator.budget_from = options.replan_budget_from;
+  coordinator.threads = options.threads;
+  return coordinator;
+}
+
+}  // namespace
+
+std::set<std::string> coordinated_junctions(const CoordinateOptions& options,
+                                            const RoadNetwork& network,
+                                            std::span<const ParkingLot> lots) {
+  check_junctions(options, network);
+  std::set<std::string> junctions(options.junctions.begin(), options.junctions.end());
+  if (!junctions.empty()) return junctions;
+  for (const auto& [id, junction] : network.junctions) {
+    if (junction.has_conflicts && !belongs_to_lots(junction, lots, network)) junctions.insert(id);
+  }
+  if (junctions.empty() && lots.empty() && options.controller != kSumoController) {
+    throw InputError(options.configuration,
+                     "the network has no junction with conflicting connections; name one with "
+                     "--junction");
+  }
+  return junctions;
+}
+
+Drivers::Drivers(const CoordinateOptions& options, Traffic& traffic, const DrivableArea& area,
+                 const std::set<std::string>& junctions, std::span<const ParkingLot> lots) {
+  const ControllerName& name = controller_named(options.controller);
+  if (!name.at_junctions && lots.empty() && name.on_lots) {
+    throw InputError("--controller " + options.controller,
+                     "is for parking lots, and the scenario has none; choose escot or sumo");
+  }
+  if (options.controller == kSumoController) {
+    controllers_.push_back(std::make_unique<OwnDrivers>());
+    return;
+  }
+  for (const ParkingLot& lot : lots) {
+    auto controller = std::make_unique<LotCoordinator>(traffic, lot, lot_options(options));
+    lots_.push_back(std::make_unique<LotRecorder>(*controller));
+    controllers_.push_back(std::move(controller));
+  }
+  if (junctions.empty()) return;
+  auto controller =
+      std::make_unique<Coordinator>(traffic, area, coordinator_options(options, junctions));
+  coordinator_ = controller.get();
+  controllers_.push_back(std::move(controller));
+}
+
+void Drivers::join(Simulation& simulation) {
+  for (const auto& controller : controllers_) simulation.add(*controller);
+  for (const auto& lot : lots_) {
+    simulation.add([&lot = *lot](const Snapshot& now) { lot.observe(now.time); });
+  }
+}
+
+void Drivers::report_to(RunReport& report) const {
+  report.replans.clear();
+  report.zones.clear();
+  report.left_to_sumo.clear();
+  const auto append = [](auto& to, const auto& more) {
+    to.insert(to.end(), more.begin(), more.end());
+  };
+  for (const auto& controller : controllers_) {
+    append(report.replans, controller->replans());
+    append(report.zones, controller->zones());
+    append(report.left_to_sumo, controller->left_to_sumo());
+  }
+  std::ranges::stable_sort(report.replans, {}, &Replan::time);
+  if (coordinator_) report.wrong_lane_sightings = coordinator_->guest_sightings();
+}
+
+void Drivers::report_lots(RunReport& report, const TripLog& log, std::span<const Trip> trips,
+                          const FreeFlow& free_flow, Simulation& simulation) const {
+  report.lots.clear();
+  const auto type = [&](const std::string& id) { return simulation.type_of(id); };
+  for (const auto& lot : lots_) {
+    report.lots.push_back(
+        lot->report(log.times_at_gate(trips, free_flow, report.end, lot->lot(), type)));
+  }
+}
+
+void Drivers::write_lot_files(const RunReport& report, RunFolder& folder) const {
+  if (lots_.empty()) return;
+  folder.write("visits.csv", visits_csv(report.lots, report.end));
+  folder.write("occupancy.csv", occupancy_csv(report.lots));
+  for (std::size_t i = 0; i < lots_.size(); ++i) {
+    const std::string name = i == 0 ? "lot.svg" : fmt::format("lot{}.svg", i + 1);
+    folder.write(name, lots_[i]->picture());
+  }
+}
+
+}  // namespace mvtp

@@ -1,0 +1,189 @@
+#include "tools/coordinate/scenario.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <filesystem>
+#include <fstream>
+#include <string_view>
+
+#include "planner/problem/input_error.hpp"
+
+namespace mvtp {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::optional<double> number(std::string_view text) {
+  double value = 0.0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  const bool whole = error == std::errc() && end == text.data() + text.size();
+  return whole ? std::optional(value) : std::nullopt;
+}
+
+/// The value of an option of SUMO among those behind "--", as "--NAME V" or "--NAME=V".
+std::optional<std::string> given(const CoordinateOptions& options, std::string_view name,
+                                 std::string_view short_name) {
+  std::optional<std::string> value;
+  for (std::size_t i = 0; i < options.sumo.size(); ++i) {
+    const std::string& word = options.sumo[i];
+    const std::string_view head = std::string_view(word).substr(0, word.find('='));
+    if (head != name && head != short_name) continue;
+    if (head.size() < word.size()) {
+      value = word.substr(head.size() + 1);
+    } else if (i + 1 < options.sumo.size()) {
+      value = options.sumo[i + 1];
+    }
+  }
+  return value;
+}
+
+std::string setting(const Configuration& configuration, const char* name) {
+  const auto found = configuration.others.find(name);
+  return found == configuration.others.end() ? "" : found->second;
+}
+
+void choose_step_length(const CoordinateOptions& options, Scenario& scenario) {
+  if (const auto text = given(options, "--step-length", "--step-length")) {
+    const std::optional<double> step = number(*text);
+    if (step && *step > kLongestStep) {
+      throw InputError("SUMO option --step-length",
+                       fmt::format("{} s is too long to drive vehicles by; give at most {} s",
+                                   *text, kLongestStep));
+    }
+    return;
+  }
+  const double step = scenario.configuration.step_length;
+  if (step <= kLongestStep) return;
+  scenario.sumo.extra.insert(scenario.sumo.extra.end(),
+                             {"--step-length", fmt::format("{}", kStepLength)});
+  scenario.notes.push_back(
+      fmt::format("SUMO runs at steps of {} s, not the scenario's {} s", kStepLength, step));
+}
+
+void choose_end(const CoordinateOptions& options, Scenario& scenario) {
+  scenario.end = scenario.configuration.end;
+  if (const auto text = given(options, "--end", "-e")) {
+    if (const auto end = number(*text)) {
+      scenario.end = *end < 0.0 ? std::nullopt : end;
+    }
+  }
+  if (options.end) scenario.end = options.end;
+}
+
+void note_settings(Scenario& scenario) {
+  const Configuration& c = scenario.configuration;
+  const auto note = [&](const std::string& text) { scenario.notes.push_back(text); };
+  if (const auto after = number(setting(c, "time-to-teleport")); after && *after > 0.0) {
+    note(fmt::format("time-to-teleport {}: nobody is teleported here; a jam shows in the delays",
+                     setting(c, "time-to-teleport")));
+  }
+  if (const auto width = number(setting(c, "lateral-resolution")); width && *width > 0.0) {
+    note("lateral-resolution: SUMO's sublane model moves only vehicles that are not coordinated");
+  }
+  if (scenario.demand.rerouters) {
+    note("rerouters: a coordinated vehicle takes its new route once it is handed back");
+  }
+  if (scenario.demand.people) {
+    note(
+        "people on foot: the audit watches them; coordinated vehicles do not wait for them at "
+        "junctions");
+  }
+}
+
+/// The attribute of a tag, without its quotes.
+std::optional<std::string_view> attribute_of(std::string_view tag, std::string_view name) {
+  for (std::size_t at = tag.find(name); at != std::string_view::npos; at = tag.find(name, at + 1)) {
+    const std::size_t begin = at + name.size() + 2;  // behind ="
+    const bool whole = at > 0 && tag[at - 1] == ' ' && begin < tag.size() && tag[begin - 2] == '=';
+    if (whole) return tag.substr(begin, tag.find_first_of("\"'", begin) - begin);
+  }
+  return std::nullopt;
+}
+
+void scan_tag(std::string_view tag, Demand& demand) {
+  tag.remove_prefix(std::min(tag.find('<'), tag.size()));
+  const std::string_view name = tag.substr(0, tag.find_first_of(" \n\t/"));
+  demand.people = demand.people || name == "<person" || name == "<personFlow";
+  demand.rerouters = demand.rerouters || name == "<rerouter";
+  const bool single = name == "<vehicle" || name == "<trip";
+  if (!single && name != "<flow") return;
+  const auto text = attribute_of(tag, single ? "depart" : "end");
+  const auto time = text ? number(*text) : std::nullopt;
+  if (time) demand.last_departure = std::max(demand.last_departure.value_or(*time), *time);
+}
+
+fs::path their_path(const Scenario& scenario, const std::string& configuration,
+                    const std::string& name) {
+  const fs::path plain = fs::path(configuration).parent_path() / name;  // or `name`, if absolute
+  return plain.parent_path() /
+         (setting(scenario.configuration, "output-prefix") + plain.filename().string());
+}
+
+}  // namespace
+
+Demand scan_demand(const Configuration& configuration) {
+  Demand demand;
+  for (const auto* files : {&configuration.route_files, &configuration.additional_files}) {
+    for (const std::string& path : *files) {
+      if (path.ends_with(".gz")) continue;  // what is in there is a guess for the progress bar
+      std::ifstream file(path);
+      for (std::string tag; std::getline(file, tag, '>');) scan_tag(tag, demand);
+    }
+  }
+  return demand;
+}
+
+Scenario plan_run(const CoordinateOptions& options, RunFolder& folder) {
+  Scenario scenario{.configuration = read_configuration(options.configuration)};
+  scenario.demand = scan_demand(scenario.configuration);
+  SumoOptions& sumo = scenario.sumo;
+  sumo.configuration = options.configuration;
+  sumo.seed = options.seed;
+  sumo.gui = options.gui;
+  if (!options.no_fcd) sumo.fcd_output = folder.path("fcd.xml");
+  sumo.tripinfo_output = folder.path("tripinfo.xml");
+  sumo.log = folder.part("sumo.log");
+  sumo.extra = options.sumo;
+  choose_step_length(options, scenario);
+  choose_end(options, scenario);
+  note_settings(scenario);
+  return scenario;
+}
+
+std::vector<std::string> notes_on(const Traffic& traffic) {
+  std::vector<std::string> notes;
+  if (traffic.network().left_hand) {
+    notes.emplace_back("left-hand traffic: tried little; look at the audit of the run");
+  }
+  if (traffic.network().opposite_lanes) {
+    notes.emplace_back("overtaking in the opposite lane: such vehicles are not foreseen");
+  }
+  for (const std::string& id : traffic.types()) {
+    const std::string kind = traffic.type(id).vehicle_class;
+    if (kind == "bicycle" || kind == "ship" || kind == "tram" || kind.starts_with("rail")) {
+      notes.push_back(fmt::format("vehicles of type {} ({}) are left to SUMO", id, kind));
+    }
+  }
+  return notes;
+}
+
+std::vector<std::string> copy_outputs(const Scenario& scenario, const std::string& configuration) {
+  std::vector<std::string> notes;
+  for (const auto& [option, ours] : {std::pair{"fcd-output", scenario.sumo.fcd_output},
+                                     {"tripinfo-output", scenario.sumo.tripinfo_output}}) {
+    const std::string name = setting(scenario.configuration, option);
+    if (name.empty() || ours.empty()) continue;
+    std::error_code error;
+    const fs::path theirs = their_path(scenario, configuration, name);
+    fs::copy_file(ours, theirs, fs::copy_options::overwrite_existing, error);
+    if (error) {
+      notes.push_back(fmt::format("{} {}: not written ({}); the same is in {}", option,
+                                  theirs.string(), error.message(), ours));
+    }
+  }
+  return notes;
+}
+
+}  // namespace mvtp

@@ -1,0 +1,12 @@
+#pragma once
+
+#include <span>
+#include <string>
+
+namespace mvtp {
+
+/// What to say after a name that is not among `names`: the nearest one if it could be a slip of the
+/// pen, and some of what there is; e.g. "did you mean C? there are A, B, C, ... (12 in all)".
+[[nodiscard]] std::string suggestion(const std::string& name, std::span<const std::string> names);
+
+}  // namespace mvtp
