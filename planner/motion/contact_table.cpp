@@ -8,8 +8,8 @@ namespace {
 
 constexpr double kHalf = GuidePath::kSpacing / 2.0;
 /// [m]: a car that brakes or speeds up is never further than a h^2 / 8 from where it would be at an
-/// even speed, h between two looks: for two cars at 5 m/s^2 and 0.2 s.
-constexpr double kUneven = 0.05;
+/// even speed, h between two looks: for two cars at 4.5 m/s^2 and 0.25 s, the longest step.
+constexpr double kUneven = 0.07;
 
 PlaneBounds bounds_of(const OrientedBox& b) {
   const double x = std::abs(b.ux) * b.half_length + std::abs(b.uy) * b.half_width;
