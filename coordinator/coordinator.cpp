@@ -7,11 +7,14 @@
 #include <cmath>
 #include <utility>
 
+#include "coordinator/audit.hpp"
 #include "coordinator/referee.hpp"
 #include "planner/search/draws.hpp"
 
 namespace mvtp {
 namespace {
+
+constexpr double kApproachReserve = 0.9;  ///< share of its acceleration used off its path
 
 /// Comfortable braking towards lower speed limits.
 double envelope_braking(const Vehicle& body) { return std::min(3.5, 0.8 * body.max_decel); }
@@ -40,6 +43,7 @@ Coordinator::Coordinator(Traffic& traffic, const DrivableArea& area,
       coordinated_(select_junctions(graph_, options.junctions, options.corridors.chain)),
       finder_(graph_, coordinated_, options.corridors),
       corridors_(graph_, area, options.limits),
+      area_(area),
       predictor_(graph_, finder_, corridors_, options.corridors.takeover),
       gate_(traffic) {
   grid_.dt = traffic.step_length();
@@ -427,7 +431,7 @@ std::vector<Coordinator::Newcomer> Coordinator::find_newcomers() {
     const int lane = graph_.find_lane(v.lane);
     if (lane == LaneGraph::kNone || !finder_.may_approach(lane, v.lane_position)) continue;
     if (driven_.contains(v.id) || traffic_.is_taken_over(v.id)) continue;
-    if (v.halted_by_stop) continue;
+    if (v.halted_by_stop || is_entering(v)) continue;
     std::vector<int> route = route_of(v);
     const CourseQuery query = query_for(v, route);
     if (!is_car_like(type_of(v.type).vehicle_class)) {
@@ -442,6 +446,15 @@ std::vector<Coordinator::Newcomer> Coordinator::find_newcomers() {
   // Whoever is nearer to the line has arrived earlier; lanes keep their order this way.
   std::ranges::stable_sort(newcomers, {}, &Newcomer::to_line);
   return newcomers;
+}
+
+/// Does it enter the network just now, its tail still behind the beginning of its first lane?
+bool Coordinator::is_entering(const VehicleState& v) {
+  const double length = type_of(v.type).body.length();
+  const auto trail = trails_.find(v.id);
+  const bool came = trail != trails_.end() && trail->second.before != LaneGraph::kNone;
+  return !came && v.lane_position < length + 3.0 &&
+         area_.share_outside(v.pose, type_of(v.type).body, Audit::kRoadTolerance) > 0.0;
 }
 
 /// A vehicle near a stop line that keeps its own driver.
@@ -459,13 +472,22 @@ void Coordinator::see_guest(const VehicleState& v, const CourseQuery& query) {
 Driven Coordinator::admit(const Newcomer& newcomer, std::int64_t key) {
   const VehicleState& v = *newcomer.state;
   const VehicleType& type = type_of(v.type);
-  const Corridor& c = corridors_[newcomer.corridor];
-  const GuidePath& path = corridors_.library().path(c.path);
   Driven driven{.key = key, .corridor = newcomer.corridor, .route = newcomer.route};
-
-  const double expected = c.lines.front() - newcomer.to_line;
-  driven.approach = PathApproach(path, v.pose, path.project({v.pose.x, v.pose.y}, expected - 3.0,
-                                                            expected + 3.0));
+  const CorridorCourse& course = corridors_[newcomer.corridor].course;
+  const double expected = corridors_[newcomer.corridor].lines.front() - newcomer.to_line;
+  {
+    const GuidePath& path = path_of(driven);
+    driven.approach = PathApproach(
+        path, v.pose, path.project({v.pose.x, v.pose.y}, expected - 3.0, expected + 3.0));
+  }
+  if (driven.approach.is_notable()) {
+    // Beside its path the vehicle drives a little faster or slower than along it.
+    Vehicle body = type.body;
+    body.max_accel *= kApproachReserve;
+    body.max_decel *= kApproachReserve;
+    driven.corridor = corridors_.corridor_for(course, body);
+  }
+  const Corridor& c = corridors_[driven.corridor];
 
   std::vector<double> limits = c.lateral_limits;
   for (std::size_t i = 0; i < limits.size(); ++i) {
@@ -474,7 +496,7 @@ Driven Coordinator::admit(const Newcomer& newcomer, std::int64_t key) {
   RoadVehicle& road = driven.road;
   road.key = driven.key;
   road.path = c.path;
-  road.now = {driven.approach.begin(), v.speed};
+  road.now = {driven.approach.begin(), v.speed * c.ratios[c.piece_at(expected)]};
   road.cruise_speed = std::min(v.speed_factor * c.lane_limits.back(), type.body.max_speed);
   road.envelope = std::make_shared<SpeedEnvelope>(std::move(limits), envelope_braking(type.body));
   road.min_gap = type.min_gap;
@@ -547,9 +569,14 @@ void Coordinator::hold_back(const std::vector<Newcomer>& newcomers) {
 void Coordinator::place_all() {
   for (const auto& [id, driven] : driven_) {
     const InertialState next = state_at(*plan_.find(driven.key), step_ + 1);
-    const GuidePath& path = corridors_.library().path(corridors_[driven.corridor].path);
-    traffic_.place(id, driven.approach.pose(path, next.s), next.v);
+    const Corridor& corridor = corridors_[driven.corridor];
+    const double speed = next.v / corridor.ratios[corridor.piece_at(next.s)];
+    traffic_.place(id, driven.approach.pose(path_of(driven), next.s), speed);
   }
+}
+
+const GuidePath& Coordinator::path_of(const Driven& driven) const {
+  return corridors_.library().path(corridors_[driven.corridor].path);
 }
 
 const VehicleState* Coordinator::find_state(const std::string& id) const {

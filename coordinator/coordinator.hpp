@@ -122,11 +122,13 @@ class Coordinator : public Controller {
   void accept(const Trial& trial, bool late, const std::map<std::string, Driven>& admitted,
               std::map<std::string, Driven>& went_on);
   void admit_guests_freely();
+  [[nodiscard]] bool is_entering(const VehicleState& state);
   void see_guest(const VehicleState& state, const CourseQuery& query);
   void prepare_tables(const RoadScene& now);
   void upset_stagnation(JointPlan& incumbent, std::vector<std::int64_t>& order);
   void remember_lanes();
   void place_all();
+  [[nodiscard]] const GuidePath& path_of(const Driven& driven) const;
   [[nodiscard]] const VehicleState* find_state(const std::string& id) const;
 
   /// The normal lane that a vehicle is on, and the one it was on before.
@@ -140,6 +142,7 @@ class Coordinator : public Controller {
   std::vector<bool> coordinated_;
   CourseFinder finder_;
   CorridorMap corridors_;
+  const DrivableArea& area_;
   Predictor predictor_;
   Gate gate_;
   DecisionGrid grid_;

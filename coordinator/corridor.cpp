@@ -251,11 +251,18 @@ void CorridorMap::set_stations(const Line& line, const GuidePath& path, const Ve
   for (const int piece : course.lines) {
     corridor.lines.push_back(corridor.stations[std::size_t(piece) + 1]);
   }
+  for (const CorridorPiece& piece : course.pieces) {
+    corridor.ratios.push_back(metres_per_metre(piece.lane));
+  }
   const auto exit = std::size_t(course.exit_piece);
   corridor.exit_lane = course.pieces[exit].lane;
   corridor.s_exit = corridor.stations[exit];
   corridor.s_handback = corridor.s_exit + course.handback;
   corridor.s_end = corridor.s_exit + course.end;
+}
+
+double CorridorMap::metres_per_metre(int lane) const {
+  return length_of(graph_.lane(lane).shape) / graph_.lane(lane).length;
 }
 
 /// The speed at s that keeps to the limit [m/s]. Speeds are looked up at a few places of each
@@ -280,8 +287,8 @@ void CorridorMap::set_limits(const GuidePath& path, const Vehicle& body,
     const double s = double(i) * GuidePath::kSpacing;
     const std::size_t p = corridor.piece_at(s);
     const CorridorPiece& piece = pieces[p];
-    const double limit = std::min(graph_.lane(piece.lane).speed_limit,
-                                  graph_.lane(piece.last_lane()).speed_limit);
+    const double limit = corridor.ratios[p] * std::min(graph_.lane(piece.lane).speed_limit,
+                                                       graph_.lane(piece.last_lane()).speed_limit);
     bool changes = false;
     for (std::size_t k = 0; k < pieces.size(); ++k) {
       if (pieces[k].target == LaneGraph::kNone) continue;
@@ -296,10 +303,9 @@ void CorridorMap::set_limits(const GuidePath& path, const Vehicle& body,
 
 std::string CorridorMap::why_not(const GuidePath& path, const Vehicle& body,
                                  const Corridor& corridor) const {
-  const double first =
-      corridor.course.start > 0.0 || !corridor.course.lead_in.empty()
-          ? body.rear
-          : corridor.stations.front() + body.length();
+  double first = body.rear;  // no vehicle is further back at its takeover
+  if (corridor.course.start <= 0.0) first = std::max(first, corridor.stations.front());
+  if (corridor.course.start <= 0.0 && corridor.course.lead_in.empty()) first += body.length();
   const double last = std::min(corridor.s_handback, path.length());
   for (double s = std::max(0.0, first); s <= last; s += 0.5) {
     if (std::abs(path.curvature(s)) > body.max_curvature()) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <deque>
 #include <map>
 #include <optional>
 #include <string>
@@ -20,6 +21,7 @@ struct Corridor {
   int path = 0;                      ///< in the PathLibrary
   std::vector<double> stations;      ///< when the front bumper enters each piece
   std::vector<double> scales;        ///< metres of path per metre of lane, per piece
+  std::vector<double> ratios;        ///< metres on the ground per metre of lane, per piece
   std::vector<double> lane_limits;   ///< [m/s] per GuidePath::kSpacing of the path
   std::vector<double> lateral_limits;  ///< [m/s] likewise, from the curvature
   int exit_lane = LaneGraph::kNone;  ///< the first behind the last coordinated junction
@@ -50,6 +52,10 @@ class CorridorMap {
   /// The corridor along this course for this body.
   int corridor_for(const CorridorCourse& course, const Vehicle& body);
 
+  /// Metres on the ground per metre that the network gives a lane: its shape may be shorter or longer
+  /// than its length.
+  [[nodiscard]] double metres_per_metre(int lane) const;
+
   [[nodiscard]] const Corridor& operator[](int c) const { return corridors_[std::size_t(c)]; }
   [[nodiscard]] int size() const { return int(corridors_.size()); }
   [[nodiscard]] PathLibrary& library() { return library_; }
@@ -71,7 +77,7 @@ class CorridorMap {
   const DrivableArea& area_;
   CorridorLimits limits_;
   PathLibrary library_;
-  std::vector<Corridor> corridors_;
+  std::deque<Corridor> corridors_;  ///< references stay valid
   std::map<std::pair<CorridorCourse, std::array<double, 6>>, int> known_;
 };
 

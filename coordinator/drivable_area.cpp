@@ -31,7 +31,7 @@ bool near_border(const Point& p, const Polygon& polygon, double tolerance) {
 
 DrivableArea::DrivableArea(const RoadNetwork& network, std::span<const ParkingLot> lots) {
   for (const auto& [id, lane] : network.lanes) {
-    if (!lane.drivable) continue;
+    if (!lane.road) continue;
     const double r = lane.width / 2.0;
     for (std::size_t i = 1; i < lane.shape.size(); ++i) {
       const Point& a = lane.shape[i - 1];

@@ -7,6 +7,7 @@ namespace mvtp {
 namespace {
 
 constexpr double kLength = 20.0;     ///< [m] of an approach
+constexpr double kNotable = 0.02;    ///< [m], and per metre
 constexpr double kSteepest = 1.2;    ///< [rad] between heading and path that is made up for
 
 }  // namespace
@@ -19,6 +20,10 @@ PathApproach::PathApproach(const GuidePath& path, const Pose& pose, double near)
   // On a bend, the metres beside the path are not those of the path.
   const double stretch = 1.0 - path.curvature(begin_) * aside_;
   slope_ = std::tan(std::clamp(wrap_to_pi(offset.theta), -kSteepest, kSteepest)) * stretch;
+}
+
+bool PathApproach::is_notable() const {
+  return std::abs(aside_) > kNotable || std::abs(slope_) > kNotable;
 }
 
 Pose PathApproach::pose(const GuidePath& path, double s) const {

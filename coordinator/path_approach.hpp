@@ -18,8 +18,8 @@ class PathApproach {
   [[nodiscard]] double begin() const { return begin_; }
   /// The rear axle when it has come to `s` on the path.
   [[nodiscard]] Pose pose(const GuidePath& path, double s) const;
-  /// How far aside of the path the approach begins [m], to the left.
-  [[nodiscard]] double aside() const { return aside_; }
+  /// Does it begin so far off the path that driving it differs from driving the path?
+  [[nodiscard]] bool is_notable() const;
 
  private:
   double begin_ = 0.0;

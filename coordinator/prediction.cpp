@@ -23,6 +23,7 @@ void drive_on(PathTrajectory& t, const RoadVehicle& v, const DecisionGrid& grid,
   }
 }
 
+constexpr double kNearEnd = 60.0;      ///< [m] before the end of its corridor it needs a longer path
 constexpr double kHorizon = 120.0;     ///< [m] along its route for which a vehicle is predicted
 constexpr double kExitSight = 250.0;   ///< [m] behind a junction in which leaders matter
 
@@ -66,20 +67,20 @@ Predictor::ExitRoot Predictor::find_exit_root(int lane, double within) const {
 /// The corridor that the vehicle follows, and where on it its rear axle is.
 int Predictor::path_of(const VehicleState& v, const CourseQuery& query, const Vehicle& body,
                        double& station) {
-  const auto place_on = [&](const Corridor& corridor, double expected) {
+  const auto place_on = [&](const Corridor& corridor, double expected, double room) {
     const std::optional<double> s = corridor.station(query.lane, query.position, expected);
     if (!s) return false;
     const GuidePath& path = corridors_.library().path(corridor.path);
     station = path.project({v.pose.x, v.pose.y}, *s - 3.0, *s + 3.0);
-    return station < path.length() - 1.0;
+    return station < path.length() - room;
   };
   if (const auto known = last_corridor_.find(v.id); known != last_corridor_.end()) {
     const Corridor& corridor = corridors_[known->second];
-    if (place_on(corridor, corridor.s_handback)) return known->second;
+    if (place_on(corridor, corridor.s_handback, kNearEnd)) return known->second;
     last_corridor_.erase(known);
   }
   const int own = corridors_.corridor_for(finder_.follow(query, kHorizon), body);
-  return place_on(corridors_[own], corridors_[own].stations.front()) ? own : LaneGraph::kNone;
+  return place_on(corridors_[own], corridors_[own].stations.front(), 1.0) ? own : LaneGraph::kNone;
 }
 
 std::optional<Forecast> Predictor::predict(const VehicleState& v, const CourseQuery& query,

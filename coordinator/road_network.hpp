@@ -28,6 +28,7 @@ struct Lane {
 
   /// May vehicles of this class drive here?
   [[nodiscard]] bool allows(const std::string& vehicle_class) const {
+    if (vehicle_class == "ignoring") return true;
     const auto names = [&](const std::vector<std::string>& words) {
       return std::ranges::any_of(
           words, [&](const auto& word) { return word == "all" || word == vehicle_class; });

@@ -37,7 +37,7 @@ import generated  # noqa: E402
 import installed  # noqa: E402
 
 SHORT = ("grid-40-1", "roundabout-20", "t-priority", "arms-20", "left-hand-cross", "begin-28800")
-SHORT_END = 80    # [s] of simulated time in the short form
+SHORT_END = 100  # [s] of simulated time in the short form
 FOREIGN_END = 600  # [s] after the begin, where a scenario has no end of its own
 MEMORY_LIMIT = 1000  # [MB] that a run may take to pass
 GRIDLOCK = "gridlock:"
