@@ -134,8 +134,7 @@ class Referee {
   }
 
   void judge_pair(const Drive& a, const Drive& b, std::int64_t from) {
-    const std::pair<std::int64_t, std::int64_t> pair =
-        std::minmax(a.vehicle->key, b.vehicle->key);
+    const std::pair<std::int64_t, std::int64_t> pair = std::minmax(a.vehicle->key, b.vehicle->key);
     const auto known = found_.find(pair);
     if (known != found_.end() && known->second) return;
     // Those who overlap when the plan begins are listed until they are apart.

@@ -79,8 +79,7 @@ class CrossingPlanner {
   }
 
   /// A plan even if the work is used up, as long as it is found fast.
-  std::optional<PathTrajectory> plan_at_least(const RoadVehicle& v,
-                                              std::span<const Entry> before) {
+  std::optional<PathTrajectory> plan_at_least(const RoadVehicle& v, std::span<const Entry> before) {
     WorkBudget least{std::max(work_.left, kLeastWork)};
     const std::int64_t given = least.left;
     auto t = plan_vehicle(pairs_, v, before, options_.trajectory, {.work = &least});
@@ -116,8 +115,7 @@ class CrossingPlanner {
       }
       result.unplanned.push_back(v.key);
       const double b = scene_.body(v).max_decel;
-      bodies.push_back(
-          {v.key, std::make_shared<PathTrajectory>(stop_after(scene_, v.now, -b, b))});
+      bodies.push_back({v.key, std::make_shared<PathTrajectory>(stop_after(scene_, v.now, -b, b))});
       const std::span<const Entry> body(&bodies.back(), 1);
       std::erase_if(planned, [&](const Entry& e) {
         const bool fits = fits_beside(pairs_, scene_.vehicle(e.key), *e.trajectory, body,
@@ -131,8 +129,8 @@ class CrossingPlanner {
     return result;
   }
 
-  /// Extends `entries` along `order`; returns the place of the first vehicle without a plan, or where
-  /// it is clear that the cost will not be below `budget`: nobody is faster than alone.
+  /// Extends `entries` along `order`; returns the place of the first vehicle without a plan, or
+  /// where it is clear that the cost will not be below `budget`: nobody is faster than alone.
   std::optional<std::size_t> plan_rest(const Order& order, std::vector<Entry>& entries,
                                        double budget) {
     double cost = 0.0;

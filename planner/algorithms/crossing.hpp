@@ -27,8 +27,8 @@ struct CrossingResult {
 /// @param keys  the group; newcomers (without an incumbent) come after the others, as given here.
 /// @param incumbent  what the vehicles follow now; its order is where the search starts. The result
 ///     is never worse than the incumbent with the newcomers planned last.
-/// If no order gives everybody a plan, whoever has none brakes, as a body that all others keep clear
-/// of: old plans stand as long as they fit.
+/// If no order gives everybody a plan, whoever has none brakes, as a body that all others keep
+/// clear of: old plans stand as long as they fit.
 ///
 /// @param seed  of the moves tried. Same arguments, same result.
 /// @param work  the search ends when it is used up; everybody's plan is looked for even then.

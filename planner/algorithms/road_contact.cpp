@@ -76,9 +76,8 @@ RoadPairs::RoadPairs(const RoadScene& scene)
       const RoadVehicle& b = scene.forecasts[f].vehicle;
       const RoadContact& contact = forecasts_.emplace_back(scene, a, b, kReaction);
       if (contact.never()) continue;
-      follows_[i * scene.forecasts.size() + f] =
-          stands_in_the_way(contact.seen_from_a(), a, b) &&
-          !stands_in_the_way(contact.seen_from_b(), b, a);
+      follows_[i * scene.forecasts.size() + f] = stands_in_the_way(contact.seen_from_a(), a, b) &&
+                                                 !stands_in_the_way(contact.seen_from_b(), b, a);
     }
   }
 }

@@ -132,9 +132,8 @@ class RoadPairs {
   [[nodiscard]] const RoadScene& scene() const { return *scene_; }
   /// The place of a vehicle in the scene. @pre it is there
   [[nodiscard]] std::size_t index(std::int64_t key) const {
-    return std::size_t(
-        std::ranges::lower_bound(scene_->vehicles, key, {}, &RoadVehicle::key) -
-        scene_->vehicles.begin());
+    return std::size_t(std::ranges::lower_bound(scene_->vehicles, key, {}, &RoadVehicle::key) -
+                       scene_->vehicles.begin());
   }
 
   /// Vehicle i towards vehicle j != i.

@@ -171,9 +171,8 @@ std::vector<Keys> group_vehicles(const RoadScene& scene) {
   }
   std::vector<Keys> groups(static_cast<std::size_t>(components));
   for (const RoadVehicle& v : scene.vehicles) {
-    const auto own = std::ranges::find_if(paths, [&](const Ahead& a) {
-      return a.path == v.path && a.exit_lane == v.exit_lane;
-    });
+    const auto own = std::ranges::find_if(
+        paths, [&](const Ahead& a) { return a.path == v.path && a.exit_lane == v.exit_lane; });
     groups[std::size_t(component[std::size_t(own - paths.begin())])].push_back(v.key);
   }
   std::ranges::sort(groups);

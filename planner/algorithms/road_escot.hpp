@@ -67,9 +67,7 @@ class RoadStepWorld {
 
  private:
   [[nodiscard]] const RoadScene& scene() const { return pairs_.scene(); }
-  [[nodiscard]] const RoadVehicle& vehicle(int i) const {
-    return scene().vehicles[std::size_t(i)];
-  }
+  [[nodiscard]] const RoadVehicle& vehicle(int i) const { return scene().vehicles[std::size_t(i)]; }
 
   const RoadPairs& pairs_;
   const JointPlan& complete_;

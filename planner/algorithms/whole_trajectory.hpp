@@ -14,10 +14,10 @@ struct WholeTrajectoryOptions {
   /// Shares of the cruise speed at which a vehicle may approach until it can go; more of them find
   /// better timings and cost time in proportion.
   std::vector<double> approach_speeds = {1.0, 0.8, 0.6, 0.45, 0.35, 0.25, 0.15};
-  double horizon = 100.0;          ///< [s] within which a plan must be complete
-  double exit_gap = 3.0;           ///< [m] behind the vehicle ahead on the exit lane, and
-  double exit_headway = 1.2;       ///< [s]; together they spare SUMO's drivers hard braking
-  double headway_ramp = 40.0;      ///< [m] of exit lane over which that distance builds up
+  double horizon = 100.0;      ///< [s] within which a plan must be complete
+  double exit_gap = 3.0;       ///< [m] behind the vehicle ahead on the exit lane, and
+  double exit_headway = 1.2;   ///< [s]; together they spare SUMO's drivers hard braking
+  double headway_ramp = 40.0;  ///< [m] of exit lane over which that distance builds up
 };
 
 inline constexpr std::int64_t kUnlimitedWork = std::numeric_limits<std::int64_t>::max();

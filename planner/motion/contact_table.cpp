@@ -8,8 +8,8 @@ namespace {
 
 constexpr double kHalf = GuidePath::kSpacing / 2.0;
 /// [m]: a car that brakes or speeds up is never further than a h^2 / 8 from where it would be at an
-/// even speed, h between two looks: for two cars at 5 m/s^2 and 0.2 s.
-constexpr double kUneven = 0.05;
+/// even speed, h between two looks: for two cars at 4.5 m/s^2 and 0.25 s, the longest step.
+constexpr double kUneven = 0.07;
 
 PlaneBounds bounds_of(const OrientedBox& b) {
   const double x = std::abs(b.ux) * b.half_length + std::abs(b.uy) * b.half_width;
@@ -69,8 +69,7 @@ ContactTable::ContactTable(const GuidePath& path_a, const Vehicle& body_a, const
 ContactTable::ContactTable(const SweptPath& a, const SweptPath& b) {
   std::vector<std::pair<std::size_t, std::size_t>> near;
   std::vector<Run> runs;
-  const double slack =
-      std::max(0.0, (a.stride() + b.stride()) / 2.0 + kUneven - a.least_margin());
+  const double slack = std::max(0.0, (a.stride() + b.stride()) / 2.0 + kUneven - a.least_margin());
   for (std::size_t i = 0; i < a.boxes().size(); ++i) {
     if (i % SweptPath::kChunk == 0) find_near(b, a.chunks()[i / SweptPath::kChunk], near);
     runs.clear();

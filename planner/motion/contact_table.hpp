@@ -138,13 +138,13 @@ class ContactTable {
   void append_row(std::uint32_t row, std::span<const Run> runs);
   void finish();
 
-  std::uint32_t first_row_ = 0;              ///< the sample of A's path of the first row
-  std::vector<std::uint32_t> begin_ = {0};   ///< of each row in intervals_, and one behind the last
+  std::uint32_t first_row_ = 0;             ///< the sample of A's path of the first row
+  std::vector<std::uint32_t> begin_ = {0};  ///< of each row in intervals_, and one behind the last
   std::vector<Interval> intervals_;
-  std::vector<Interval> blocks_;             ///< bounds of kBlock rows each
-  Interval bounds_ = {1e9F, -1e9F};          ///< of all rows
-  double first_ = 1e9;                       ///< [m] along A's path, where the rows begin and
-  double last_ = -1e9;                       ///< where they end
+  std::vector<Interval> blocks_;     ///< bounds of kBlock rows each
+  Interval bounds_ = {1e9F, -1e9F};  ///< of all rows
+  double first_ = 1e9;               ///< [m] along A's path, where the rows begin and
+  double last_ = -1e9;               ///< where they end
 };
 
 }  // namespace mvtp

@@ -77,17 +77,25 @@ std::vector<Point> smooth(std::span<const Point> polyline, double sigma) {
     weights.push_back(std::exp(-0.5 * z * z));
     sum += weights.back();
   }
-  std::vector<Point> out;
-  for (int i = 0; i < int(in.size()); ++i) {
-    Point p;
-    for (int k = -reach; k <= reach; ++k) {
-      const double w = weights[std::size_t(k + reach)] / sum;
-      const Point q = continued(in, i + k);
-      p.x += w * q.x;
-      p.y += w * q.y;
-    }
-    out.push_back(p);
+  // Coordinate by coordinate, and weight by weight over all points: loops without branches.
+  const std::size_t n = in.size();
+  std::vector<double> x;
+  std::vector<double> y;
+  for (int i = -reach; i < int(n) + reach; ++i) {
+    const Point q = continued(in, i);
+    x.push_back(q.x);
+    y.push_back(q.y);
   }
+  std::vector<double> out_x(n, 0.0);
+  std::vector<double> out_y(n, 0.0);
+  for (std::size_t k = 0; k < weights.size(); ++k) {
+    const double w = weights[k] / sum;
+    for (std::size_t i = 0; i < n; ++i) out_x[i] += w * x[i + k];
+    for (std::size_t i = 0; i < n; ++i) out_y[i] += w * y[i + k];
+  }
+  std::vector<Point> out;
+  out.reserve(n);
+  for (std::size_t i = 0; i < n; ++i) out.push_back({out_x[i], out_y[i]});
   return out;
 }
 

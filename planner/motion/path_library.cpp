@@ -26,8 +26,8 @@ int PathLibrary::add(GuidePath path, const Vehicle& body) {
     if (entry(p).swept.bounds().overlaps(swept.bounds())) near.push_back(p);
   }
   near.push_back(size());
-  entries_.push_back(std::make_unique<Entry>(
-      Entry{std::move(path), body, std::move(swept), std::move(near)}));
+  entries_.push_back(
+      std::make_unique<Entry>(Entry{std::move(path), body, std::move(swept), std::move(near)}));
   return size() - 1;
 }
 

@@ -74,7 +74,7 @@ TEST(ContactTable, HoldsWhatACheckOfAllPairsOfSamplesFinds) {
     const SweptPath a(any_path(draws), round % 3 == 0 ? kBus : kCar, Margins{});
     const SweptPath b(any_path(draws), kCar, Margins{});
     const ContactTable table(a, b);
-    const double slack = std::max(0.0, (a.stride() + b.stride()) / 2.0 + 0.05 - 0.4);
+    const double slack = std::max(0.0, (a.stride() + b.stride()) / 2.0 + 0.07 - 0.4);
     for (std::size_t i = 0; i < a.boxes().size(); ++i) {
       for (std::size_t j = 0; j < b.boxes().size(); ++j) {
         const double gap = separation(a.boxes()[i], b.boxes()[j]) - slack;

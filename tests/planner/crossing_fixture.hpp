@@ -13,13 +13,13 @@
 namespace mvtp {
 
 inline const Vehicle kCar = {.front = 3.6,
-                      .rear = 0.9,
-                      .width = 1.8,
-                      .wheelbase = 2.7,
-                      .min_turning_radius = 3.86,
-                      .max_speed = 15.0,
-                      .max_accel = 2.6,
-                      .max_decel = 4.5};
+                             .rear = 0.9,
+                             .width = 1.8,
+                             .wheelbase = 2.7,
+                             .min_turning_radius = 3.86,
+                             .max_speed = 15.0,
+                             .max_accel = 2.6,
+                             .max_decel = 4.5};
 
 inline GuidePath straight(Point from, Point to) { return GuidePath(std::vector<Point>{from, to}); }
 

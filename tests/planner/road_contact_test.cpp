@@ -39,8 +39,8 @@ TEST_F(RoadContactTest, WhatThePlannerAcceptsPbcrAccepts) {
         if (!a || !b) continue;
         ++pairs;
         for (std::int64_t k = 0; k + 5 < std::min(a->end(), b->end()); k += 5) {
-          ASSERT_FALSE(world.conflict(int(i), motion_of(scene, *a, k), int(j),
-                                      motion_of(scene, *b, k)))
+          ASSERT_FALSE(
+              world.conflict(int(i), motion_of(scene, *a, k), int(j), motion_of(scene, *b, k)))
               << "round " << round << ", vehicles " << i << " and " << j << " at step " << k;
         }
       }
@@ -83,8 +83,8 @@ TEST_F(RoadContactTest, BrakingIsClearAtEveryMoment) {
     if (contact.is_close_now()) continue;
     ++clear;
     for (double tau = 0.0; tau < 5.0; tau += 0.01) {
-      ASSERT_FALSE(bodies_touch(a, braked_position(a.now, 4.5, tau), b,
-                                braked_position(b.now, 4.5, tau)))
+      ASSERT_FALSE(
+          bodies_touch(a, braked_position(a.now, 4.5, tau), b, braked_position(b.now, 4.5, tau)))
           << "round " << round << " after " << tau << " s";
     }
   }

@@ -132,7 +132,7 @@ TEST_F(WithoutAPlan, NobodyIsPlannedThroughTheBodyOfOneThatBrakes) {
 }
 
 TEST_F(WithoutAPlan, OthersOfItsGroupKeepTheirPlans) {
-  add(0, 40.0, 4.0);   // cannot leave
+  add(0, 40.0, 4.0);    // cannot leave
   add(1, 100.0, 10.0);  // is in the crossing, and out of it before anyone comes
   add_standing_forecast(2, 107.5);
   const RoadDecision decision = decide_on_road(scene, {}, {0, 1}, {});

@@ -1,0 +1,144 @@
+#include "planner/algorithms/surroundings.hpp"
+
+#include <algorithm>
+
+namespace mvtp {
+
+Surroundings::Surroundings(const RoadPairs& pairs, const RoadVehicle& vehicle,
+                           std::span<const JointPlan::Entry> before,
+                           const WholeTrajectoryOptions& options, Forecasts forecasts)
+    : grid_(pairs.scene().grid),
+      vehicle_(vehicle),
+      body_(pairs.scene().body(vehicle)),
+      options_(options) {
+  const RoadScene& scene = pairs.scene();
+  const std::size_t self = pairs.index(vehicle.key);
+  const bool count = forecasts == Forecasts::kCount;
+  for (std::size_t f = 0; count && f < scene.forecasts.size(); ++f) {
+    if (pairs.follows(f, self)) continue;
+    const Forecast& forecast = scene.forecasts[f];
+    add(pairs.towards_forecast(self, f), forecast.vehicle, forecast.trajectory,
+        scene.body(forecast.vehicle), true);
+  }
+  for (const JointPlan::Entry& e : before) {
+    if (e.key == vehicle.key) continue;
+    const std::size_t other = pairs.index(e.key);
+    add(pairs.between(self, other), scene.vehicles[other], *e.trajectory,
+        scene.body(scene.vehicles[other]), false);
+  }
+}
+
+bool Surroundings::step_is_clear(std::int64_t k, const InertialState& from, double a,
+                                 const InertialState& to) const {
+  count_work();
+  const double reach =
+      to.s + stopping_distance(to.v, body_.max_decel) + to.v * RoadPairs::kReaction;
+  // A leader of another driver may always be answered with full braking.
+  const bool brakes_fully = a <= -body_.max_decel + 1e-9;
+  const auto is_clear_of = [&](const Other& other) {
+    return (other.forecast && brakes_fully) || !meets(other, k, from, a, to, reach);
+  };
+  // Whoever stood in the way the last time will mostly do so again.
+  if (last_blocker_ < others_.size() && !is_clear_of(others_[last_blocker_])) return false;
+  for (std::size_t i = 0; i < others_.size(); ++i) {
+    if (i == last_blocker_ || is_clear_of(others_[i])) continue;
+    last_blocker_ = i;
+    return false;
+  }
+  return true;
+}
+
+bool Surroundings::can_wait(std::int64_t k, const InertialState& state) const {
+  count_work();
+  const double b = body_.max_decel;
+  const double rest = state.s + stopping_distance(state.v, b);
+  const int steps = braking_steps(state.v, b, grid_.dt);
+  for (const Other& other : others_) {
+    // Two that are too close now cannot be asked to stand clear of each other.
+    if (other.contact.contact->is_close_now()) continue;
+    const ContactTable& contacts = other.contact.table();
+    if (!contacts.concerns(state.s, rest)) continue;
+    const double now = other.trajectory->at(k).s;
+    const double end = other.trajectory->states.back().s;
+    if (now > end || !contacts.reaches(state.s, rest, now, end)) continue;
+    for (int i = 1; i < steps; ++i) {
+      const double s = braked_position(state, b, i * grid_.dt);
+      if (contacts.touches(s, other.trajectory->at(k + i).s)) return false;
+    }
+    const double from = other.trajectory->at(k + steps).s;
+    if (from <= end && contacts.blocks(rest, from, end)) return false;
+  }
+  return true;
+}
+
+bool Surroundings::keeps_headway(std::int64_t k, const InertialState& state) const {
+  const double d = state.s - vehicle_.s_exit_lane;
+  if (d <= 0.0 || vehicle_.exit_lane < 0) return true;
+  for (const Other& other : others_) {
+    if (other.vehicle->exit_lane != vehicle_.exit_lane) continue;
+    const InertialState o = other.trajectory->at(k);
+    const double d_other = o.s - other.vehicle->s_exit_lane;
+    if (o.s >= PathTrajectory::kGone || d_other <= 0.0) continue;
+    const bool behind = d <= d_other;
+    const double gap = behind ? d_other - d - other.body->length() : d - d_other - body_.length();
+    const double wanted =
+        behind ? headway(d, state.v, body_.max_decel, o.v, other.body->max_decel)
+               : headway(d_other, o.v, other.body->max_decel, state.v, body_.max_decel);
+    if (gap < wanted) return false;
+  }
+  return true;
+}
+
+bool Surroundings::leaves_forecasts_room(std::int64_t k, const InertialState& state) const {
+  const double d = state.s - vehicle_.s_exit_lane;
+  for (const Other& other : others_) {
+    const InertialState o = other.trajectory->at(k);
+    const double ahead = o.s - other.vehicle->s_exit_lane - d;
+    if (!other.forecast || other.vehicle->exit_lane != vehicle_.exit_lane || ahead <= 0.0 ||
+        o.s >= PathTrajectory::kGone) {
+      continue;
+    }
+    const double braking =
+        stopping_distance(state.v, body_.max_decel) - stopping_distance(o.v, other.body->max_decel);
+    const double wanted = vehicle_.min_gap + vehicle_.tau * state.v + std::max(0.0, braking);
+    if (ahead - other.body->length() < wanted) return false;
+  }
+  return true;
+}
+
+void Surroundings::add(const ContactView& contact, const RoadVehicle& vehicle,
+                       const PathTrajectory& trajectory, const Vehicle& body, bool forecast) {
+  const bool same_exit = vehicle.exit_lane >= 0 && vehicle.exit_lane == vehicle_.exit_lane;
+  if (contact.contact->never() && !same_exit) return;
+  others_.push_back({contact, &trajectory, &vehicle, &body, forecast});
+}
+
+bool Surroundings::meets(const Other& other, std::int64_t k, const InertialState& from, double a,
+                         const InertialState& to, double reach) const {
+  const ContactTable& contacts = other.contact.table();
+  if (!contacts.concerns(from.s, reach)) return false;
+  const PathTrajectory& t = *other.trajectory;
+  const InertialState other_from = t.at(k);
+  if (other_from.s >= PathTrajectory::kGone) return false;
+  // The last step of the decision in which the other one is still there.
+  int last = grid_.steps_per_decision;
+  while (t.at(k + last).s >= PathTrajectory::kGone) --last;
+  const InertialState other_to = t.at(k + last);
+  const double other_reach = other_to.s + stopping_distance(other_to.v, other.body->max_decel);
+  if (!contacts.reaches(from.s, reach, other_from.s, other_reach)) return false;
+
+  const bool lenient = other.contact.is_close(from, other_from);
+  const auto position = [&](int i) { return advance(from, a, i * grid_.dt).s; };
+  const auto other_position = [&](int i) { return t.at(k + i).s; };
+  if (other.contact.touch(position, other_position, last, lenient)) return true;
+  return last == grid_.steps_per_decision && other.contact.touch_braking(to, other_to, lenient);
+}
+
+double Surroundings::headway(double d_behind, double v, double b, double v_ahead,
+                             double b_ahead) const {
+  const double ramp = std::clamp(d_behind / options_.headway_ramp, 0.0, 1.0);
+  const double braking = v * v / (2.0 * b) - v_ahead * v_ahead / (2.0 * b_ahead);
+  return ramp * (options_.exit_gap + options_.exit_headway * v + std::max(0.0, braking));
+}
+
+}  // namespace mvtp

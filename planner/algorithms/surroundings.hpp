@@ -1,0 +1,73 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "planner/algorithms/whole_trajectory.hpp"
+
+namespace mvtp {
+
+/// Everything that one vehicle's plan is tested against, gathered once.
+class Surroundings {
+ public:
+  enum class Forecasts { kCount, kIgnore };
+
+  Surroundings(const RoadPairs& pairs, const RoadVehicle& vehicle,
+               std::span<const JointPlan::Entry> before, const WholeTrajectoryOptions& options,
+               Forecasts forecasts = Forecasts::kCount);
+
+  /// Is the decision to drive from `from` with acceleration `a` during steps k .. k + n free of
+  /// contact, and everyone's braking in lock-step after it as well?
+  [[nodiscard]] bool step_is_clear(std::int64_t k, const InertialState& from, double a,
+                                   const InertialState& to) const;
+
+  /// Could the vehicle brake from `state` at step k and then stand clear of all planned futures?
+  [[nodiscard]] bool can_wait(std::int64_t k, const InertialState& state) const;
+
+  /// On a common exit lane: is the one behind far enough from the one ahead, whichever of the two
+  /// this vehicle is? Both ways, since a vehicle planned later may slip in ahead.
+  [[nodiscard]] bool keeps_headway(std::int64_t k, const InertialState& state) const;
+
+  /// Will the driver who takes over at step k in this state have his headway to those ahead who are
+  /// not ours? They may have slowed down since the plan was made.
+  [[nodiscard]] bool leaves_forecasts_room(std::int64_t k, const InertialState& state) const;
+
+  /// What was asked so far, in looks at one other vehicle each.
+  [[nodiscard]] std::int64_t work() const { return work_; }
+
+ private:
+  struct Other {
+    ContactView contact;
+    const PathTrajectory* trajectory;
+    const RoadVehicle* vehicle;
+    const Vehicle* body;
+    bool forecast;
+  };
+
+  void add(const ContactView& contact, const RoadVehicle& vehicle, const PathTrajectory& trajectory,
+           const Vehicle& body, bool forecast);
+
+  void count_work() const {
+    constexpr std::int64_t kOwn = 4;  // what the decision itself takes, in looks
+    work_ += kOwn + std::int64_t(others_.size());
+  }
+
+  /// Do we meet in the decision from `from` at step k to `to`, or if all brake after it?
+  /// @param reach  where we could get in both
+  [[nodiscard]] bool meets(const Other& other, std::int64_t k, const InertialState& from, double a,
+                           const InertialState& to, double reach) const;
+
+  [[nodiscard]] double headway(double d_behind, double v, double b, double v_ahead,
+                               double b_ahead) const;
+
+  DecisionGrid grid_;
+  const RoadVehicle& vehicle_;
+  const Vehicle& body_;
+  const WholeTrajectoryOptions& options_;
+  std::vector<Other> others_;
+  mutable std::size_t last_blocker_ = 0;
+  mutable std::int64_t work_ = 0;
+};
+
+}  // namespace mvtp
