@@ -7,9 +7,9 @@
 
 namespace mvtp {
 
-/// The path of the rear axle along a centre line for this body: smooth enough for its turning circle
-/// and, where the body is long, wide enough to keep its footprint on the road. The line may have any
-/// number of turns.
+/// The path of the rear axle along a centre line for this body: smooth enough for its turning
+/// circle and, where the body is long, wide enough to keep its footprint on the road. The line may
+/// have any number of turns.
 [[nodiscard]] GuidePath make_reference_path(std::span<const Point> centre_line, const Vehicle& body,
                                             const DrivableArea& area);
 
