@@ -18,8 +18,8 @@ struct Swing {
 
 /// How a path departs from the lanes' centre line.
 struct Shape {
-  double sigma = 2.5;   ///< [m] of the smoothing
-  double follow = 0.0;  ///< [m] ahead of the rear axle lies the point that keeps to the curve
+  double sigma = 2.5;         ///< [m] of the smoothing
+  double follow = 0.0;        ///< [m] ahead of the rear axle lies the point that keeps to the curve
   std::vector<Swing> swings;  ///< one per turn
 };
 

@@ -227,8 +227,8 @@ namespace {
 /// stopped: only a complete plan leads over a stop line.
 bool runs_over_a_line(const RoadVehicle& v, const Vehicle& body, const InertialState& from,
                       const InertialState& to) {
-  const auto line = std::ranges::lower_bound(
-      v.stop_lines, from.s + stopping_distance(from.v, body.max_decel));
+  const auto line =
+      std::ranges::lower_bound(v.stop_lines, from.s + stopping_distance(from.v, body.max_decel));
   return line != v.stop_lines.end() && to.s + stopping_distance(to.v, body.max_decel) > *line;
 }
 
