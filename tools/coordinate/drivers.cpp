@@ -133,7 +133,7 @@ void Drivers::report_to(RunReport& report) const {
     append(report.left_to_sumo, controller->left_to_sumo());
   }
   std::ranges::stable_sort(report.replans, {}, &Replan::time);
-  if (coordinator_) report.wrong_lane_sightings = coordinator_->guest_sightings();
+  if (coordinator_) report.left_to_sumo_sightings = coordinator_->guest_sightings();
 }
 
 void Drivers::report_lots(RunReport& report, const TripLog& log, std::span<const Trip> trips,
