@@ -445,7 +445,7 @@ std::vector<Coordinator::Newcomer> Coordinator::find_newcomers() {
     if (!is_car_like(type_of(v.type).vehicle_class)) {
       see_guest(v, query);
     } else if (auto newcomer = newcomer_at(v, query, route)) {
-      newcomers.push_back(std::move(*newcomer));
+      if (!turns_yet(*newcomer)) newcomers.push_back(std::move(*newcomer));
     } else {
       see_guest(v, query);
     }
@@ -463,6 +463,16 @@ bool Coordinator::is_entering(const VehicleState& v) {
   const bool came = trail != trails_.end() && trail->second.before != LaneGraph::kNone;
   return !came && v.lane_position < length + 3.0 &&
          area_.share_outside(v.pose, type_of(v.type).body, Audit::kRoadTolerance) > 0.0;
+}
+
+/// Is its tail still in a turn behind it? Then it is taken over later, if there is room to stop.
+bool Coordinator::turns_yet(const Newcomer& newcomer) {
+  constexpr double kSpare = 10.0;  // [m]
+  const VehicleState& v = *newcomer.state;
+  const Vehicle& body = type_of(v.type).body;
+  if (newcomer.to_line < stopping_distance(v.speed, envelope_braking(body)) + kSpare) return false;
+  const Corridor& corridor = corridors_[newcomer.corridor];
+  return approach_to(corridor, v, corridor.lines.front() - newcomer.to_line).is_aslant();
 }
 
 /// A vehicle near a stop line that keeps its own driver.
@@ -514,7 +524,7 @@ Driven Coordinator::admit(const Newcomer& newcomer, std::int64_t key) {
   road.envelope = std::make_shared<SpeedEnvelope>(std::move(limits), envelope_braking(type.body));
   road.min_gap = type.min_gap;
   road.tau = type.tau;
-  road.stop_lines = c.lines;
+  road.stop_lines = c.stops;
   const ExitRoot root = predictor_.exit_root(c.course.pieces.front().lane);
   if (root.lane != LaneGraph::kNone) {
     road.entry_lane = root.lane;

@@ -125,6 +125,7 @@ class Coordinator : public Controller {
   void accept(const Trial& trial, bool late, const std::map<std::string, Driven>& admitted,
               std::map<std::string, Driven>& went_on);
   void admit_guests_freely();
+  [[nodiscard]] bool turns_yet(const Newcomer& newcomer);
   [[nodiscard]] bool is_entering(const VehicleState& state);
   void see_guest(const VehicleState& state, const CourseQuery& query);
   void prepare_tables(const RoadScene& now);

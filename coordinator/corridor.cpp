@@ -300,7 +300,11 @@ void CorridorMap::set_stations(const Line& line, const GuidePath& path, const Ve
                                             graph_.lane(course.pieces[i].lane).length);
   }
   for (const int piece : course.lines) {
-    corridor.lines.push_back(corridor.stations[std::size_t(piece) + 1]);
+    constexpr double kSwing = 40.0;  // [m] before a line at most
+    const double at = corridor.stations[std::size_t(piece) + 1];
+    const double first = corridor.lines.empty() ? 0.0 : corridor.lines.back();
+    corridor.lines.push_back(at);
+    corridor.stops.push_back(last_in_lane(line, path, body, std::max(first, at - kSwing), at));
   }
   for (const CorridorPiece& piece : course.pieces) {
     corridor.ratios.push_back(metres_per_metre(piece.lane));
@@ -313,24 +317,36 @@ void CorridorMap::set_stations(const Line& line, const GuidePath& path, const Ve
                                       corridor.s_end);
 }
 
+/// How far the ends of the body are off the lanes' centre line [m].
+double CorridorMap::aside(const Line& line, const GuidePath& path, const Vehicle& body, double s) {
+  const Pose pose = path.at(s);
+  return std::max(distance_to(line.points, compose(pose, {body.front, 0.0, 0.0})),
+                  distance_to(line.points, compose(pose, {-body.rear, 0.0, 0.0})));
+}
+
 /// The first place from `from` to `to` where the body lies along its lane; else the one where it does
 /// so best.
 double CorridorMap::straight_from(const Line& line, const GuidePath& path, const Vehicle& body,
                                   double from, double to) {
   constexpr double kAside = 0.05;  // [m] of either end
-  const auto aside = [&](double s) {
-    const Pose pose = path.at(s);
-    return std::max(distance_to(line.points, compose(pose, {body.front, 0.0, 0.0})),
-                    distance_to(line.points, compose(pose, {-body.rear, 0.0, 0.0})));
-  };
   double best = from;
-  double least = aside(from);
+  double least = aside(line, path, body, from);
   for (double s = from; s < to && least > kAside; s += 1.0) {
-    if (aside(s) >= least) continue;
-    least = aside(s);
+    const double here = aside(line, path, body, s);
+    if (here >= least) continue;
+    least = here;
     best = s;
   }
   return best;
+}
+
+/// Where a body that swings aside before a turn, ahead of `to`, is still in its lane.
+double CorridorMap::last_in_lane(const Line& line, const GuidePath& path, const Vehicle& body,
+                                 double from, double to) {
+  constexpr double kAside = 0.5;  // [m] of either end
+  double s = to;
+  while (s > from && aside(line, path, body, s) > kAside) s -= 0.5;
+  return std::max(s, from);
 }
 
 double CorridorMap::metres_per_metre(int lane) const {

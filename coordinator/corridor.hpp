@@ -26,6 +26,7 @@ struct Corridor {
   std::vector<double> lateral_limits;  ///< [m/s] likewise, from the curvature
   int exit_lane = LaneGraph::kNone;  ///< the first behind the last coordinated junction
   std::vector<double> lines;  ///< when the front bumper is at each coordinated stop line
+  std::vector<double> stops;  ///< before each of them, the last place where the body is in its lane
   double s_exit = 0.0;               ///< when the front bumper enters the exit lane
   double s_handback = 0.0;
   double s_end = 0.0;     ///< where a plan is complete
@@ -69,6 +70,10 @@ class CorridorMap {
   [[nodiscard]] Corridor build(const CorridorCourse& course, const Vehicle& body);
   void set_stations(const Line& line, const GuidePath& path, const Vehicle& body,
                     Corridor& corridor) const;
+  [[nodiscard]] static double aside(const Line& line, const GuidePath& path, const Vehicle& body,
+                                    double s);
+  [[nodiscard]] static double last_in_lane(const Line& line, const GuidePath& path,
+                                           const Vehicle& body, double from, double to);
   [[nodiscard]] static double straight_from(const Line& line, const GuidePath& path,
                                             const Vehicle& body, double from, double to);
   void set_limits(const GuidePath& path, const Vehicle& body, Corridor& corridor) const;

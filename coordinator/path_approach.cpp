@@ -8,6 +8,7 @@ namespace {
 
 constexpr double kLength = 20.0;     ///< [m] of an approach
 constexpr double kNotable = 0.02;    ///< [m], and per metre
+constexpr double kAslant = 0.08;     ///< [m] per metre: it swings 0.3 m aside
 constexpr double kSteepest = 0.6;    ///< [rad] between heading and path that is made up for
 constexpr double kFarthest = 1.5;    ///< [m] beside the path from which it is reached
 
@@ -43,6 +44,7 @@ bool PathApproach::is_drivable(const GuidePath& path, const Vehicle& body,
   }
   return true;
 }
+bool PathApproach::is_aslant() const { return std::abs(slope_) > kAslant; }
 
 Pose PathApproach::pose(const GuidePath& path, double s) const {
   const double x = (s - begin_) / length_;

@@ -24,6 +24,8 @@ class PathApproach {
   /// Can the body drive it: within its turning circle, and with its footprint where `area` allows?
   [[nodiscard]] bool is_drivable(const GuidePath& path, const Vehicle& body,
                                  const DrivableArea& area) const;
+  /// Does it begin so aslant that it would swing far off the path?
+  [[nodiscard]] bool is_aslant() const;
 
  private:
   double begin_ = 0.0;
