@@ -7,17 +7,11 @@
 
 namespace mvtp {
 
-<<<<<<< HEAD
-/// The path of the rear axle along a centre line for this body: smooth enough for its turning circle
-/// and, where the body is long, wide enough to keep its footprint on the road. The line may have any
-/// number of turns.
-/// @param own   the road in this direction: where the body should stay,
-/// @param area  the whole road: where it may swing to if it has to.
-=======
 /// The path of the rear axle along a centre line for this body: smooth enough for its turning
 /// circle and, where the body is long, wide enough to keep its footprint on the road. The line may
 /// have any number of turns.
->>>>>>> ci
+/// @param own   the road in this direction: where the body should stay,
+/// @param area  the whole road: where it may swing to if it has to.
 [[nodiscard]] GuidePath make_reference_path(std::span<const Point> centre_line, const Vehicle& body,
                                             const DrivableArea& own, const DrivableArea& area);
 
