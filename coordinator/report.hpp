@@ -40,7 +40,7 @@ struct RunReport {
   std::vector<AuditEvent> events;
   std::vector<LotReport> lots;
   std::int64_t sumo_collisions = 0;
-  std::int64_t guest_sightings = 0;
+  std::int64_t left_to_sumo_sightings = 0;  ///< vehicles near a stop line, over the decisions
   double begin = 0.0;      ///< [s] simulated time
   double end = 0.0;        ///< [s]
   double wall_time = 0.0;  ///< [s] of the simulation loop

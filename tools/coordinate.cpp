@@ -3,6 +3,7 @@
 #include "tools/command_line.hpp"
 #include "tools/commands.hpp"
 #include "tools/coordinate/run.hpp"
+#include "tools/option_types.hpp"
 
 namespace mvtp {
 namespace {
@@ -20,6 +21,15 @@ void declare_options(CLI::App& app, CoordinateOptions& o) {
       ->group("Output");
   app.add_flag("--no-view", o.no_view, "Do not write the replay page view.html")->group("Output");
   app.add_flag("--no-fcd", o.no_fcd, "Do not write the trajectories fcd.xml")->group("Output");
+  app.add_option("--dump-instances", o.dump_instances,
+                 "Folder for decisions at junctions as instance files, which mvtp solve reads")
+      ->type_name("DIR")
+      ->group("Output");
+  app.add_option("--dump-every", o.dump_every,
+                 "Of the decisions with at least two vehicles, dump every so many")
+      ->check(whole_number_between(1, 1000000000))
+      ->capture_default_str()
+      ->group("Output");
   app.add_flag("--gui", o.gui, "Show the run in sumo-gui")->group("Output");
   app.add_flag("--quiet", o.quiet, "No progress on stderr, no table")->group("Output");
 }

@@ -347,5 +347,20 @@ TEST_F(CoordinateRun, AClosingTableAndTheProgressUnlessQuiet) {
   EXPECT_THAT(outcome.err, IsEmpty());
 }
 
+TEST_F(CoordinateRun, DecisionsAreDumpedAsInstances) {
+  write(vehicle("a", 0, "Wi Eo") + vehicle("b", 0, "Si No"), kStep);
+  EXPECT_EQ(coordinate("--dump-instances a/dump --dump-every 5").exit_code, 0);
+  int solved = 0;
+  for (const auto& file : fs::directory_iterator(directory_.path("a/dump"))) {
+    const std::string name = "a/dump/" + file.path().filename().string();
+    EXPECT_EQ(run("solve -i " + name + " -o plan.yaml").exit_code, 0) << name;
+    EXPECT_EQ(run("validate -i " + name + " -s plan.yaml").exit_code, 0) << name;
+    ++solved;
+  }
+  EXPECT_GE(solved, 2);
+  expect_refused("coordinate -c x.sumocfg --dump-instances b --controller sumo",
+                 "--dump-instances: dumps decisions at junctions, [^\n]*");
+}
+
 }  // namespace
 }  // namespace mvtp

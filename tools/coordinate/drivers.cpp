@@ -7,6 +7,7 @@
 
 #include "planner/problem/input_error.hpp"
 #include "tools/coordinate/lot_options.hpp"
+#include "tools/output_folder.hpp"
 #include "tools/suggest.hpp"
 
 namespace mvtp {
@@ -80,6 +81,13 @@ Drivers::Drivers(const CoordinateOptions& options, Traffic& traffic, const Driva
     throw InputError("--controller " + options.controller,
                      "is for parking lots, and the scenario has none; choose escot or sumo");
   }
+  if (!options.dump_instances.empty()) {
+    if (options.controller == kSumoController || junctions.empty()) {
+      throw InputError("--dump-instances",
+                       "dumps decisions at junctions, and none is coordinated here; leave it out");
+    }
+    make_output_folder(options.dump_instances, "--dump-instances");
+  }
   if (options.controller == kSumoController) {
     controllers_.push_back(std::make_unique<OwnDrivers>());
     return;
@@ -93,6 +101,14 @@ Drivers::Drivers(const CoordinateOptions& options, Traffic& traffic, const Driva
   auto controller =
       std::make_unique<Coordinator>(traffic, area, coordinator_options(options, junctions));
   coordinator_ = controller.get();
+  if (!options.dump_instances.empty()) {
+    dump_.emplace(*controller, area,
+                  InstanceDumpOptions{.folder = options.dump_instances,
+                                      .every = options.dump_every,
+                                      .origin = fmt::format("{}, seed {}", options.configuration,
+                                                            options.seed),
+                                      .dt = traffic.step_length()});
+  }
   controllers_.push_back(std::move(controller));
 }
 
@@ -101,6 +117,7 @@ void Drivers::join(Simulation& simulation) {
   for (const auto& lot : lots_) {
     simulation.add([&lot = *lot](const Snapshot& now) { lot.observe(now.time); });
   }
+  if (dump_) simulation.add([this](const Snapshot&) { dump_->observe(); });
 }
 
 void Drivers::report_to(RunReport& report) const {
@@ -116,7 +133,7 @@ void Drivers::report_to(RunReport& report) const {
     append(report.left_to_sumo, controller->left_to_sumo());
   }
   std::ranges::stable_sort(report.replans, {}, &Replan::time);
-  if (coordinator_) report.guest_sightings = coordinator_->guest_sightings();
+  if (coordinator_) report.left_to_sumo_sightings = coordinator_->guest_sightings();
 }
 
 void Drivers::report_lots(RunReport& report, const TripLog& log, std::span<const Trip> trips,

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <set>
 #include <span>
 #include <string>
@@ -8,6 +9,7 @@
 
 #include "coordinator/coordinator.hpp"
 #include "coordinator/drivable_area.hpp"
+#include "coordinator/instance_dump.hpp"
 #include "coordinator/lot_coordinator.hpp"
 #include "coordinator/report.hpp"
 #include "coordinator/simulation.hpp"
@@ -33,7 +35,7 @@ class Drivers {
   Drivers(const CoordinateOptions& options, Traffic& traffic, const DrivableArea& area,
           const std::set<std::string>& junctions, std::span<const ParkingLot> lots);
 
-  /// Lets them take part; so do those who watch the lots.
+  /// Lets them take part; so do those who watch the lots, and who dumps decisions.
   void join(Simulation& simulation);
   /// What they did.
   void report_to(RunReport& report) const;
@@ -47,6 +49,7 @@ class Drivers {
   std::vector<std::unique_ptr<Controller>> controllers_;
   const Coordinator* coordinator_ = nullptr;  ///< the one of the junctions
   std::vector<std::unique_ptr<LotRecorder>> lots_;
+  std::optional<InstanceDump> dump_;
 };
 
 }  // namespace mvtp

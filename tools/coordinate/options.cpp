@@ -72,8 +72,8 @@ void declare_run_options(CLI::App& app, CoordinateOptions& o) {
       ->check(number_between(0.0, 1e9))
       ->group("Input");
   app.add_option("--junction", o.junctions,
-                 "Junctions to coordinate, A,B or repeated (default: all with conflicting\n"
-                 "connections)")
+                 "Junctions to coordinate, A,B or repeated, with those less than 50 m from\n"
+                 "one of them (default: all with conflicting connections)")
       ->delimiter(',')
       ->allow_extra_args(false)
       ->type_name("ID,ID,...")

@@ -31,6 +31,8 @@ struct CoordinateOptions {
   double margin_across = 0.4;  ///< [m]
   bool no_view = false;
   bool no_fcd = false;
+  std::string dump_instances;  ///< folder; empty: none
+  int dump_every = 20;         ///< decisions with at least two vehicles
   std::vector<std::string> sumo;  ///< more options for SUMO, behind "--"
 };
 

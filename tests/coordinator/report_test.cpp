@@ -1,0 +1,54 @@
+#include "coordinator/report.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+#include <regex>
+#include <set>
+#include <sstream>
+
+#include "tests/temporary_directory.hpp"
+
+namespace mvtp {
+namespace {
+
+using testing::ContainerEq;
+
+/// The names in the first column of the table that follows `heading` in docs/outputs.md.
+std::set<std::string> documented(const std::string& heading) {
+  const std::string text = content_of(MVTP_SOURCE_DIR "/docs/outputs.md");
+  const std::size_t at = text.find("\n" + heading + "\n");
+  if (at == std::string::npos) return {};
+  std::istringstream lines(text.substr(at + heading.size() + 2));
+  std::set<std::string> names;
+  const std::regex name("`([a-z0-9_]+)`");
+  for (std::string line; std::getline(lines, line);) {
+    if (line.empty() && names.empty()) continue;
+    if (!line.starts_with("|")) break;
+    const std::string column = line.substr(1, line.find('|', 1) - 1);
+    for (std::sregex_iterator m(column.begin(), column.end(), name), end; m != end; ++m) {
+      names.insert((*m)[1]);
+    }
+  }
+  return names;
+}
+
+std::set<std::string> keys_of(const nlohmann::json& object) {
+  std::set<std::string> keys;
+  for (const auto& [key, value] : object.items()) keys.insert(key);
+  return keys;
+}
+
+TEST(Report, TheDocsNameEveryKeyOfTheSummaryAndNoOther) {
+  RunReport report;
+  report.message = "SUMO ended";
+  report.lots.resize(2);
+  const nlohmann::json summary = nlohmann::json::parse(summary_json(report));
+  EXPECT_THAT(documented("### `summary.json`"), ContainerEq(keys_of(summary)));
+  EXPECT_THAT(documented("`audit`:"), ContainerEq(keys_of(summary["audit"])));
+  EXPECT_THAT(documented("`parking`:"), ContainerEq(keys_of(summary["parking"])));
+}
+
+}  // namespace
+}  // namespace mvtp
