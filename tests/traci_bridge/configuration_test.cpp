@@ -5,6 +5,7 @@
 
 #include <cstdlib>
 #include <filesystem>
+#include <optional>
 #include <string>
 
 #include "tests/traci_bridge/fixtures.hpp"
@@ -99,14 +100,34 @@ INSTANTIATE_TEST_SUITE_P(All, ShippedScenario,
                                          "scenarios/crossroads/crossroads2-800.actuated.sumocfg",
                                          "scenarios/rilsa/rilsa.sumocfg"));
 
-TEST(SetSumoHome, FindsSumoWhereTheVariableIsNotSet) {
+/// Leaves SUMO_HOME as it was to the tests behind it.
+class SetSumoHome : public testing::Test {
+ protected:
+  void TearDown() override {
+    if (before_) {
+      setenv("SUMO_HOME", before_->c_str(), 1);
+    } else {
+      unsetenv("SUMO_HOME");
+    }
+  }
+
+ private:
+  static std::optional<std::string> value() {
+    const char* const home = std::getenv("SUMO_HOME");
+    return home == nullptr ? std::nullopt : std::optional<std::string>(home);
+  }
+
+  std::optional<std::string> before_ = value();
+};
+
+TEST_F(SetSumoHome, FindsSumoWhereTheVariableIsNotSet) {
   unsetenv("SUMO_HOME");
   set_sumo_home();
   ASSERT_NE(std::getenv("SUMO_HOME"), nullptr);
   EXPECT_TRUE(std::filesystem::is_directory(std::string(std::getenv("SUMO_HOME")) + "/tools"));
 }
 
-TEST(SetSumoHome, KeepsTheUsersChoice) {
+TEST_F(SetSumoHome, KeepsTheUsersChoice) {
   setenv("SUMO_HOME", "/opt/my-sumo", 1);
   set_sumo_home();
   EXPECT_STREQ(std::getenv("SUMO_HOME"), "/opt/my-sumo");
