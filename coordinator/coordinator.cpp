@@ -139,11 +139,15 @@ Coordinator::Trial Coordinator::best_trial(const std::map<std::string, Driven>& 
                                            const std::vector<std::int64_t>& order) {
   const std::optional<std::string> guest = gate_.propose();
   std::set<std::string> excluded;
+  std::optional<Trial> with_guest;
   if (guest) {
-    Trial trial = plan_trial(admitted, excluded, incumbent, order, guest);
-    if (trial.decision.stepped == 0 && trial.refused.empty()) return trial;
+    with_guest = plan_trial(admitted, excluded, incumbent, order, guest);
+    if (with_guest->decision.stepped == 0 && with_guest->refused.empty()) return *with_guest;
   }
   Trial trial = plan_trial(admitted, excluded, incumbent, order, std::nullopt);
+  const bool worse = with_guest && (with_guest->decision.stepped > trial.decision.stepped ||
+                                    with_guest->refused.size() > trial.refused.size());
+  if (with_guest && !worse) return *with_guest;
   for (const auto& [id, driven] : admitted) {
     const bool refused = std::ranges::any_of(trial.refused, [&](std::size_t g) {
       return std::ranges::binary_search(trial.decision.members[g], driven.key);
@@ -365,8 +369,12 @@ std::optional<Coordinator::Newcomer> Coordinator::newcomer_at(const VehicleState
         corridor.undriven);
     return std::nullopt;
   }
-  predictor_.watch(corridor);
   const double s = corridor.station(query.lane, query.position, 0.0).value_or(0.0);
+  if (!approach_to(corridor, state, s).is_drivable(corridors_.library().path(corridor.path),
+                                                   type.body, area_)) {
+    return std::nullopt;  // it stands too much askew, for now
+  }
+  predictor_.watch(corridor);
   return Newcomer{.state = &state,
                   .corridor = number,
                   .to_line = corridor.lines.front() - s,
@@ -463,10 +471,19 @@ void Coordinator::see_guest(const VehicleState& v, const CourseQuery& query) {
   const bool is_inside = graph_.edge_of(query.lane) == LaneGraph::kNone;
   if (to_line && *to_line <= options_.corridors.takeover) {
     ++guest_sightings_;
-    gate_.see(v, *to_line, type_of(v.type).body);
+    const double lane_end = graph_.lane(query.lane).length - query.position;
+    gate_.see(v, *to_line, is_inside ? 0.0 : std::min(*to_line, lane_end), type_of(v.type).body);
   } else if (is_inside && gate_.passes(v.id)) {
-    gate_.see(v, -1.0, type_of(v.type).body);
+    gate_.see(v, 0.0, 0.0, type_of(v.type).body);
   }
+}
+
+/// From where a vehicle is onto the path of a corridor, about `station` along it.
+PathApproach Coordinator::approach_to(const Corridor& corridor, const VehicleState& v,
+                                      double station) const {
+  constexpr double kNear = 3.0;  // [m]
+  const GuidePath& path = corridors_.library().path(corridor.path);
+  return {path, v.pose, path.project({v.pose.x, v.pose.y}, station - kNear, station + kNear)};
 }
 
 Driven Coordinator::admit(const Newcomer& newcomer, std::int64_t key) {
@@ -475,11 +492,7 @@ Driven Coordinator::admit(const Newcomer& newcomer, std::int64_t key) {
   Driven driven{.key = key, .corridor = newcomer.corridor, .route = newcomer.route};
   const CorridorCourse& course = corridors_[newcomer.corridor].course;
   const double expected = corridors_[newcomer.corridor].lines.front() - newcomer.to_line;
-  {
-    const GuidePath& path = path_of(driven);
-    driven.approach = PathApproach(
-        path, v.pose, path.project({v.pose.x, v.pose.y}, expected - 3.0, expected + 3.0));
-  }
+  driven.approach = approach_to(corridors_[driven.corridor], v, expected);
   if (driven.approach.is_notable()) {
     // Beside its path the vehicle drives a little faster or slower than along it.
     Vehicle body = type.body;
@@ -502,6 +515,11 @@ Driven Coordinator::admit(const Newcomer& newcomer, std::int64_t key) {
   road.min_gap = type.min_gap;
   road.tau = type.tau;
   road.stop_lines = c.lines;
+  const ExitRoot root = predictor_.exit_root(c.course.pieces.front().lane);
+  if (root.lane != LaneGraph::kNone) {
+    road.entry_lane = root.lane;
+    road.s_entry_lane = c.stations.front() - root.offset;
+  }
   road.exit_lane = c.exit_lane;
   road.s_exit_lane = c.s_exit;
   road.s_handback = c.s_handback;
@@ -540,13 +558,23 @@ std::vector<Forecast> Coordinator::predict_others(const std::map<std::string, Dr
     });
     if (!near) continue;
     const std::vector<int> route = route_of(v);
-    const bool halts = !gate_.passes(v.id) && guest != v.id;
-    if (auto forecast = predictor_.predict(v, query_for(v, route), type_of(v.type).body, halts,
-                                           grid_, step_)) {
-      forecasts.push_back(std::move(*forecast));
+    const bool passes = gate_.passes(v.id) || guest == v.id;
+    for (Forecast& forecast : predictor_.predict(v, query_for(v, route), type_of(v.type).body,
+                                                 passes ? Intent::kPasses : Intent::kWaits,
+                                                 time_at_stop(v), grid_, step_)) {
+      forecasts.push_back(std::move(forecast));
     }
   }
   return forecasts;
+}
+
+/// How long a vehicle still stands at a scheduled stop [s].
+double Coordinator::time_at_stop(const VehicleState& v) const {
+  constexpr double kBoarding = 5.0;  // [s] at least: stops last longer than they are planned to
+  if (!v.halted_by_stop) return 0.0;
+  const std::optional<Stop> stop = traffic_.next_stop(v.id);
+  if (!stop) return kBoarding;
+  return std::max({kBoarding, stop->duration, stop->until - traffic_.time()});
 }
 
 bool Coordinator::planner_is_dead() const {

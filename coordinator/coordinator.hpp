@@ -101,10 +101,13 @@ class Coordinator : public Controller {
                                                     std::vector<int> route);
   [[nodiscard]] CourseQuery query_for(const VehicleState& state, std::span<const int> route);
   [[nodiscard]] std::vector<int> route_of(const VehicleState& state) const;
+  [[nodiscard]] PathApproach approach_to(const Corridor& corridor, const VehicleState& state,
+                                         double station) const;
   [[nodiscard]] Driven admit(const Newcomer& newcomer, std::int64_t key);
   void announce(const std::string& id, const Driven& driven);
   [[nodiscard]] std::vector<std::int64_t> without_plan(
       const JointPlan& incumbent, const std::map<std::string, Driven>& admitted) const;
+  [[nodiscard]] double time_at_stop(const VehicleState& state) const;
   [[nodiscard]] bool planner_is_dead() const;
   void hold_back(const std::vector<Newcomer>& newcomers);
   [[nodiscard]] const VehicleType& type_of(const std::string& id);

@@ -37,6 +37,18 @@ Point point_at(std::span<const Point> line, double s) {
   return line.back();
 }
 
+double distance_to(std::span<const Point> line, const Pose& place) {
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 1; i < line.size(); ++i) {
+    const Point& a = line[i - 1];
+    const Point d{line[i].x - a.x, line[i].y - a.y};
+    const double along = (place.x - a.x) * d.x + (place.y - a.y) * d.y;
+    const double share = std::clamp(along / std::max(1e-12, d.x * d.x + d.y * d.y), 0.0, 1.0);
+    least = std::min(least, std::hypot(a.x + share * d.x - place.x, a.y + share * d.y - place.y));
+  }
+  return least;
+}
+
 /// From 0 to 1 with no slope and no curvature at either end.
 double smootherstep(double x) {
   x = std::clamp(x, 0.0, 1.0);
@@ -231,10 +243,32 @@ CorridorMap::Line CorridorMap::centre_line(const CorridorCourse& course) const {
   return line;
 }
 
+/// The lanes of a course with those beside them in the same direction, and the junctions between.
+DrivableArea CorridorMap::road_along(const CorridorCourse& course) const {
+  RoadNetwork road;
+  const auto add = [&](int lane) {
+    const Lane& l = graph_.lane(lane);
+    road.lanes.emplace(l.id, l);
+    for (const int k : graph_.links_from(lane)) {
+      const Junction& junction = graph_.junction(graph_.link(k).junction);
+      road.junctions.emplace(junction.id, junction);
+    }
+  };
+  const auto add_edge = [&](int lane) {
+    const int edge = graph_.edge_of(lane);
+    if (edge == LaneGraph::kNone) return add(lane);
+    for (const int beside : graph_.lanes_of(edge)) add(beside);
+  };
+  for (const int lane : course.lead_in) add_edge(lane);
+  for (const CorridorPiece& piece : course.pieces) add_edge(piece.lane);
+  return DrivableArea(road);
+}
+
 Corridor CorridorMap::build(const CorridorCourse& course, const Vehicle& body) {
   const Line line = centre_line(course);
   GuidePath path = course.own_driver ? drivers_path(line.points, body)
-                                     : make_reference_path(line.points, body, area_);
+                                     : make_reference_path(line.points, body,
+                                                           road_along(course), area_);
   Corridor corridor{.course = course};
   set_stations(line, path, body, corridor);
   set_limits(path, body, corridor);
@@ -274,12 +308,35 @@ void CorridorMap::set_stations(const Line& line, const GuidePath& path, const Ve
   const auto exit = std::size_t(course.exit_piece);
   corridor.exit_lane = course.pieces[exit].lane;
   corridor.s_exit = corridor.stations[exit];
-  corridor.s_handback = corridor.s_exit + course.handback;
   corridor.s_end = corridor.s_exit + course.end;
+  corridor.s_handback = straight_from(line, path, body, corridor.s_exit + course.handback,
+                                      corridor.s_end);
+}
+
+/// The first place from `from` to `to` where the body lies along its lane; else the one where it does
+/// so best.
+double CorridorMap::straight_from(const Line& line, const GuidePath& path, const Vehicle& body,
+                                  double from, double to) {
+  constexpr double kAside = 0.05;  // [m] of either end
+  const auto aside = [&](double s) {
+    const Pose pose = path.at(s);
+    return std::max(distance_to(line.points, compose(pose, {body.front, 0.0, 0.0})),
+                    distance_to(line.points, compose(pose, {-body.rear, 0.0, 0.0})));
+  };
+  double best = from;
+  double least = aside(from);
+  for (double s = from; s < to && least > kAside; s += 1.0) {
+    if (aside(s) >= least) continue;
+    least = aside(s);
+    best = s;
+  }
+  return best;
 }
 
 double CorridorMap::metres_per_metre(int lane) const {
-  return length_of(graph_.lane(lane).shape) / graph_.lane(lane).length;
+  constexpr double kShort = 1.0;  // [m]: a lane that is only a seam says nothing about its ground
+  const double shape = length_of(graph_.lane(lane).shape);
+  return shape > kShort ? shape / graph_.lane(lane).length : 1.0;
 }
 
 /// The speed at s that keeps to the limit [m/s]. Speeds are looked up at a few places of each

@@ -65,9 +65,12 @@ class CorridorMap {
   struct Line;
 
   [[nodiscard]] Line centre_line(const CorridorCourse& course) const;
+  [[nodiscard]] DrivableArea road_along(const CorridorCourse& course) const;
   [[nodiscard]] Corridor build(const CorridorCourse& course, const Vehicle& body);
   void set_stations(const Line& line, const GuidePath& path, const Vehicle& body,
                     Corridor& corridor) const;
+  [[nodiscard]] static double straight_from(const Line& line, const GuidePath& path,
+                                            const Vehicle& body, double from, double to);
   void set_limits(const GuidePath& path, const Vehicle& body, Corridor& corridor) const;
   [[nodiscard]] double lateral_limit(const GuidePath& path, double s, bool changes_lane) const;
   [[nodiscard]] std::string why_not(const GuidePath& path, const Vehicle& body,

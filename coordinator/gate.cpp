@@ -9,8 +9,9 @@
 namespace mvtp {
 namespace {
 
-constexpr double kNear = 12.0;   ///< [m] before its line, a vehicle waits for its turn
-constexpr double kSlow = 1.0;    ///< [m/s] or it does so behind others, at this speed
+constexpr double kNear = 12.0;   ///< [m] before its line a vehicle waits for its turn,
+constexpr double kCrawl = 5.0;   ///< [m/s] at no more than this;
+constexpr double kStands = 0.5;  ///< [m/s] or it stands where it was held
 constexpr double kApart = 50.0;  ///< [m] to the next line: there it is held again
 constexpr double kSpare = 6.0;   ///< [m] beside its braking distance that a driver needs to stop
 
@@ -21,11 +22,11 @@ void Gate::begin() {
   for (auto& [id, guest] : guests_) guest.seen = false;
 }
 
-void Gate::see(const VehicleState& v, double to_line, const Vehicle& body) {
+void Gate::see(const VehicleState& v, double to_line, double to_hold, const Vehicle& body) {
   const auto [entry, is_new] = guests_.try_emplace(v.id);
   Guest& guest = entry->second;
   guest.seen = true;
-  guest.waits = to_line < kNear && v.speed < 5.0 * kSlow;
+  guest.waits = (to_line < kNear && v.speed < kCrawl) || v.speed < kStands;
   const double room = stopping_distance(v.speed, 0.8 * body.max_decel) + kSpare;
   const bool anew = guest.passes && to_line > std::max(kApart, room);
   if (!is_new && !anew) return;
@@ -33,7 +34,7 @@ void Gate::see(const VehicleState& v, double to_line, const Vehicle& body) {
     traffic_.let_through(v.id, false);
     guest.passes = false;
   }
-  if (to_line > room) {
+  if (to_hold > room) {
     traffic_.hold(v.id, true);
     guest.held = true;
   } else {

@@ -18,8 +18,9 @@ class Gate {
 
   /// A decision begins: who is not seen until the end of it has gone.
   void begin();
-  /// A vehicle with its own driver, `to_line` [m] before the stop line; < 0: behind it, inside.
-  void see(const VehicleState& vehicle, double to_line, const Vehicle& body);
+  /// A vehicle with its own driver, `to_line` [m] before its stop line (0: behind it, inside), and
+  /// `to_hold` [m] before the place where it can be held: the end of its lane.
+  void see(const VehicleState& vehicle, double to_line, double to_hold, const Vehicle& body);
   void end();
 
   [[nodiscard]] bool passes(const std::string& id) const;

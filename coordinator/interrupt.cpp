@@ -25,8 +25,4 @@ void note_interrupts() {
 
 bool interrupted() { return signals != 0; }
 
-void stop_if_interrupted() {
-  if (interrupted()) throw Interrupted{};
-}
-
 }  // namespace mvtp

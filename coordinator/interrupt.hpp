@@ -9,10 +9,4 @@ void note_interrupts();
 /// Has one of them come? Cheap: for loops of any kind.
 [[nodiscard]] bool interrupted();
 
-/// Thrown by work of which nothing is worth keeping once it is interrupted.
-struct Interrupted {};
-
-/// Throws Interrupted if interrupted().
-void stop_if_interrupted();
-
 }  // namespace mvtp

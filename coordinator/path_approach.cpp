@@ -8,7 +8,8 @@ namespace {
 
 constexpr double kLength = 20.0;     ///< [m] of an approach
 constexpr double kNotable = 0.02;    ///< [m], and per metre
-constexpr double kSteepest = 1.2;    ///< [rad] between heading and path that is made up for
+constexpr double kSteepest = 0.6;    ///< [rad] between heading and path that is made up for
+constexpr double kFarthest = 1.5;    ///< [m] beside the path from which it is reached
 
 }  // namespace
 
@@ -24,6 +25,23 @@ PathApproach::PathApproach(const GuidePath& path, const Pose& pose, double near)
 
 bool PathApproach::is_notable() const {
   return std::abs(aside_) > kNotable || std::abs(slope_) > kNotable;
+}
+
+bool PathApproach::is_drivable(const GuidePath& path, const Vehicle& body,
+                               const DrivableArea& area) const {
+  if (!is_notable()) return true;
+  constexpr double kStep = 0.5;            // [m]
+  constexpr double kRoadTolerance = 0.05;  // [m]
+  if (std::abs(aside_) > kFarthest || std::abs(slope_) > std::tan(kSteepest)) return false;
+  Pose before = pose(path, begin_);
+  for (double s = begin_ + kStep; s <= begin_ + length_; s += kStep) {
+    const Pose here = pose(path, s);
+    const double turned = std::abs(wrap_to_pi(here.theta - before.theta));
+    if (turned > body.max_curvature() * std::hypot(here.x - before.x, here.y - before.y)) return false;
+    if (area.share_outside(here, body, kRoadTolerance) > 0.0) return false;
+    before = here;
+  }
+  return true;
 }
 
 Pose PathApproach::pose(const GuidePath& path, double s) const {

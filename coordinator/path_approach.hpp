@@ -1,5 +1,6 @@
 #pragma once
 
+#include "coordinator/drivable_area.hpp"
 #include "planner/motion/guide_path.hpp"
 
 namespace mvtp {
@@ -20,6 +21,9 @@ class PathApproach {
   [[nodiscard]] Pose pose(const GuidePath& path, double s) const;
   /// Does it begin so far off the path that driving it differs from driving the path?
   [[nodiscard]] bool is_notable() const;
+  /// Can the body drive it: within its turning circle, and with its footprint where `area` allows?
+  [[nodiscard]] bool is_drivable(const GuidePath& path, const Vehicle& body,
+                                 const DrivableArea& area) const;
 
  private:
   double begin_ = 0.0;

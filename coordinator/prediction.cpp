@@ -8,7 +8,8 @@ namespace {
 
 constexpr double kHold = 3.0;          ///< [s] for which a driver keeps his speed
 constexpr double kAcceleration = 1.0;  ///< [m/s^2] after that
-constexpr double kPassing = 2.0;       ///< [m/s^2] of a driver who is let through
+constexpr double kPassing = 2.0;       ///< [m/s^2] of a driver who is let through,
+constexpr double kHesitant = 0.5;      ///< and of one who takes his time
 constexpr double kBraking = 3.0;       ///< [m/s^2] before a line
 constexpr double kStand = 60.0;        ///< [s] that he stands there
 constexpr std::size_t kLongest = 3000; ///< steps that are predicted
@@ -48,18 +49,17 @@ void Predictor::watch(const Corridor& corridor) {
   }
 }
 
-Predictor::ExitRoot Predictor::find_exit_root(int lane, double within) const {
-  double offset = 0.0;
-  for (int depth = 0; depth < 32 && offset < within; ++depth) {
-    const std::span<const int> links = graph_.links_to(lane);
-    if (links.empty()) return {};
-    for (const int k : links) {
-      if (finder_.is_coordinated(graph_.link(k).junction)) return {lane, offset};
-    }
-    if (links.size() > 1) return {};
-    const LaneGraph::Link& link = graph_.link(links.front());
-    lane = link.from;
-    offset += link.length + graph_.lane(lane).length;
+ExitRoot Predictor::find_exit_root(int lane, double within) const {
+  const std::span<const int> links = graph_.links_to(lane);
+  for (const int k : links) {
+    if (finder_.is_coordinated(graph_.link(k).junction)) return {lane, 0.0};
+  }
+  for (const int k : links) {
+    const LaneGraph::Link& link = graph_.link(k);
+    const double length = std::max(1.0, link.length + graph_.lane(link.from).length);
+    if (length >= within) continue;
+    const ExitRoot root = find_exit_root(link.from, within - length);
+    if (root.lane != LaneGraph::kNone) return {root.lane, root.offset + length};
   }
   return {};
 }
@@ -83,20 +83,19 @@ int Predictor::path_of(const VehicleState& v, const CourseQuery& query, const Ve
   return place_on(corridors_[own], corridors_[own].stations.front(), 1.0) ? own : LaneGraph::kNone;
 }
 
-std::optional<Forecast> Predictor::predict(const VehicleState& v, const CourseQuery& query,
-                                           const Vehicle& body, bool halts,
-                                           const DecisionGrid& grid, std::int64_t step) {
+std::vector<Forecast> Predictor::predict(const VehicleState& v, const CourseQuery& query,
+                                         const Vehicle& body, Intent intent, double stands,
+                                         const DecisionGrid& grid, std::int64_t step) {
   const ExitRoot root = exit_roots_[std::size_t(query.lane)];
   const std::optional<double> to_line = finder_.distance_to_line(query);
   // Whoever is further from the next line than those under control cannot be ahead of them there.
-  if (to_line && *to_line > takeover_ && root.lane == LaneGraph::kNone) return std::nullopt;
+  if (to_line && *to_line > takeover_ && root.lane == LaneGraph::kNone) return {};
   double s = 0.0;
   const int number = path_of(v, query, body, s);
-  if (number == LaneGraph::kNone) return std::nullopt;
+  if (number == LaneGraph::kNone) return {};
   const Corridor& corridor = corridors_[number];
 
-  Forecast forecast;
-  RoadVehicle& road = forecast.vehicle;
+  RoadVehicle road;
   road.key = -1;
   road.path = corridor.path;
   road.now = {s, v.speed};
@@ -109,15 +108,21 @@ std::optional<Forecast> Predictor::predict(const VehicleState& v, const CourseQu
   }
   road.s_end = corridors_.library().path(corridor.path).length();
   road.s_handback = road.s_end;
-  const double line = s + to_line.value_or(0.0);
-  const bool at_line = to_line && *to_line <= takeover_ && line < road.s_end;
-  if (!at_line) {
-    forecast.trajectory = predict_leader(road, grid, step);
-  } else {
-    forecast.trajectory =
-        halts ? predict_halt(road, line, grid, step) : predict_passage(road, grid, step);
+  if (stands > 0.0) return {{road, predict_stop(road, stands, grid, step)}};
+
+  const bool is_inside = graph_.edge_of(query.lane) == LaneGraph::kNone;
+  const bool at_line = to_line && *to_line <= takeover_ && s + *to_line < road.s_end;
+  if (at_line && intent == Intent::kWaits) {
+    const double lane_end = graph_.lane(query.lane).length - query.position;
+    const double stop = s + (is_inside ? *to_line : std::min(*to_line, lane_end));
+    return {{road, predict_halt(road, stop, grid, step)}};
   }
-  return forecast;
+  if (at_line || (is_inside && intent == Intent::kPasses)) {
+    // How quickly it goes nobody knows: it may speed up as it can, or hardly.
+    return {{road, predict_passage(road, std::min(kPassing, body.max_accel), grid, step)},
+            {road, predict_passage(road, kHesitant, grid, step)}};
+  }
+  return {{road, predict_leader(road, grid, step)}};
 }
 
 PathTrajectory predict_leader(const RoadVehicle& v, const DecisionGrid& grid, std::int64_t step) {
@@ -126,10 +131,19 @@ PathTrajectory predict_leader(const RoadVehicle& v, const DecisionGrid& grid, st
   return t;
 }
 
-PathTrajectory predict_passage(const RoadVehicle& v, const DecisionGrid& grid,
+PathTrajectory predict_stop(const RoadVehicle& v, double stands, const DecisionGrid& grid,
+                            std::int64_t step) {
+  PathTrajectory t{.begin = step, .states = {{v.now.s, 0.0}}};
+  const double steps = std::min(stands / grid.dt, double(kLongest));
+  t.states.resize(std::size_t(steps) + 1, t.states.front());
+  drive_on(t, v, grid, 0, kAcceleration);
+  return t;
+}
+
+PathTrajectory predict_passage(const RoadVehicle& v, double acceleration, const DecisionGrid& grid,
                                std::int64_t step) {
   PathTrajectory t{.begin = step, .states = {v.now}};
-  drive_on(t, v, grid, 0, kPassing);
+  drive_on(t, v, grid, 0, acceleration);
   return t;
 }
 

@@ -10,6 +10,17 @@
 
 namespace mvtp {
 
+/// Where the exit begins that a lane belongs to: the first lane behind a coordinated junction, and how
+/// far the lane is from there [m].
+struct ExitRoot {
+  int lane = LaneGraph::kNone;
+  double offset = 0.0;
+};
+
+/// What a driver does at a coordinated stop line: waits, as it is held at the end of its lane; or goes
+/// over it, as it is let through.
+enum class Intent { kWaits, kPasses };
+
 /// What vehicles that nobody controls are expected to do.
 class Predictor {
  public:
@@ -25,21 +36,18 @@ class Predictor {
   /// From now on vehicles on the lanes of a corridor matter.
   void watch(const Corridor& corridor);
 
-  /// The motion expected of a vehicle along its route; nullopt if it is leaving the sight of all.
-  /// @param halts  it waits before the next coordinated stop line; else it goes over it.
-  [[nodiscard]] std::optional<Forecast> predict(const VehicleState& vehicle,
+  /// kNone where no coordinated junction is near behind.
+  [[nodiscard]] ExitRoot exit_root(int lane) const { return exit_roots_[std::size_t(lane)]; }
+
+  /// The motions to be expected of a vehicle along its route; none if it is leaving the sight of all.
+  /// @param intent  what it does at the next coordinated stop line.
+  /// @param stands  [s] that it still stands where it is, at a scheduled stop.
+  [[nodiscard]] std::vector<Forecast> predict(const VehicleState& vehicle,
                                                 const CourseQuery& query, const Vehicle& body,
-                                                bool halts, const DecisionGrid& grid,
-                                                std::int64_t step);
+                                                Intent intent, double stands,
+                                                const DecisionGrid& grid, std::int64_t step);
 
  private:
-  /// Where the exit begins that a lane belongs to: the first lane behind a coordinated junction, and
-  /// how far this lane is from there [m].
-  struct ExitRoot {
-    int lane = LaneGraph::kNone;
-    double offset = 0.0;
-  };
-
   [[nodiscard]] ExitRoot find_exit_root(int lane, double within) const;
   [[nodiscard]] int path_of(const VehicleState& vehicle, const CourseQuery& query,
                             const Vehicle& body, double& station);
@@ -58,9 +66,13 @@ class Predictor {
 [[nodiscard]] PathTrajectory predict_leader(const RoadVehicle& vehicle, const DecisionGrid& grid,
                                             std::int64_t step);
 
-/// A driver who is let over a junction: he speeds up at once.
-[[nodiscard]] PathTrajectory predict_passage(const RoadVehicle& vehicle, const DecisionGrid& grid,
-                                             std::int64_t step);
+/// A driver at a scheduled stop: he goes on after `stands` seconds.
+[[nodiscard]] PathTrajectory predict_stop(const RoadVehicle& vehicle, double stands,
+                                          const DecisionGrid& grid, std::int64_t step);
+
+/// A driver who is let over a junction: he speeds up at once with `acceleration`.
+[[nodiscard]] PathTrajectory predict_passage(const RoadVehicle& vehicle, double acceleration,
+                                             const DecisionGrid& grid, std::int64_t step);
 
 /// A driver who waits at a stop line: he halts before `s_line` and goes on much later.
 [[nodiscard]] PathTrajectory predict_halt(const RoadVehicle& vehicle, double s_line,

@@ -18,8 +18,8 @@ struct Swing {
 
 /// How a path departs from the lanes' centre line.
 struct Shape {
-  double sigma = 2.5;   ///< [m] of the smoothing
-  double follow = 0.0;  ///< [m] ahead of the rear axle lies the point that keeps to the curve
+  double sigma = 2.5;         ///< [m] of the smoothing
+  double follow = 0.0;        ///< [m] ahead of the rear axle lies the point that keeps to the curve
   std::vector<Swing> swings;  ///< one per turn
 };
 
@@ -144,8 +144,10 @@ class ShapeSearch {
     return shaped(base_, turns_, best_);
   }
 
- private:
+  /// Can the best path be steered, with the footprint where it should be?
   [[nodiscard]] bool good_enough() const { return badness_ < kTolerable; }
+
+ private:
   [[nodiscard]] bool done() const { return good_enough() || evaluations_left_ <= 0; }
 
   bool improve_once(double scale) {
@@ -203,8 +205,10 @@ class ShapeSearch {
 }  // namespace
 
 GuidePath make_reference_path(std::span<const Point> centre_line, const Vehicle& body,
-                              const DrivableArea& area) {
-  return ShapeSearch(centre_line, body, area).best();
+                              const DrivableArea& own, const DrivableArea& area) {
+  ShapeSearch on_its_side(centre_line, body, own);
+  GuidePath path = on_its_side.best();
+  return on_its_side.good_enough() ? path : ShapeSearch(centre_line, body, area).best();
 }
 
 }  // namespace mvtp

@@ -7,10 +7,12 @@
 
 namespace mvtp {
 
-/// The path of the rear axle along a centre line for this body: smooth enough for its turning circle
-/// and, where the body is long, wide enough to keep its footprint on the road. The line may have any
-/// number of turns.
+/// The path of the rear axle along a centre line for this body: smooth enough for its turning
+/// circle and, where the body is long, wide enough to keep its footprint on the road. The line may
+/// have any number of turns.
+/// @param own   the road in this direction: where the body should stay,
+/// @param area  the whole road: where it may swing to if it has to.
 [[nodiscard]] GuidePath make_reference_path(std::span<const Point> centre_line, const Vehicle& body,
-                                            const DrivableArea& area);
+                                            const DrivableArea& own, const DrivableArea& area);
 
 }  // namespace mvtp

@@ -102,21 +102,23 @@ void check_options(const CLI::App& app, const GenerateCommand& command) {
   }
 }
 
+const char* const kSuites =
+    "typical: 2, 4 and 8 robots on a circle, each with its goal straight across\n"
+    "sparse:  2 to 10 robots among 20 obstacles on 50 x 50 m, 60 instances for each number\n"
+    "dense:   5 to 120 robots on 50 x 50 and 100 x 100 m, without obstacles and with 20 or 40;\n"
+    "         60 instances in each of 29 cells\n"
+    "crowd:   60 to 1000 robots on 50 x 50 to 300 x 300 m, 10 instances in each of 14 cells;\n"
+    "         with --size and --robots also other cells\n"
+    "parking: cars that come to an open lot of 58 slots and cars that leave it, all at once, of\n"
+    "         mixed sizes; 60 instances with 24 and 24\n"
+    "Each robot has a way to its goal if the others are absent. The same options give the same\n"
+    "files, byte for byte, and each file is the same whatever else is generated.";
+
 }  // namespace
 
 Action declare_generate(CLI::App& app) {
   const auto command = std::make_shared<GenerateCommand>();
-  app.footer(
-      "typical: 2, 4 and 8 robots on a circle, each with its goal straight across\n"
-      "sparse:  2 to 10 robots among 20 obstacles on 50 x 50 m, 60 instances for each number\n"
-      "dense:   5 to 120 robots on 50 x 50 and 100 x 100 m, without obstacles and with 20 or 40;\n"
-      "         60 instances in each of 29 cells\n"
-      "crowd:   60 to 1000 robots on 50 x 50 to 300 x 300 m, 10 instances in each of 14 cells;\n"
-      "         with --size and --robots also other cells\n"
-      "parking: cars that come to an open lot of 58 slots and cars that leave it, all at once, of\n"
-      "         mixed sizes; 60 instances with 24 and 24\n"
-      "Each robot has a way to its goal if the others are absent. The same options give the same\n"
-      "files, byte for byte, and each file is the same whatever else is generated.");
+  app.footer(kSuites);
   add_choice<std::optional<Suite>>(app, "suite", command->suite,
                                    {{"typical", Suite::kTypical},
                                     {"sparse", Suite::kSparse},

@@ -2,7 +2,6 @@
 #include "traci_bridge/sumo_backend.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <exception>
 #include <map>
@@ -16,8 +15,10 @@
 #include "traci_bridge/sumo_api.hpp"
 #include "traci_bridge/sumo_connection.hpp"
 #include "traci_bridge/sumo_frame.hpp"
+#include "traci_bridge/sumo_holds.hpp"
 #include "traci_bridge/sumo_lanes.hpp"
 #include "traci_bridge/sumo_log.hpp"
+#include "traci_bridge/sumo_reading.hpp"
 #include "traci_bridge/sumo_routes.hpp"
 
 namespace mvtp {
@@ -40,14 +41,9 @@ constexpr int kOwnSpeedMode = 31;
 /// A vehicle that was just handed back first finds its place in its lane [s]; SUMO changes lanes at
 /// once, 3 m aside, where its sublane model is off.
 constexpr double kNoLaneChange = 1.0;
-constexpr double kHoldGap = 1.0;     // from a held vehicle's front to the end of its lane [m]
-constexpr double kForever = 1.0e6;   // [s]
-constexpr double kOwnSpeed = -1.0;   // TraCI: the driver's choice again
-constexpr int kStoppedBit = 1;       // of getStopState()
-constexpr int kParkedBits = 129;     // of getStopState(): stopped, in a parking area
-constexpr double kStanding = 0.1;    // [m/s]
-constexpr int kParkingAreaBit = 64;  // of TraCINextStopData::stopFlags
-const char* const kTurningRadius = "turning-radius";  // our parameter of a vType [m]
+constexpr double kOwnSpeed = -1.0;  // TraCI: the driver's choice again
+constexpr int kStoppedBit = 1;      // of getStopState()
+constexpr double kStanding = 0.1;   // [m/s]
 
 class Backend final : public SumoTraffic {
  public:
@@ -57,7 +53,8 @@ class Backend final : public SumoTraffic {
         outputs_(std::move(launch.outputs)),
         log_(launch.log),
         lanes_(network_, log_),
-        routes_(network_, log_) {
+        routes_(network_, log_),
+        holds_(network_, log_) {
     ask([&] {
       connection_ = std::make_unique<SumoConnection>(launch.arguments, log_);
       step_length_ = api::Simulation::getDeltaT();
@@ -84,22 +81,7 @@ class Backend final : public SumoTraffic {
   }
 
   VehicleType type(const std::string& id) const override {
-    return ask([&] {
-      VehicleType type{
-          .id = id,
-          .body = body_of(api::VehicleType::getLength(id), api::VehicleType::getWidth(id)),
-          .min_gap = api::VehicleType::getMinGap(id),
-          .tau = api::VehicleType::getTau(id),
-          .vehicle_class = api::VehicleType::getVehicleClass(id)};
-      type.body.max_speed = api::VehicleType::getMaxSpeed(id);
-      type.body.max_accel = api::VehicleType::getAccel(id);
-      type.body.max_decel = api::VehicleType::getDecel(id);
-      if (const std::string radius = api::VehicleType::getParameter(id, kTurningRadius);
-          !radius.empty()) {
-        type.body.min_turning_radius = turning_radius(id, radius);
-      }
-      return type;
-    });
+    return ask([&] { return read_type(id); });
   }
 
   double time() const override { return time_; }
@@ -204,20 +186,14 @@ class Backend final : public SumoTraffic {
   }
 
   void hold(const std::string& id, bool stop) override {
-    const auto found = held_.find(id);
-    if (stop == (found != held_.end())) return;
+    if (stop == holds_.contains(id)) return;
     if (!is_here(id)) {
-      held_.erase(id);
-      return;
+      holds_.forget(id);
+    } else if (stop) {
+      ask([&] { holds_.hold(id); });
+    } else {
+      ask([&] { holds_.release(id); });
     }
-    ask([&] {
-      if (stop) {
-        stop_at_the_end_of_its_lane(id);
-      } else {
-        go_on(id, found->second);
-        held_.erase(found);
-      }
-    });
   }
 
   void let_through(const std::string& id, bool pass) override {
@@ -253,9 +229,7 @@ class Backend final : public SumoTraffic {
   std::optional<Stop> next_stop(const std::string& id) const override {
     return ask([&]() -> std::optional<Stop> {
       std::vector<libsumo::TraCINextStopData> stops = api::Vehicle::getStops(id, 0);
-      if (const auto held = held_.find(id); held != held_.end()) {
-        std::erase_if(stops, [&](const auto& stop) { return is_hold(held->second, stop); });
-      }
+      std::erase_if(stops, [&](const auto& stop) { return holds_.is_hold(id, stop); });
       if (stops.empty()) stops = routes_.stops_behind(id);
       if (stops.empty()) return std::nullopt;
       const libsumo::TraCINextStopData& next = stops.front();
@@ -365,18 +339,6 @@ class Backend final : public SumoTraffic {
     int mode = 0;
   };
 
-  struct NextStop {
-    int index = 0;  ///< among the next stops
-    libsumo::TraCINextStopData data;
-  };
-
-  /// The stop by which SUMO keeps a vehicle from leaving its lane.
-  struct Hold {
-    std::string edge;
-    int lane = 0;
-    double position = 0.0;
-  };
-
   /// Runs an action on SUMO; what it throws, or says on stderr, becomes one InputError.
   template <class Action>
   auto ask(const Action& action) const -> decltype(action()) {
@@ -428,7 +390,7 @@ class Backend final : public SumoTraffic {
     std::erase_if(ids, [&](const std::string& id) { return is_about_to_be_parked(id); });
     vehicles_.resize(ids.size());
     for (std::size_t i = 0; i < ids.size(); ++i) observe(std::move(ids[i]), vehicles_[i]);
-    observe_pedestrians();
+    pedestrians_ = read_pedestrians();
     collisions_ = count_collisions();
   }
 
@@ -441,7 +403,7 @@ class Backend final : public SumoTraffic {
       routes_.forget(entry.first);
       return true;
     });
-    std::erase_if(held_, is_gone);
+    holds_.forget_if(gone);
     std::erase_if(lane_changes_, is_gone);
     std::erase_if(capped_, gone);
     std::erase_if(unrestored_, gone);
@@ -451,21 +413,7 @@ class Backend final : public SumoTraffic {
   /// Does it depart in a parking area? SUMO puts such a vehicle on the lane beside it for one step.
   [[nodiscard]] bool is_about_to_be_parked(const std::string& id) const {
     if (!std::ranges::binary_search(departed_, id)) return false;
-    const std::optional<NextStop> stop = next_parking_stop(id);
-    return stop && stop->index == 0 && stop->data.lane == api::Vehicle::getLaneID(id) &&
-           stop->data.endPos == api::Vehicle::getLanePosition(id) && !is_parked(id);
-  }
-
-  static std::optional<NextStop> next_parking_stop(const std::string& id) {
-    const auto stops = api::Vehicle::getStops(id, 0);
-    for (std::size_t i = 0; i < stops.size(); ++i) {
-      if ((stops[i].stopFlags & kParkingAreaBit) != 0) return NextStop{int(i), stops[i]};
-    }
-    return std::nullopt;
-  }
-
-  static bool is_parked(const std::string& id) {
-    return (api::Vehicle::getStopState(id) & kParkedBits) == kParkedBits;
+    return is_placed_beside_its_parking(id);
   }
 
   void settle(const std::string& id) { lanes_.settle(id, route_edges(id), step_length_); }
@@ -479,11 +427,6 @@ class Backend final : public SumoTraffic {
   static void put_onto_route(const std::string& id, const Controlled& vehicle) {
     const SumoPosition& p = vehicle.position;
     api::Vehicle::moveToXY(id, "", -1, p.x_m, p.y_m, p.angle_deg, kOntoRoute, kAnyDistance);
-  }
-
-  [[nodiscard]] bool is_hold(const Hold& hold, const libsumo::TraCINextStopData& stop) const {
-    return stop.duration > kForever / 2.0 && stop.endPos == hold.position &&
-           stop.lane == hold.edge + '_' + std::to_string(hold.lane);
   }
 
   /// Those who came onto a lane again in this step go on along their own routes.
@@ -507,50 +450,6 @@ class Backend final : public SumoTraffic {
     });
   }
 
-  static bool is_lane_free_beside(const std::string& id) {
-    constexpr double kAhead = 5.0;    // [m]
-    constexpr double kBehind = 40.0;  // [m]
-    const std::optional<NextStop> stop = next_parking_stop(id);
-    if (!stop) return true;
-    const double end = stop->data.endPos;
-    const double begin = end - api::Vehicle::getLength(id);
-    const std::vector<std::string> others = api::Lane::getLastStepVehicleIDs(stop->data.lane);
-    return std::ranges::none_of(others, [&](const std::string& other) {
-      if (other == id) return false;
-      const double front = api::Vehicle::getLanePosition(other);
-      return front > begin - kBehind && front - api::Vehicle::getLength(other) < end + kAhead;
-    });
-  }
-
-  void observe_pedestrians() {
-    std::vector<std::string> ids = api::Person::getIDList();
-    std::ranges::sort(ids);
-    pedestrians_.clear();
-    for (const std::string& id : ids) {
-      if (!api::Person::getVehicle(id).empty()) continue;  // rides
-      const libsumo::TraCIPosition p = api::Person::getPosition(id);
-      const double length = api::Person::getLength(id);
-      // As of vehicles, SUMO's position is the middle of the front.
-      const Pose middle = from_sumo({p.x, p.y, api::Person::getAngle(id)}, length / 2);
-      pedestrians_.push_back({.id = id,
-                              .position = {middle.x, middle.y},
-                              .theta = middle.theta,
-                              .speed = api::Person::getSpeed(id),
-                              .radius = std::hypot(length, api::Person::getWidth(id)) / 2});
-    }
-  }
-
-  static double turning_radius(const std::string& type, const std::string& text) {
-    double radius = 0.0;
-    const char* const end = text.data() + text.size();
-    const auto [rest, error] = std::from_chars(text.data(), end, radius);
-    if (error != std::errc() || rest != end || !std::isfinite(radius) || radius <= 0.0) {
-      throw std::runtime_error("vType \"" + type + "\": the param " + kTurningRadius + " is \"" +
-                               text + "\", not a number of metres above 0");
-    }
-    return radius;
-  }
-
   void observe(std::string id, VehicleState& state) {
     const Characteristics& vehicle = characteristics(id);
     const libsumo::TraCIPosition p = api::Vehicle::getPosition(id);
@@ -563,7 +462,7 @@ class Backend final : public SumoTraffic {
     state.lane = api::Vehicle::getLaneID(id);
     state.lane_position = state.lane.empty() ? 0.0 : api::Vehicle::getLanePosition(id);
     state.halted_by_stop = state.speed < kStanding && controlled == controlled_.end() &&
-                           !held_.contains(id) &&
+                           !holds_.contains(id) &&
                            (api::Vehicle::getStopState(id) & kStoppedBit) != 0;
     state.id = std::move(id);
   }
@@ -599,38 +498,6 @@ class Backend final : public SumoTraffic {
     });
   }
 
-  /// SUMO reports most pairs twice, once from each side.
-  static int count_collisions() {
-    if (api::Simulation::getCollidingVehiclesNumber() == 0) return 0;
-    std::set<std::pair<std::string, std::string>> pairs;
-    for (const libsumo::TraCICollision& c : api::Simulation::getCollisions()) {
-      pairs.insert(std::minmax(c.collider, c.victim));
-    }
-    return static_cast<int>(pairs.size());
-  }
-
-  void stop_at_the_end_of_its_lane(const std::string& id) {
-    const std::string lane = api::Vehicle::getLaneID(id);
-    if (lane.empty() || network_.lanes.at(lane).internal) return;
-    const Hold stop{.edge = network_.lanes.at(lane).edge,
-                    .lane = network_.lanes.at(lane).index,
-                    .position = std::max(network_.lanes.at(lane).length - kHoldGap, 0.1)};
-    try {
-      api::Vehicle::setStop(id, stop.edge, stop.position, stop.lane, kForever);
-      held_[id] = stop;
-    } catch (const libsumo::TraCIException&) {
-      static_cast<void>(log_.take_errors());  // too close to brake: it goes on
-    }
-  }
-
-  static void go_on(const std::string& id, const Hold& stop) {
-    if ((api::Vehicle::getStopState(id) & kStoppedBit) != 0) {
-      api::Vehicle::resume(id);
-    } else {
-      api::Vehicle::setStop(id, stop.edge, stop.position, stop.lane, 0.0);  // cancels it
-    }
-  }
-
   void end() {
     if (!connection_) return;
     const std::unique_ptr<SumoConnection> ending = std::move(connection_);
@@ -644,6 +511,7 @@ class Backend final : public SumoTraffic {
   mutable SumoLog log_;
   SumoLanes lanes_;
   SumoRoutes routes_;
+  SumoHolds holds_;
   std::unique_ptr<SumoConnection> connection_;
 
   double time_ = -1.0;  ///< before the start
@@ -659,8 +527,7 @@ class Backend final : public SumoTraffic {
   std::map<std::string, Controlled> controlled_;
   std::set<std::string> capped_;
   std::set<std::string> unrestored_;  ///< handed back, but SUMO does not know the whole route yet
-  std::map<std::string, Hold> held_;
-  std::set<std::string> leaving_;  ///< parked, without a stop from the next step on
+  std::set<std::string> leaving_;     ///< parked, without a stop from the next step on
   std::map<std::string, Resumption> lane_changes_;
 };
 

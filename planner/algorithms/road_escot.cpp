@@ -21,6 +21,7 @@ using Keys = std::vector<std::int64_t>;
 struct Ahead {
   int path = 0;
   int exit_lane = -1;
+  int entry_lane = -1;
   double from = 0.0;  ///< [m] rear axle
   double to = 0.0;
 };
@@ -28,11 +29,15 @@ struct Ahead {
 Ahead ahead_of(const RoadScene& scene, const RoadVehicle& v) {
   // A plan ends with the decision in which it reaches s_end.
   const double beyond = std::max(v.now.v, scene.body(v).max_speed) * scene.grid.decision();
-  return {v.path, v.exit_lane, v.now.s, std::max(v.now.s, v.s_end) + beyond};
+  return {v.path, v.exit_lane, v.entry_lane, v.now.s, std::max(v.now.s, v.s_end) + beyond};
 }
 
 bool may_meet(const PathLibrary& library, const Ahead& a, const Ahead& b) {
-  return (a.exit_lane >= 0 && a.exit_lane == b.exit_lane) ||
+  const auto follows = [](const Ahead& behind, const Ahead& before) {
+    return behind.exit_lane >= 0 &&
+           (behind.exit_lane == before.exit_lane || behind.exit_lane == before.entry_lane);
+  };
+  return follows(a, b) || follows(b, a) ||
          library.contacts(a.path, b.path).reaches(a.from, a.to, b.from, b.to);
 }
 
@@ -222,8 +227,8 @@ namespace {
 /// stopped: only a complete plan leads over a stop line.
 bool runs_over_a_line(const RoadVehicle& v, const Vehicle& body, const InertialState& from,
                       const InertialState& to) {
-  const auto line = std::ranges::lower_bound(
-      v.stop_lines, from.s + stopping_distance(from.v, body.max_decel));
+  const auto line =
+      std::ranges::lower_bound(v.stop_lines, from.s + stopping_distance(from.v, body.max_decel));
   return line != v.stop_lines.end() && to.s + stopping_distance(to.v, body.max_decel) > *line;
 }
 

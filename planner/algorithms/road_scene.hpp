@@ -48,10 +48,14 @@ struct RoadVehicle {
   /// Rear axle when the front bumper is at each stop line, ascending [m]: a vehicle without a
   /// complete plan waits before the next.
   std::vector<double> stop_lines;
-  int exit_lane = -1;          ///< vehicles of one exit lane keep a headway on it
-  double s_exit_lane = 0.0;    ///< rear axle when the front bumper enters the exit lane [m]
-  double s_handback = 0.0;     ///< rear axle where the zone ends [m]
-  double s_end = 0.0;          ///< rear axle where a plan is complete [m]; >= s_handback
+  int exit_lane = -1;        ///< vehicles of one exit lane keep a headway on it
+  double s_exit_lane = 0.0;  ///< rear axle when the front bumper enters the exit lane [m]
+  /// The exit lane on which its path begins, behind another junction: there it is a leader of those
+  /// who leave that one. From the first stop line on it is no more.
+  int entry_lane = -1;
+  double s_entry_lane = 0.0;  ///< rear axle when the front bumper enters that [m]
+  double s_handback = 0.0;    ///< rear axle where the zone ends [m]
+  double s_end = 0.0;         ///< rear axle where a plan is complete [m]; >= s_handback
 };
 
 /// A vehicle that is not ours, with the motion that is expected of it.

@@ -71,12 +71,24 @@ bool Surroundings::can_wait(std::int64_t k, const InertialState& state) const {
   return true;
 }
 
+std::optional<double> Surroundings::place_on_next(const Other& other,
+                                                  const InertialState& state) const {
+  const RoadVehicle& v = *other.vehicle;
+  const bool is_there = v.entry_lane >= 0 && v.entry_lane == vehicle_.exit_lane;
+  if (!is_there || (!v.stop_lines.empty() && state.s > v.stop_lines.front())) return std::nullopt;
+  return state.s - v.s_entry_lane;
+}
+
 bool Surroundings::keeps_headway(std::int64_t k, const InertialState& state) const {
   const double d = state.s - vehicle_.s_exit_lane;
   if (d <= 0.0 || vehicle_.exit_lane < 0) return true;
   for (const Other& other : others_) {
-    if (other.vehicle->exit_lane != vehicle_.exit_lane) continue;
     const InertialState o = other.trajectory->at(k);
+    if (const std::optional<double> place = place_on_next(other, o); place && *place > d) {
+      const double gap = *place - d - other.body->length();
+      if (gap < headway(d, state.v, body_.max_decel, o.v, other.body->max_decel)) return false;
+    }
+    if (other.vehicle->exit_lane != vehicle_.exit_lane) continue;
     const double d_other = o.s - other.vehicle->s_exit_lane;
     if (o.s >= PathTrajectory::kGone || d_other <= 0.0) continue;
     const bool behind = d <= d_other;
@@ -108,7 +120,8 @@ bool Surroundings::leaves_forecasts_room(std::int64_t k, const InertialState& st
 
 void Surroundings::add(const ContactView& contact, const RoadVehicle& vehicle,
                        const PathTrajectory& trajectory, const Vehicle& body, bool forecast) {
-  const bool same_exit = vehicle.exit_lane >= 0 && vehicle.exit_lane == vehicle_.exit_lane;
+  const int exit = vehicle_.exit_lane;
+  const bool same_exit = exit >= 0 && (exit == vehicle.exit_lane || exit == vehicle.entry_lane);
   if (contact.contact->never() && !same_exit) return;
   others_.push_back({contact, &trajectory, &vehicle, &body, forecast});
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -45,6 +46,10 @@ class Surroundings {
     bool forecast;
   };
 
+  /// How far behind the start of this vehicle's exit lane the other one is in this state [m], if its
+  /// path begins there.
+  [[nodiscard]] std::optional<double> place_on_next(const Other& other,
+                                                    const InertialState& state) const;
   void add(const ContactView& contact, const RoadVehicle& vehicle, const PathTrajectory& trajectory,
            const Vehicle& body, bool forecast);
 

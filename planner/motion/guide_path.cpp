@@ -115,7 +115,8 @@ GuidePath::GuidePath(std::span<const Pose> poses) {
   for (const Pose& p : poses) points.push_back({p.x, p.y});
   std::size_t i = 1;
   for (const Point& p : even_chords(points, kSpacing)) {
-    while (i + 1 < poses.size() && distance(points[i - 1], points[i]) < distance(points[i - 1], p)) {
+    while (i + 1 < poses.size() &&
+           distance(points[i - 1], points[i]) < distance(points[i - 1], p)) {
       ++i;
     }
     const double f = distance(points[i - 1], p) / distance(points[i - 1], points[i]);

@@ -18,8 +18,8 @@ class GuidePath {
   /// The curve through `points` (at least two, no two neighbours equal), resampled evenly.
   explicit GuidePath(std::span<const Point> points);
 
-  /// The curve through `poses` (at least two, no two neighbours at one place) with the headings given,
-  /// of a body that does not keep to its tangent.
+  /// The curve through `poses` (at least two, no two neighbours at one place) with the headings
+  /// given, of a body that does not keep to its tangent.
   explicit GuidePath(std::span<const Pose> poses);
 
   [[nodiscard]] double length() const { return kSpacing * double(poses_.size() - 1); }

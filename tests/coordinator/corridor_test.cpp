@@ -151,8 +151,13 @@ TEST(Corridor, SaysWhyABodyCannotDriveIt) {
   Walk walk(make_crossroads());
   const DrivableArea area(walk.network);
   CorridorMap map(walk.graph, area, {});
-  const Vehicle crane{.front = 14.0, .rear = 4.0, .width = 3.1, .wheelbase = 10.0,
-                      .min_turning_radius = 14.0, .max_accel = 1.0, .max_decel = 3.0};
+  const Vehicle crane{.front = 14.0,
+                      .rear = 4.0,
+                      .width = 3.1,
+                      .wheelbase = 10.0,
+                      .min_turning_radius = 14.0,
+                      .max_accel = 1.0,
+                      .max_decel = 3.0};
   CourseQuery query = walk.at("W_in_0", 150.0, {"W_in", "S_out"});
   query.length = crane.length();
   EXPECT_FALSE(map[map.corridor_for(*walk.finder.find(query), crane)].undriven.empty());

@@ -8,7 +8,6 @@
 #include "tools/suggest.hpp"
 
 namespace mvtp {
-
 namespace {
 
 const std::array kControllers = {
@@ -17,6 +16,38 @@ const std::array kControllers = {
                    true},
     ControllerName{"one-at-a-time", "on lots: one vehicle drives, the others wait", false, true},
     ControllerName{kSumoController, "SUMO's own control, for comparison", true, true}};
+
+/// Options of planning, on roads and on lots.
+void declare_planning(CLI::App& app, CoordinateOptions& o) {
+  app.add_option("--tries", o.tries, "Orders of passage tried per replan (0: order of arrival)")
+      ->check(number_between(0, 100000))
+      ->capture_default_str()
+      ->group("Control");
+  app.add_option("--threads", o.threads,
+                 "Threads that plan; the results do not depend on it "
+                 "(0: one per core)")
+      ->check(whole_number_between(0, 1024))
+      ->capture_default_str()
+      ->group("Control");
+  app.add_option("--parking", o.parking, "How to stand in slots: forward, reverse, or any")
+      ->check(CLI::IsMember({"forward", "reverse", "any"}))
+      ->capture_default_str()
+      ->group("Control");
+  app.add_option("--break-down", o.breakdowns,
+                 "Vehicle that stops for good on the parking lot, and when [s]; repeatable")
+      ->type_name("VEHICLE@SECONDS")
+      ->group("Control");
+  app.add_option("--replan-budget-ms", o.replan_budget_ms,
+                 "Drop plans that take longer [ms]; 0: no planning, as if the planner were dead "
+                 "(default: no limit)")
+      ->check(number_between(0.0, 1e9))
+      ->group("Control");
+  app.add_option("--replan-budget-from", o.replan_budget_from,
+                 "Simulated time from which the budget holds [s]")
+      ->check(number_between(0.0, 1e9))
+      ->capture_default_str()
+      ->group("Control");
+}
 
 }  // namespace
 
@@ -65,35 +96,7 @@ void declare_run_options(CLI::App& app, CoordinateOptions& o) {
       ->check(number_between(0.0, 1.3))
       ->capture_default_str()
       ->group("Control");
-  app.add_option("--tries", o.tries, "Orders of passage tried per replan (0: order of arrival)")
-      ->check(number_between(0, 100000))
-      ->capture_default_str()
-      ->group("Control");
-  app.add_option("--threads", o.threads,
-                 "Threads that plan; the results do not depend on it "
-                 "(0: one per core)")
-      ->check(whole_number_between(0, 1024))
-      ->capture_default_str()
-      ->group("Control");
-  app.add_option("--parking", o.parking, "How to stand in slots: forward, reverse, or any")
-      ->check(CLI::IsMember({"forward", "reverse", "any"}))
-      ->capture_default_str()
-      ->group("Control");
-  app.add_option("--break-down", o.breakdowns,
-                 "Vehicle that stops for good on the parking lot, and when [s]; repeatable")
-      ->type_name("VEHICLE@SECONDS")
-      ->group("Control");
-  app.add_option("--replan-budget-ms", o.replan_budget_ms,
-                 "Drop plans that take longer [ms]; 0: no planning, as if the planner were dead "
-                 "(default: no limit)")
-      ->check(number_between(0.0, 1e9))
-      ->group("Control");
-  app.add_option("--replan-budget-from", o.replan_budget_from,
-                 "Simulated time from which the budget holds [s]")
-      ->check(number_between(0.0, 1e9))
-      ->capture_default_str()
-      ->group("Control");
-
+  declare_planning(app, o);
   app.add_option("sumo", o.sumo, "Options for SUMO itself, behind --")->group("Input");
 }
 

@@ -80,8 +80,6 @@ class Run {
     RunStatus status = RunStatus::kFailed;
     try {
       status = simulation_.run({.end = scenario_.end, .interrupted = interrupted});
-    } catch (const Interrupted&) {
-      status = RunStatus::kInterrupted;
     } catch (const InputError& error) {
       if (report_.end == report_.begin) throw;  // the scenario is broken from the start
       report_.message = error.what();
@@ -252,13 +250,9 @@ class Run {
 int run_coordinate(const CoordinateOptions& options, const std::string& command) {
   note_interrupts();
   (void)controller_named(options.controller);
-  try {
-    RunFolder folder(options.output_dir, "--output-dir");
-    announce_run_folder(options.output_dir);
-    return Run(options, command, folder).drive();
-  } catch (const Interrupted&) {
-    return kInterrupted;
-  }
+  RunFolder folder(options.output_dir, "--output-dir");
+  announce_run_folder(options.output_dir);
+  return Run(options, command, folder).drive();
 }
 
 }  // namespace mvtp

@@ -1,0 +1,47 @@
+#include "traci_bridge/sumo_holds.hpp"
+
+#include <algorithm>
+
+namespace mvtp::MVTP_SUMO_NAMESPACE {
+namespace {
+
+constexpr double kHoldGap = 1.0;    // from a held vehicle's front to the end of its lane [m]
+constexpr double kForever = 1.0e6;  // [s]
+constexpr int kStoppedBit = 1;      // of getStopState()
+
+}  // namespace
+
+void SumoHolds::hold(const std::string& id) {
+  const std::string lane = api::Vehicle::getLaneID(id);
+  if (lane.empty() || network_.lanes.at(lane).internal) return;
+  const Stop stop{.edge = network_.lanes.at(lane).edge,
+                  .lane = network_.lanes.at(lane).index,
+                  .position = std::max(network_.lanes.at(lane).length - kHoldGap, 0.1)};
+  try {
+    api::Vehicle::setStop(id, stop.edge, stop.position, stop.lane, kForever);
+    stops_[id] = stop;
+  } catch (const libsumo::TraCIException&) {
+    static_cast<void>(log_.take_errors());  // too close to brake: it goes on
+  }
+}
+
+void SumoHolds::release(const std::string& id) {
+  const auto found = stops_.find(id);
+  const Stop& stop = found->second;
+  if ((api::Vehicle::getStopState(id) & kStoppedBit) != 0) {
+    api::Vehicle::resume(id);
+  } else {
+    api::Vehicle::setStop(id, stop.edge, stop.position, stop.lane, 0.0);  // cancels it
+  }
+  stops_.erase(found);
+}
+
+bool SumoHolds::is_hold(const std::string& id, const libsumo::TraCINextStopData& stop) const {
+  const auto found = stops_.find(id);
+  if (found == stops_.end()) return false;
+  const Stop& held = found->second;
+  return stop.duration > kForever / 2.0 && stop.endPos == held.position &&
+         stop.lane == held.edge + '_' + std::to_string(held.lane);
+}
+
+}  // namespace mvtp::MVTP_SUMO_NAMESPACE

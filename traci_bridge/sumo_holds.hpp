@@ -1,0 +1,44 @@
+#pragma once
+
+#include <map>
+#include <string>
+
+#include "coordinator/road_network.hpp"
+#include "traci_bridge/sumo_api.hpp"
+#include "traci_bridge/sumo_log.hpp"
+
+namespace mvtp::MVTP_SUMO_NAMESPACE {
+
+/// Keeps vehicles with their own drivers from leaving their lanes, by stops at the ends of these.
+class SumoHolds {
+ public:
+  /// @param network, log  must outlive it.
+  SumoHolds(const RoadNetwork& network, SumoLog& log) : network_(network), log_(log) {}
+
+  [[nodiscard]] bool contains(const std::string& id) const { return stops_.contains(id); }
+  /// Nothing happens where a vehicle is inside a junction, or too close to the end to brake.
+  void hold(const std::string& id);
+  /// @pre contains(id)
+  void release(const std::string& id);
+  /// Is it the stop by which we hold the vehicle?
+  [[nodiscard]] bool is_hold(const std::string& id, const libsumo::TraCINextStopData& stop) const;
+
+  void forget(const std::string& id) { stops_.erase(id); }
+  template <class Predicate>
+  void forget_if(const Predicate& is_gone) {
+    std::erase_if(stops_, [&](const auto& entry) { return is_gone(entry.first); });
+  }
+
+ private:
+  struct Stop {
+    std::string edge;
+    int lane = 0;
+    double position = 0.0;  ///< [m]
+  };
+
+  const RoadNetwork& network_;
+  SumoLog& log_;
+  std::map<std::string, Stop> stops_;
+};
+
+}  // namespace mvtp::MVTP_SUMO_NAMESPACE
