@@ -103,11 +103,11 @@ Drivers::Drivers(const CoordinateOptions& options, Traffic& traffic, const Driva
   coordinator_ = controller.get();
   if (!options.dump_instances.empty()) {
     dump_.emplace(*controller, area,
-                  InstanceDumpOptions{.folder = options.dump_instances,
-                                      .every = options.dump_every,
-                                      .origin = fmt::format("{}, seed {}", options.configuration,
-                                                            options.seed),
-                                      .dt = traffic.step_length()});
+                  InstanceDumpOptions{
+                      .folder = options.dump_instances,
+                      .every = options.dump_every,
+                      .origin = fmt::format("{}, seed {}", options.configuration, options.seed),
+                      .dt = traffic.step_length()});
   }
   controllers_.push_back(std::move(controller));
 }
