@@ -119,8 +119,8 @@ std::vector<Forecast> Predictor::predict(const VehicleState& v, const CourseQuer
   }
   if (at_line || (is_inside && intent == Intent::kPasses)) {
     // How quickly it goes nobody knows: it may speed up as it can, or hardly.
-    return {{road, predict_passage(road, std::min(kPassing, body.max_accel), grid, step)},
-            {road, predict_passage(road, kHesitant, grid, step)}};
+    return {{road, predict_passage(road, std::min(kPassing, body.max_accel), grid, step), false},
+            {road, predict_passage(road, kHesitant, grid, step), false}};
   }
   return {{road, predict_leader(road, grid, step)}};
 }

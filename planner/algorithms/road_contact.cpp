@@ -51,6 +51,21 @@ double RoadContact::gap(double s_a, double s_b) const {
                     footprint(library_->body(b_->path), library_->path(b_->path).at(s_b)));
 }
 
+namespace {
+
+/// Is vehicle `a` ahead of `b` on the path of `b`, along it?
+bool drives_ahead(const RoadScene& scene, const RoadVehicle& a, const RoadVehicle& b) {
+  constexpr double kAhead = 100.0;  // [m]
+  constexpr double kAside = 1.2;    // [m]
+  constexpr double kTurned = 0.5;   // [rad]
+  const Pose pose = scene.library->path(a.path).at(a.now.s);
+  const GuidePath& path = scene.library->path(b.path);
+  const Pose near = path.at(path.project({pose.x, pose.y}, b.now.s, b.now.s + kAhead));
+  return distance(near, pose) < kAside && std::abs(wrap_to_pi(near.theta - pose.theta)) < kTurned;
+}
+
+}  // namespace
+
 RoadPairs::RoadPairs(const RoadScene& scene)
     : scene_(&scene),
       leads_(scene.vehicles.size() * scene.vehicles.size(), false),
@@ -76,8 +91,10 @@ RoadPairs::RoadPairs(const RoadScene& scene)
       const RoadVehicle& b = scene.forecasts[f].vehicle;
       const RoadContact& contact = forecasts_.emplace_back(scene, a, b, kReaction);
       if (contact.never()) continue;
-      follows_[i * scene.forecasts.size() + f] = stands_in_the_way(contact.seen_from_a(), a, b) &&
-                                                 !stands_in_the_way(contact.seen_from_b(), b, a);
+      follows_[i * scene.forecasts.size() + f] =
+          stands_in_the_way(contact.seen_from_a(), a, b) &&
+          !stands_in_the_way(contact.seen_from_b(), b, a) &&
+          (scene.forecasts[f].yields || drives_ahead(scene, a, b));
     }
   }
 }

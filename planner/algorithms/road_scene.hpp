@@ -62,6 +62,7 @@ struct RoadVehicle {
 struct Forecast {
   RoadVehicle vehicle;
   PathTrajectory trajectory;
+  bool yields = true;  ///< to whoever is in its way; else only to those ahead on its own lane
 };
 
 /// The vehicles on the road at the moment of a decision.
