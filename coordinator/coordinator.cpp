@@ -14,6 +14,9 @@
 namespace mvtp {
 namespace {
 
+/// After so many refusals in a row a group gets its plan in spite of the referee: old plans end, and
+/// whoever stands at the end of one stands in the way of all others for good.
+constexpr int kMostRefusals = 6;
 constexpr double kApproachReserve = 0.9;  ///< share of its acceleration used off its path
 
 /// Comfortable braking towards lower speed limits.
@@ -214,11 +217,22 @@ void Coordinator::accept(const Trial& trial, bool late,
                          const std::map<std::string, Driven>& admitted,
                          std::map<std::string, Driven>& went_on) {
   std::set<std::int64_t> keep;  // keys
+  std::map<std::int64_t, int> refusals;
   for (std::size_t g = 0; g < trial.decision.members.size(); ++g) {
-    const bool kept = late || std::ranges::binary_search(trial.refused, g);
     const auto& members = trial.decision.members[g];
-    if (kept) keep.insert(members.begin(), members.end());
+    const bool refused = std::ranges::binary_search(trial.refused, g);
+    int before = 0;
+    for (const std::int64_t key : members) {
+      const auto known = refusals_.find(key);
+      if (known != refusals_.end()) before = std::max(before, known->second);
+    }
+    const bool obeyed = refused && before < kMostRefusals;
+    if (late || obeyed) keep.insert(members.begin(), members.end());
+    if (obeyed) {
+      for (const std::int64_t key : members) refusals[key] = before + 1;
+    }
   }
+  refusals_ = std::move(refusals);
   for (auto& [id, before] : went_on) {
     if (keep.contains(before.key)) {
       driven_.at(id) = std::move(before);

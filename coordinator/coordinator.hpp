@@ -161,6 +161,7 @@ class Coordinator : public Controller {
   std::map<std::string, std::string> undriven_;  ///< what -> why
   std::vector<std::vector<std::int64_t>> groups_;      ///< keys, of the last decision
   std::map<std::int64_t, InertialState> last_states_;  ///< then, by key
+  std::map<std::int64_t, int> refusals_;  ///< of the referee in a row, by key
   std::vector<Replan> replans_;
   std::vector<std::string> taken_over_;
   std::vector<std::string> handed_back_;
