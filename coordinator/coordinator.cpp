@@ -323,7 +323,8 @@ void Coordinator::leave_corridors(bool may_go_on, std::map<std::string, Driven>&
   std::vector<std::string> finished;
   for (auto& [id, driven] : driven_) {
     if (driven.road.now.s < driven.road.s_handback) continue;
-    const std::optional<Newcomer> next = next_corridor(driven, *find_state(id));
+    const std::optional<Newcomer> next =
+        planner_is_dead() ? std::nullopt : next_corridor(driven, *find_state(id));
     if (!next) {
       finished.push_back(id);
     } else if (may_go_on) {
@@ -361,7 +362,6 @@ std::optional<Coordinator::Newcomer> Coordinator::next_corridor(const Driven& dr
   CourseQuery query = query_for(state, route);
   query.lane = piece.last_lane();
   query.position = (driven.road.now.s - corridor.stations[here]) / corridor.scales[here];
-  query.edges = route;
   return newcomer_at(state, query, route);
 }
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "coordinator/audit.hpp"
+
 namespace mvtp {
 namespace {
 
@@ -31,15 +33,14 @@ bool PathApproach::is_notable() const {
 bool PathApproach::is_drivable(const GuidePath& path, const Vehicle& body,
                                const DrivableArea& area) const {
   if (!is_notable()) return true;
-  constexpr double kStep = 0.5;            // [m]
-  constexpr double kRoadTolerance = 0.05;  // [m]
+  constexpr double kStep = 0.5;  // [m]
   if (std::abs(aside_) > kFarthest || std::abs(slope_) > std::tan(kSteepest)) return false;
   Pose before = pose(path, begin_);
   for (double s = begin_ + kStep; s <= begin_ + length_; s += kStep) {
     const Pose here = pose(path, s);
     const double turned = std::abs(wrap_to_pi(here.theta - before.theta));
     if (turned > body.max_curvature() * std::hypot(here.x - before.x, here.y - before.y)) return false;
-    if (area.share_outside(here, body, kRoadTolerance) > 0.0) return false;
+    if (area.share_outside(here, body, Audit::kRoadTolerance) > 0.0) return false;
     before = here;
   }
   return true;
