@@ -14,9 +14,11 @@
 namespace mvtp {
 namespace {
 
-/// After so many refusals in a row a group gets its plan in spite of the referee: old plans end, and
-/// whoever stands at the end of one stands in the way of all others for good.
+/// After so many refusals in a row a group gets its plan in spite of the referee: old plans end,
+/// and whoever stands at the end of one stands in the way of all others for good.
 constexpr int kMostRefusals = 6;
+constexpr double kSpareRoom = 10.0;  ///< [m] before a line, beside what it takes to stop there
+constexpr double kPatience = 5.0;    ///< [s] without a complete plan until one that stands is stuck
 constexpr double kApproachReserve = 0.9;  ///< share of its acceleration used off its path
 
 /// Comfortable braking towards lower speed limits.
@@ -27,12 +29,17 @@ InertialState state_at(const PathTrajectory& t, std::int64_t k) {
   return k < t.end() ? t.at(k) : t.states.back();
 }
 
+/// May it be taken over later? It has room to stop before its line.
+bool can_wait(double speed, const Vehicle& body, double to_line) {
+  return to_line >= stopping_distance(speed, envelope_braking(body)) + kSpareRoom;
+}
+
 /// The classes of road vehicles; what runs on rails, on foot or on two wheels without an engine
 /// keeps its own driver.
 bool is_car_like(const std::string& vehicle_class) {
   constexpr std::array<std::string_view, 12> kNot = {
-      "pedestrian", "bicycle", "tram",     "rail",         "rail_urban", "rail_fast",
-      "rail_electric", "ship", "container", "cable_car", "subway", "aircraft"};
+      "pedestrian",    "bicycle", "tram",      "rail",      "rail_urban", "rail_fast",
+      "rail_electric", "ship",    "container", "cable_car", "subway",     "aircraft"};
   return std::ranges::find(kNot, vehicle_class) == kNot.end();
 }
 
@@ -78,8 +85,8 @@ void Coordinator::decide() {
     remember_lanes();
     replan();
   } else {
-    std::map<std::string, Driven> none;
-    leave_corridors(/*may_go_on=*/false, none);
+    static_cast<void>(leave_corridors(/*may_go_on=*/false));
+    hold_departures();
   }
 }
 
@@ -96,31 +103,29 @@ void Coordinator::follow_plans() {
 
 /// The traffic may take a vehicle off the road whenever it likes.
 void Coordinator::forget_the_vanished() {
+  std::erase_if(turned_away_,
+                [&](const auto& entry) { return find_state(entry.first) == nullptr; });
   std::erase_if(driven_, [&](const auto& entry) {
     const auto& [id, driven] = entry;
-    if (find_state(id) != nullptr) return false;
+    if (find_state(id) != nullptr && traffic_.is_taken_over(id)) return false;
     std::erase_if(plan_.entries, [&](const auto& e) { return e.key == driven.key; });
     return true;
   });
 }
 
 void Coordinator::replan() {
-  std::map<std::string, Driven> went_on;  // as they were before
-  leave_corridors(/*may_go_on=*/true, went_on);
+  notice_the_stuck();
+  std::map<std::string, Driven> arrivals = leave_corridors(/*may_go_on=*/true);
   const std::vector<Newcomer> newcomers = find_newcomers();
   if (planner_is_dead()) return hold_back(newcomers);
   if (newcomers.empty() && driven_.empty()) return admit_guests_freely();
 
   const auto begin = std::chrono::steady_clock::now();
-  std::map<std::string, Driven> admitted;
-  for (const Newcomer& n : newcomers) admitted.emplace(n.state->id, admit(n, next_key_++));
-  JointPlan incumbent = incumbents(went_on);
-  std::vector<std::int64_t> order = without_plan(incumbent, admitted);
-  upset_stagnation(incumbent, order);
-
-  const Trial trial = best_trial(admitted, incumbent, order);
+  for (const Newcomer& n : newcomers) arrivals.emplace(n.state->id, admit(n, next_key_++));
+  const std::vector<std::int64_t> upset = stagnating_groups();
+  const Trial trial = best_trial(arrivals, upset);
   Replan record{.time = traffic_.time(),
-                .vehicles = int(driven_.size() + admitted.size()),
+                .vehicles = int(driven_.size() + newcomers.size()),
                 .newcomers = int(newcomers.size()),
                 .forecasts = int(trial.forecasts.size()),
                 .groups = trial.decision.groups,
@@ -132,54 +137,73 @@ void Coordinator::replan() {
       traffic_.time() >= options_.budget_from && record.ms > options_.replan_budget_ms;
   record.fallback = late || !trial.refused.empty();
   replans_.push_back(record);
-  accept(trial, late, admitted, went_on);
+  accept(trial, late, arrivals);
 }
 
-/// The plan with all newcomers; with a guest that goes over the junction too, if that leaves nobody
-/// without a plan; without those newcomers whose plans the referee refuses.
-Coordinator::Trial Coordinator::best_trial(const std::map<std::string, Driven>& admitted,
-                                           const JointPlan& incumbent,
-                                           const std::vector<std::int64_t>& order) {
-  const std::optional<std::string> guest = gate_.propose();
+/// The plan with all arrivals; with guests that go over junctions too, if that leaves nobody
+/// without a plan; without those arrivals that get no complete plan, or one that the referee
+/// refuses.
+Coordinator::Trial Coordinator::best_trial(const std::map<std::string, Driven>& arrivals,
+                                           const std::vector<std::int64_t>& upset) {
+  const std::vector<std::string> proposed = gate_.propose();
   std::set<std::string> excluded;
-  std::optional<Trial> with_guest;
-  if (guest) {
-    with_guest = plan_trial(admitted, excluded, incumbent, order, guest);
-    if (with_guest->decision.stepped == 0 && with_guest->refused.empty()) return *with_guest;
+  std::optional<Trial> with_guests;
+  // All at once, or else the first of them.
+  for (std::size_t n = proposed.size(); n > 0; n = n > 1 ? 1 : 0) {
+    with_guests = plan_trial(arrivals, excluded, upset, {proposed.begin(), proposed.begin() + n});
+    if (with_guests->decision.stepped == 0 && with_guests->refused.empty()) return *with_guests;
   }
-  Trial trial = plan_trial(admitted, excluded, incumbent, order, std::nullopt);
-  const bool worse = with_guest && (with_guest->decision.stepped > trial.decision.stepped ||
-                                    with_guest->refused.size() > trial.refused.size());
-  if (with_guest && !worse) return *with_guest;
-  for (const auto& [id, driven] : admitted) {
+  Trial trial = plan_trial(arrivals, excluded, upset, {});
+  const bool worse = with_guests && (with_guests->decision.stepped > trial.decision.stepped ||
+                                     with_guests->refused.size() > trial.refused.size());
+  if (with_guests && !worse) return *with_guests;
+  for (const auto& [id, arrival] : arrivals) {
     const bool refused = std::ranges::any_of(trial.refused, [&](std::size_t g) {
-      return std::ranges::binary_search(trial.decision.members[g], driven.key);
+      return std::ranges::binary_search(trial.decision.members[g], arrival.key);
     });
-    if (refused) excluded.insert(id);
+    const bool has_plan = trial.decision.plan.find(arrival.key)->complete;
+    if (refused || (!has_plan && may_come_later(id, arrival))) excluded.insert(id);
   }
   if (excluded.empty()) return trial;
-  return plan_trial(admitted, excluded, incumbent, order, std::nullopt);
+  return plan_trial(arrivals, excluded, upset, {});
 }
 
-Coordinator::Trial Coordinator::plan_trial(const std::map<std::string, Driven>& admitted,
+/// A newcomer waits at its line; one that goes on from another corridor has to stop before it is
+/// there.
+bool Coordinator::may_come_later(const std::string& id, const Driven& arrival) const {
+  if (!driven_.contains(id)) return true;
+  const InertialState& now = arrival.road.now;
+  const double to_line = corridors_[arrival.corridor].lines.front() - now.s;
+  return can_wait(now.v, corridors_.library().body(arrival.road.path),
+                  to_line - now.v * grid_.decision());
+}
+
+Coordinator::Trial Coordinator::plan_trial(const std::map<std::string, Driven>& arrivals,
                                            const std::set<std::string>& excluded,
-                                           const JointPlan& incumbent,
-                                           const std::vector<std::int64_t>& order,
-                                           const std::optional<std::string>& guest) {
-  Trial trial{.guest = guest, .excluded = excluded};
-  std::set<std::int64_t> left_out;
-  RoadScene now{.library = &corridors_.library(), .grid = grid_, .step = step_};
-  for (const auto& [id, driven] : driven_) now.vehicles.push_back(driven.road);
-  for (const auto& [id, driven] : admitted) {
-    if (excluded.contains(id)) left_out.insert(driven.key);
-    else now.vehicles.push_back(driven.road);
+                                           const std::vector<std::int64_t>& upset,
+                                           const std::vector<std::string>& guests) {
+  Trial trial{.guests = guests, .excluded = excluded};
+  std::map<std::string, const Driven*> present;
+  for (const auto& [id, driven] : driven_) present[id] = &driven;
+  std::set<std::int64_t> arriving;
+  for (const auto& [id, arrival] : arrivals) {
+    if (excluded.contains(id)) continue;
+    present[id] = &arrival;
+    arriving.insert(arrival.key);
   }
+  RoadScene now{.library = &corridors_.library(), .grid = grid_, .step = step_};
+  for (const auto& [id, driven] : present) now.vehicles.push_back(driven->road);
   std::ranges::sort(now.vehicles, {}, &RoadVehicle::key);
-  now.forecasts = trial.forecasts = predict_others(admitted, excluded, guest);
+  now.forecasts = trial.forecasts = predict_others(present, guests);
   prepare_tables(now);
-  std::vector<std::int64_t> keys = order;
-  std::erase_if(keys, [&](std::int64_t key) { return left_out.contains(key); });
-  trial.decision = decide_on_road(now, incumbent, keys, options_.escot);
+  // The plans that vehicles follow to the end of their corridors.
+  JointPlan incumbent = plan_;
+  std::erase_if(incumbent.entries, [&](const auto& e) {
+    return !e.trajectory->complete || arriving.contains(e.key) ||
+           std::ranges::count(upset, e.key) > 0;
+  });
+  trial.decision =
+      decide_on_road(now, incumbent, without_plan(now, incumbent, upset), options_.escot);
   const auto contacts = find_planned_contacts(now, trial.decision.plan, plan_);
   trial.refused = groups_in_contact(trial.decision.members, contacts);
   return trial;
@@ -187,7 +211,7 @@ Coordinator::Trial Coordinator::plan_trial(const std::map<std::string, Driven>& 
 
 /// Nobody is under control: whoever waits with its own driver may go, one after the other.
 void Coordinator::admit_guests_freely() {
-  if (const std::optional<std::string> guest = gate_.propose()) gate_.let_through(*guest);
+  for (const std::string& guest : gate_.propose()) gate_.let_through(guest);
 }
 
 /// Contact tables of all paths in use, before threads look into them.
@@ -200,22 +224,10 @@ void Coordinator::prepare_tables(const RoadScene& now) {
   corridors_.library().prepare(paths);
 }
 
-/// The plans that vehicles follow to the end of their corridors.
-JointPlan Coordinator::incumbents(const std::map<std::string, Driven>& went_on) const {
-  std::set<std::int64_t> elsewhere;
-  for (const auto& [id, before] : went_on) elsewhere.insert(before.key);
-  JointPlan incumbent = plan_;
-  std::erase_if(incumbent.entries, [&](const auto& e) {
-    return !e.trajectory->complete || elsewhere.contains(e.key);
-  });
-  return incumbent;
-}
-
 /// Makes a trial's plan what is executed, but for groups that the referee refuses and for all if it
 /// is late: those go on as before, and the newcomers among them are not taken over.
 void Coordinator::accept(const Trial& trial, bool late,
-                         const std::map<std::string, Driven>& admitted,
-                         std::map<std::string, Driven>& went_on) {
+                         const std::map<std::string, Driven>& arrivals) {
   std::set<std::int64_t> keep;  // keys
   std::map<std::int64_t, int> refusals;
   for (std::size_t g = 0; g < trial.decision.members.size(); ++g) {
@@ -233,13 +245,6 @@ void Coordinator::accept(const Trial& trial, bool late,
     }
   }
   refusals_ = std::move(refusals);
-  for (auto& [id, before] : went_on) {
-    if (keep.contains(before.key)) {
-      driven_.at(id) = std::move(before);
-    } else {
-      announce(id, driven_.at(id));
-    }
-  }
   JointPlan plan = trial.decision.plan;
   std::erase_if(plan.entries, [&](const auto& e) { return keep.contains(e.key); });
   for (const JointPlan::Entry& e : plan_.entries) {
@@ -248,24 +253,44 @@ void Coordinator::accept(const Trial& trial, bool late,
   plan_ = std::move(plan);
   groups_ = trial.decision.members;
   forecasts_ = trial.forecasts;
-  if (trial.guest && !late) gate_.let_through(*trial.guest);
-  for (const auto& [id, driven] : admitted) {
-    if (keep.contains(driven.key) || trial.excluded.contains(id)) {
-      if (held_.insert(id).second) traffic_.hold(id, true);
+  if (!late) {
+    for (const std::string& guest : trial.guests) gate_.let_through(guest);
+  }
+  for (const auto& [id, arrival] : arrivals) {
+    const bool goes_on = driven_.contains(id);
+    if (keep.contains(arrival.key) || trial.excluded.contains(id)) {
+      if (goes_on) {
+        stay(id);
+      } else {
+        gate_.hold(id);
+        ++turned_away_[id];
+      }
       continue;
     }
-    gate_.release(id);
-    if (held_.erase(id) > 0) traffic_.hold(id, false);
-    driven_.emplace(id, driven);
-    traffic_.take_over(id);
-    taken_over_.push_back(id);
-    announce(id, driven);
+    driven_.insert_or_assign(id, arrival);
+    turned_away_.erase(id);
+    if (!goes_on) {
+      gate_.release(id);
+      traffic_.take_over(id);
+      taken_over_.push_back(id);
+    }
+    announce(id, arrival);
   }
 }
 
-/// Of the groups of the last decision, those that have not moved since though nobody in them drives:
-/// a duplicate configuration [ESCoT, Alg. 2 l. 4-6]. They plan anew, in another order, at random.
-void Coordinator::upset_stagnation(JointPlan& incumbent, std::vector<std::int64_t>& order) {
+/// One that could not go on into the next corridor drives to the end of its own, where its driver
+/// takes over.
+void Coordinator::stay(const std::string& id) {
+  const Driven& driven = driven_.at(id);
+  const PathTrajectory& plan = *plan_.find(driven.key);
+  if (plan.complete && plan.end() <= step_ + grid_.steps_per_decision) hand_back(id);
+}
+
+/// Of the groups of the last decision, those that have not moved since though nobody in them
+/// drives: a duplicate configuration [ESCoT, Alg. 2 l. 4-6]. They plan anew, in another order, at
+/// random.
+std::vector<std::int64_t> Coordinator::stagnating_groups() {
+  std::vector<std::int64_t> upset;
   std::map<std::int64_t, InertialState> now;
   for (const auto& [id, driven] : driven_) now[driven.key] = driven.road.now;
   for (const std::vector<std::int64_t>& group : groups_) {
@@ -282,25 +307,35 @@ void Coordinator::upset_stagnation(JointPlan& incumbent, std::vector<std::int64_
     if (!stands || there.size() < 2) continue;
     Draws draws(options_.escot.seed + std::uint64_t(step_) + std::uint64_t(there.front()));
     draws.shuffle(there);
-    std::erase_if(order, [&](std::int64_t key) { return std::ranges::count(there, key) > 0; });
-    order.insert(order.begin(), there.begin(), there.end());
-    std::erase_if(incumbent.entries,
-                  [&](const auto& e) { return std::ranges::count(there, e.key) > 0; });
+    upset.insert(upset.begin(), there.begin(), there.end());
   }
   last_states_ = std::move(now);
+  return upset;
 }
 
-/// Keys of the vehicles without an incumbent, the first of them first: those under control by age,
-/// then newcomers in the order of arrival.
-std::vector<std::int64_t> Coordinator::without_plan(
-    const JointPlan& incumbent, const std::map<std::string, Driven>& admitted) const {
-  std::vector<std::int64_t> order;
-  for (const auto* vehicles : {&std::as_const(driven_), &admitted}) {
-    for (const auto& [id, driven] : *vehicles) {
-      if (!incumbent.find(driven.key)) order.push_back(driven.key);
-    }
+/// Who has stood for long without a complete plan is stuck until the end of its corridor.
+void Coordinator::notice_the_stuck() {
+  std::map<std::int64_t, int> standing;
+  for (auto& [id, driven] : driven_) {
+    const bool stands = driven.road.now.v == 0.0 && !plan_.find(driven.key)->complete;
+    if (!stands) continue;
+    const auto before = standing_.find(driven.key);
+    const int decisions = before == standing_.end() ? 1 : before->second + 1;
+    standing.emplace(driven.key, decisions);
+    driven.road.stuck |= decisions * grid_.decision() > kPatience;
   }
-  std::ranges::sort(order);
+  standing_ = std::move(standing);
+}
+
+/// Keys of the vehicles without an incumbent, the first of them first: those of stagnating groups,
+/// then all others by age.
+std::vector<std::int64_t> Coordinator::without_plan(const RoadScene& now,
+                                                    const JointPlan& incumbent,
+                                                    const std::vector<std::int64_t>& upset) {
+  std::vector<std::int64_t> order = upset;
+  for (const RoadVehicle& v : now.vehicles) {
+    if (!incumbent.find(v.key) && std::ranges::count(upset, v.key) == 0) order.push_back(v.key);
+  }
   return order;
 }
 
@@ -318,21 +353,23 @@ void Coordinator::announce(const std::string& id, const Driven& driven) {
   traffic_.drive_along(id, edges);
 }
 
-/// Those at the end of their corridor go on into the next, if a stop line is near, or are handed back.
-void Coordinator::leave_corridors(bool may_go_on, std::map<std::string, Driven>& went_on) {
+/// Hands back those at the end of their corridor; but those with a stop line near are to go on into
+/// the next corridor.
+std::map<std::string, Driven> Coordinator::leave_corridors(bool may_go_on) {
+  std::map<std::string, Driven> going_on;
   std::vector<std::string> finished;
-  for (auto& [id, driven] : driven_) {
+  for (const auto& [id, driven] : driven_) {
     if (driven.road.now.s < driven.road.s_handback) continue;
     const std::optional<Newcomer> next =
         planner_is_dead() ? std::nullopt : next_corridor(driven, *find_state(id));
     if (!next) {
       finished.push_back(id);
     } else if (may_go_on) {
-      went_on.emplace(id, driven);
-      driven = admit(*next, driven.key);
+      going_on.emplace(id, admit(*next, driven.key));
     }
   }
   for (const std::string& id : finished) hand_back(id);
+  return going_on;
 }
 
 void Coordinator::hand_back(const std::string& id) {
@@ -353,7 +390,8 @@ std::optional<Coordinator::Newcomer> Coordinator::next_corridor(const Driven& dr
   const CorridorPiece& piece = corridor.course.pieces[here];
   if (graph_.edge_of(piece.lane) == LaneGraph::kNone) return std::nullopt;
   // How many edges of the route lie behind.
-  std::size_t done = graph_.edge_of(corridor.course.pieces.front().lane) == LaneGraph::kNone ? 1 : 0;
+  std::size_t done =
+      graph_.edge_of(corridor.course.pieces.front().lane) == LaneGraph::kNone ? 1 : 0;
   for (std::size_t i = 0; i < here; ++i) {
     done += graph_.edge_of(corridor.course.pieces[i].lane) != LaneGraph::kNone ? 1 : 0;
   }
@@ -384,8 +422,11 @@ std::optional<Coordinator::Newcomer> Coordinator::newcomer_at(const VehicleState
     return std::nullopt;
   }
   const double s = corridor.station(query.lane, query.position, 0.0).value_or(0.0);
-  if (!approach_to(corridor, state, s).is_drivable(corridors_.library().path(corridor.path),
-                                                   type.body, area_)) {
+  if (s < corridor.s_drivable && !can_wait(state.speed, type.body, corridor.lines.front() - s)) {
+    return std::nullopt;
+  }
+  if (!approach_to(corridor, state, s)
+           .is_drivable(corridors_.library().path(corridor.path), type.body, area_)) {
     return std::nullopt;  // it stands too much askew, for now
   }
   predictor_.watch(corridor);
@@ -435,9 +476,10 @@ void Coordinator::remember_lanes() {
     Trail trail;
     if (const auto known = trails_.find(v.id); known != trails_.end()) trail = known->second;
     const int lane = graph_.find_lane(v.lane);
-    if (lane != LaneGraph::kNone && graph_.edge_of(lane) != LaneGraph::kNone && lane != trail.lane) {
-      const bool changed = trail.lane != LaneGraph::kNone &&
-                           graph_.edge_of(lane) == graph_.edge_of(trail.lane);
+    if (lane != LaneGraph::kNone && graph_.edge_of(lane) != LaneGraph::kNone &&
+        lane != trail.lane) {
+      const bool changed =
+          trail.lane != LaneGraph::kNone && graph_.edge_of(lane) == graph_.edge_of(trail.lane);
       if (!changed) trail.before = trail.lane;
       trail.lane = lane;
     }
@@ -451,7 +493,8 @@ std::vector<Coordinator::Newcomer> Coordinator::find_newcomers() {
   gate_.begin();
   for (const VehicleState& v : traffic_.vehicles()) {
     const int lane = graph_.find_lane(v.lane);
-    if (lane == LaneGraph::kNone || !finder_.may_approach(lane, v.lane_position)) continue;
+    if (lane == LaneGraph::kNone) continue;
+    if (!finder_.may_approach(lane, v.lane_position) && !gate_.passes(v.id)) continue;
     if (driven_.contains(v.id) || traffic_.is_taken_over(v.id)) continue;
     if (v.halted_by_stop || is_entering(v)) continue;
     std::vector<int> route = route_of(v);
@@ -459,6 +502,7 @@ std::vector<Coordinator::Newcomer> Coordinator::find_newcomers() {
     if (!is_car_like(type_of(v.type).vehicle_class)) {
       see_guest(v, query);
     } else if (auto newcomer = newcomer_at(v, query, route)) {
+      gate_.keep(v.id);
       if (!turns_yet(*newcomer)) newcomers.push_back(std::move(*newcomer));
     } else {
       see_guest(v, query);
@@ -479,14 +523,14 @@ bool Coordinator::is_entering(const VehicleState& v) {
          area_.share_outside(v.pose, type_of(v.type).body, Audit::kRoadTolerance) > 0.0;
 }
 
-/// Is its tail still in a turn behind it? Then it is taken over later, if there is room to stop.
+/// Is it, or its tail, still in a turn behind it? Then it is taken over later, if there is room to
+/// stop.
 bool Coordinator::turns_yet(const Newcomer& newcomer) {
-  constexpr double kSpare = 10.0;  // [m]
   const VehicleState& v = *newcomer.state;
-  const Vehicle& body = type_of(v.type).body;
-  if (newcomer.to_line < stopping_distance(v.speed, envelope_braking(body)) + kSpare) return false;
+  if (!can_wait(v.speed, type_of(v.type).body, newcomer.to_line)) return false;
   const Corridor& corridor = corridors_[newcomer.corridor];
-  return approach_to(corridor, v, corridor.lines.front() - newcomer.to_line).is_aslant();
+  const double s = corridor.lines.front() - newcomer.to_line;
+  return s < corridor.s_drivable || approach_to(corridor, v, s).is_aslant();
 }
 
 /// A vehicle near a stop line that keeps its own driver.
@@ -508,6 +552,12 @@ PathApproach Coordinator::approach_to(const Corridor& corridor, const VehicleSta
   constexpr double kNear = 3.0;  // [m]
   const GuidePath& path = corridors_.library().path(corridor.path);
   return {path, v.pose, path.project({v.pose.x, v.pose.y}, station - kNear, station + kNear)};
+}
+
+/// Has it been turned away for long?
+bool Coordinator::is_impatient(const std::string& id) const {
+  const auto times = turned_away_.find(id);
+  return times != turned_away_.end() && times->second * grid_.decision() > kPatience;
 }
 
 Driven Coordinator::admit(const Newcomer& newcomer, std::int64_t key) {
@@ -532,6 +582,7 @@ Driven Coordinator::admit(const Newcomer& newcomer, std::int64_t key) {
   }
   RoadVehicle& road = driven.road;
   road.key = driven.key;
+  road.stuck = v.speed == 0.0 && is_impatient(v.id);
   road.path = c.path;
   road.now = {driven.approach.begin(), v.speed * c.ratios[c.piece_at(expected)]};
   road.cruise_speed = std::min(v.speed_factor * c.lane_limits.back(), type.body.max_speed);
@@ -559,30 +610,26 @@ RoadScene Coordinator::scene() const {
   return scene;
 }
 
-/// What everybody does who is not under control, of those near somebody who is. The guest, if there is
-/// one, goes over the junction.
-std::vector<Forecast> Coordinator::predict_others(const std::map<std::string, Driven>& admitted,
-                                                  const std::set<std::string>& excluded,
-                                                  const std::optional<std::string>& guest) {
+/// What everybody does who is not under control, of those near somebody who is. The guest, if there
+/// is one, goes over the junction.
+std::vector<Forecast> Coordinator::predict_others(
+    const std::map<std::string, const Driven*>& present, const std::vector<std::string>& guests) {
   constexpr double kSight = 150.0;  // [m] around those under control in which others matter
   std::vector<Point> places;
-  for (const auto* vehicles : {&std::as_const(driven_), &admitted}) {
-    for (const auto& [id, driven] : *vehicles) {
-      const Pose& pose = find_state(id)->pose;
-      places.push_back({pose.x, pose.y});
-    }
+  for (const auto& [id, driven] : present) {
+    const Pose& pose = find_state(id)->pose;
+    places.push_back({pose.x, pose.y});
   }
   std::vector<Forecast> forecasts;
   for (const VehicleState& v : traffic_.vehicles()) {
     const int lane = graph_.find_lane(v.lane);
-    if (lane == LaneGraph::kNone || !predictor_.watches(lane) || driven_.contains(v.id)) continue;
-    if (admitted.contains(v.id) && !excluded.contains(v.id)) continue;
+    if (lane == LaneGraph::kNone || !predictor_.watches(lane) || present.contains(v.id)) continue;
     const bool near = std::ranges::any_of(places, [&](const Point& p) {
       return std::abs(p.x - v.pose.x) < kSight && std::abs(p.y - v.pose.y) < kSight;
     });
     if (!near) continue;
     const std::vector<int> route = route_of(v);
-    const bool passes = gate_.passes(v.id) || guest == v.id;
+    const bool passes = gate_.passes(v.id) || std::ranges::count(guests, v.id) > 0;
     for (Forecast& forecast : predictor_.predict(v, query_for(v, route), type_of(v.type).body,
                                                  passes ? Intent::kPasses : Intent::kWaits,
                                                  time_at_stop(v), grid_, step_)) {
@@ -608,13 +655,23 @@ bool Coordinator::planner_is_dead() const {
 /// Without a plan nobody may enter: newcomers stop before the line while vehicles are under
 /// control; after that the junction is left to the traffic's own right of way.
 void Coordinator::hold_back(const std::vector<Newcomer>& newcomers) {
-  if (driven_.empty()) {
-    for (const std::string& id : held_) traffic_.hold(id, false);
-    held_.clear();
-    return;
-  }
-  for (const Newcomer& n : newcomers) {
-    if (held_.insert(n.state->id).second) traffic_.hold(n.state->id, true);
+  if (driven_.empty()) return gate_.release_all();
+  for (const Newcomer& n : newcomers) gate_.hold(n.state->id);
+}
+
+/// Between two decisions: whoever enters the network right at a coordinated line waits there for
+/// the next.
+void Coordinator::hold_departures() {
+  constexpr double kAtLine = 20.0;  // [m]
+  if (planner_is_dead()) return;
+  for (const VehicleState& v : traffic_.vehicles()) {
+    if (trails_.contains(v.id)) continue;
+    const int lane = graph_.find_lane(v.lane);
+    if (lane == LaneGraph::kNone || !finder_.may_approach(lane, v.lane_position)) continue;
+    const std::vector<int> route = route_of(v);
+    const CourseQuery query = query_for(v, route);
+    const std::optional<double> to_line = finder_.distance_to_line(query);
+    if (to_line && *to_line < kAtLine) see_guest(v, query);
   }
 }
 

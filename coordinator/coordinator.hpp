@@ -27,7 +27,6 @@ struct CoordinatorOptions {
   /// dropped. 0: no planning at all, as if the planner had died.
   double replan_budget_ms = 1e9;
   double budget_from = 0.0;
-  int threads = 0;  ///< that plan; 0: one per core
 };
 
 /// A vehicle under control.
@@ -39,9 +38,9 @@ struct Driven {
   std::vector<int> route;  ///< edges from the first piece of the corridor on
 };
 
-/// The closed loop at junctions: takes vehicles over before a coordinated stop line, plans for all of
-/// them at every decision, places them at every step, and hands them back where no other stop line is
-/// near; else they go over into the corridor through the next junctions.
+/// The closed loop at junctions: takes vehicles over before a coordinated stop line, plans for all
+/// of them at every decision, places them at every step, and hands them back where no other stop
+/// line is near; else they go over into the corridor through the next junctions.
 ///
 /// Safety: at every decision, "everyone brakes now" is free of contact among the vehicles driven.
 /// Liveness: the plan that is executed leads every vehicle to the end of its corridor; a new plan
@@ -85,14 +84,15 @@ class Coordinator : public Controller {
     RoadDecision decision;
     std::vector<Forecast> forecasts;
     std::vector<std::size_t> refused;  ///< groups, ascending
-    std::optional<std::string> guest;  ///< who goes over the junction with its own driver
-    std::set<std::string> excluded;    ///< newcomers that are not taken over
+    std::vector<std::string> guests;   ///< who go over junctions with their own drivers
+    std::set<std::string> excluded;    ///< arrivals that stay as they are
   };
 
   void replan();
   void follow_plans();
   void forget_the_vanished();
-  void leave_corridors(bool may_go_on, std::map<std::string, Driven>& went_on);
+  [[nodiscard]] std::map<std::string, Driven> leave_corridors(bool may_go_on);
+  void stay(const std::string& id);
   void hand_back(const std::string& id);
   [[nodiscard]] std::optional<Newcomer> next_corridor(const Driven& driven,
                                                       const VehicleState& state);
@@ -103,33 +103,33 @@ class Coordinator : public Controller {
   [[nodiscard]] std::vector<int> route_of(const VehicleState& state) const;
   [[nodiscard]] PathApproach approach_to(const Corridor& corridor, const VehicleState& state,
                                          double station) const;
+  [[nodiscard]] bool is_impatient(const std::string& id) const;
   [[nodiscard]] Driven admit(const Newcomer& newcomer, std::int64_t key);
   void announce(const std::string& id, const Driven& driven);
-  [[nodiscard]] std::vector<std::int64_t> without_plan(
-      const JointPlan& incumbent, const std::map<std::string, Driven>& admitted) const;
+  [[nodiscard]] static std::vector<std::int64_t> without_plan(
+      const RoadScene& now, const JointPlan& incumbent, const std::vector<std::int64_t>& upset);
   [[nodiscard]] double time_at_stop(const VehicleState& state) const;
   [[nodiscard]] bool planner_is_dead() const;
+  void hold_departures();
   void hold_back(const std::vector<Newcomer>& newcomers);
   [[nodiscard]] const VehicleType& type_of(const std::string& id);
-  [[nodiscard]] std::vector<Forecast> predict_others(const std::map<std::string, Driven>& admitted,
-                                                     const std::set<std::string>& excluded,
-                                                     const std::optional<std::string>& guest);
-  [[nodiscard]] JointPlan incumbents(const std::map<std::string, Driven>& went_on) const;
-  [[nodiscard]] Trial best_trial(const std::map<std::string, Driven>& admitted,
-                                 const JointPlan& incumbent,
-                                 const std::vector<std::int64_t>& order);
-  [[nodiscard]] Trial plan_trial(const std::map<std::string, Driven>& admitted,
-                                 const std::set<std::string>& excluded, const JointPlan& incumbent,
-                                 const std::vector<std::int64_t>& order,
-                                 const std::optional<std::string>& guest);
-  void accept(const Trial& trial, bool late, const std::map<std::string, Driven>& admitted,
-              std::map<std::string, Driven>& went_on);
+  [[nodiscard]] std::vector<Forecast> predict_others(
+      const std::map<std::string, const Driven*>& present, const std::vector<std::string>& guests);
+  [[nodiscard]] Trial best_trial(const std::map<std::string, Driven>& arrivals,
+                                 const std::vector<std::int64_t>& upset);
+  [[nodiscard]] bool may_come_later(const std::string& id, const Driven& arrival) const;
+  [[nodiscard]] Trial plan_trial(const std::map<std::string, Driven>& arrivals,
+                                 const std::set<std::string>& excluded,
+                                 const std::vector<std::int64_t>& upset,
+                                 const std::vector<std::string>& guests);
+  void accept(const Trial& trial, bool late, const std::map<std::string, Driven>& arrivals);
   void admit_guests_freely();
   [[nodiscard]] bool turns_yet(const Newcomer& newcomer);
   [[nodiscard]] bool is_entering(const VehicleState& state);
   void see_guest(const VehicleState& state, const CourseQuery& query);
   void prepare_tables(const RoadScene& now);
-  void upset_stagnation(JointPlan& incumbent, std::vector<std::int64_t>& order);
+  [[nodiscard]] std::vector<std::int64_t> stagnating_groups();
+  void notice_the_stuck();
   void remember_lanes();
   void place_all();
   [[nodiscard]] const GuidePath& path_of(const Driven& driven) const;
@@ -157,11 +157,12 @@ class Coordinator : public Controller {
   std::vector<Forecast> forecasts_;
   std::unordered_map<std::string, Trail> trails_;
   std::map<std::string, VehicleType> types_;
-  std::set<std::string> held_;
-  std::map<std::string, std::string> undriven_;  ///< what -> why
+  std::map<std::string, std::string> undriven_;        ///< what -> why
   std::vector<std::vector<std::int64_t>> groups_;      ///< keys, of the last decision
   std::map<std::int64_t, InertialState> last_states_;  ///< then, by key
-  std::map<std::int64_t, int> refusals_;  ///< of the referee in a row, by key
+  std::map<std::string, int> turned_away_;  ///< decisions for which newcomers had to wait
+  std::map<std::int64_t, int> standing_;    ///< decisions in a row without a complete plan, by key
+  std::map<std::int64_t, int> refusals_;    ///< of the referee in a row, by key
   std::vector<Replan> replans_;
   std::vector<std::string> taken_over_;
   std::vector<std::string> handed_back_;

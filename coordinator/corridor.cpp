@@ -82,8 +82,7 @@ struct BrokenLine {
   /// Appends points without repeating any.
   void append(std::span<const Point> more) {
     for (const Point& p : more) {
-      const bool fresh =
-          points.empty() || (!jumps.empty() && jumps.back().first == points.size());
+      const bool fresh = points.empty() || (!jumps.empty() && jumps.back().first == points.size());
       const double step = fresh ? 0.0 : distance(points.back(), p);
       if (!fresh && step <= 1e-3) continue;
       length += step;
@@ -92,8 +91,8 @@ struct BrokenLine {
   }
 };
 
-/// The line with its jumps spread out: before each it leans towards where it jumps to, behind it comes
-/// from where it jumped from.
+/// The line with its jumps spread out: before each it leans towards where it jumps to, behind it
+/// comes from where it jumped from.
 std::vector<Point> without_jumps(const BrokenLine& line) {
   if (line.jumps.empty()) return line.points;
   std::vector<Point> moved;
@@ -114,9 +113,9 @@ std::vector<Point> without_jumps(const BrokenLine& line) {
     const double step = distance(a, b);
     const int n = std::max(1, int(std::ceil(step)));
     const Point ahead{b.x - a.x, b.y - a.y};
-    const bool last = i + 1 == line.points.size() ||
-                      std::ranges::find(line.jumps, i + 1, &BrokenLine::Jump::first) !=
-                          line.jumps.end();
+    const bool last =
+        i + 1 == line.points.size() ||
+        std::ranges::find(line.jumps, i + 1, &BrokenLine::Jump::first) != line.jumps.end();
     for (int k = 0; k < n + (last ? 1 : 0); ++k) {
       add(lerp(a, b, double(k) / n), ahead, i, s + step * k / n);
     }
@@ -175,22 +174,25 @@ std::size_t Corridor::piece_at(double s) const {
 
 int CorridorMap::corridor_for(const CorridorCourse& course, const Vehicle& body) {
   // Bodies of one shape and strength share corridors, whatever their types are called.
-  const std::array<double, 6> shape = {body.front,     body.rear,      body.width,
-                                       body.min_turning_radius, body.max_accel, body.max_decel};
+  const std::array<double, 6> shape = {
+      body.front, body.rear, body.width, body.min_turning_radius, body.max_accel, body.max_decel};
   const auto [entry, is_new] = known_.try_emplace({course, shape}, size());
   if (is_new) corridors_.push_back(build(course, body));
   return entry->second;
 }
 
-/// How the traffic itself moves a body: both its ends are on the line.
+/// How the traffic itself moves a body: its front is on the line, and it points there from where
+/// its rear would be on the line. In bends its tail sticks out behind.
 GuidePath drivers_path(std::span<const Point> line, const Vehicle& body) {
   constexpr double kStep = 0.5;  // [m]
   const double length = length_of(line);
   std::vector<Pose> poses;
   const auto add = [&](const Point& rear, const Point& front) {
-    const Point axle = lerp(rear, front, body.rear / body.length());
     const double theta = std::atan2(front.y - rear.y, front.x - rear.x);
-    if (!poses.empty() && std::hypot(axle.x - poses.back().x, axle.y - poses.back().y) < 0.05) return;
+    const Point axle{front.x - body.front * std::cos(theta),
+                     front.y - body.front * std::sin(theta)};
+    if (!poses.empty() && std::hypot(axle.x - poses.back().x, axle.y - poses.back().y) < 0.05)
+      return;
     poses.push_back({axle.x, axle.y, theta});
   };
   for (double s = body.length(); s <= length; s += kStep) {
@@ -266,13 +268,18 @@ DrivableArea CorridorMap::road_along(const CorridorCourse& course) const {
 
 Corridor CorridorMap::build(const CorridorCourse& course, const Vehicle& body) {
   const Line line = centre_line(course);
+  // Behind the begin of the first lane there is nobody, where the roads begin, nor beyond their
+  // end.
+  const bool begins = course.start <= 0.0 && course.lead_in.empty();
+  const double from = body.rear + (begins ? line.begins.front() : 0.0);
+  const double to = length_of(line.points) - body.front - 1.0;
   GuidePath path = course.own_driver ? drivers_path(line.points, body)
-                                     : make_reference_path(line.points, body,
+                                     : make_reference_path(line.points, from, to, body,
                                                            road_along(course), area_);
   Corridor corridor{.course = course};
   set_stations(line, path, body, corridor);
   set_limits(path, body, corridor);
-  if (!course.own_driver) corridor.undriven = why_not(path, body, corridor);
+  if (!course.own_driver) set_drivable(path, body, corridor);
   corridor.path = library_.add(std::move(path), body);
   return corridor;
 }
@@ -313,8 +320,8 @@ void CorridorMap::set_stations(const Line& line, const GuidePath& path, const Ve
   corridor.exit_lane = course.pieces[exit].lane;
   corridor.s_exit = corridor.stations[exit];
   corridor.s_end = corridor.s_exit + course.end;
-  corridor.s_handback = straight_from(line, path, body, corridor.s_exit + course.handback,
-                                      corridor.s_end);
+  corridor.s_handback =
+      straight_from(line, path, body, corridor.s_exit + course.handback, corridor.s_end);
 }
 
 /// How far the ends of the body are off the lanes' centre line [m].
@@ -324,8 +331,8 @@ double CorridorMap::aside(const Line& line, const GuidePath& path, const Vehicle
                   distance_to(line.points, compose(pose, {-body.rear, 0.0, 0.0})));
 }
 
-/// The first place from `from` to `to` where the body lies along its lane; else the one where it does
-/// so best.
+/// The first place from `from` to `to` where the body lies along its lane; else the one where it
+/// does so best.
 double CorridorMap::straight_from(const Line& line, const GuidePath& path, const Vehicle& body,
                                   double from, double to) {
   constexpr double kAside = 0.05;  // [m] of either end
@@ -370,8 +377,7 @@ double CorridorMap::lateral_limit(const GuidePath& path, double s, bool changes_
   return std::sqrt(kSpare * most / sharpest);
 }
 
-void CorridorMap::set_limits(const GuidePath& path, const Vehicle& body,
-                             Corridor& corridor) const {
+void CorridorMap::set_limits(const GuidePath& path, const Vehicle& body, Corridor& corridor) const {
   const std::vector<CorridorPiece>& pieces = corridor.course.pieces;
   for (std::size_t i = 0; i < path.samples(); ++i) {
     const double s = double(i) * GuidePath::kSpacing;
@@ -383,30 +389,39 @@ void CorridorMap::set_limits(const GuidePath& path, const Vehicle& body,
     for (std::size_t k = 0; k < pieces.size(); ++k) {
       if (pieces[k].target == LaneGraph::kNone) continue;
       const double front = (s - corridor.stations[k]) / corridor.scales[k];
-      changes = changes || (front > pieces[k].begin - 2.0 &&
-                            front < pieces[k].end + body.length());
+      changes = changes || (front > pieces[k].begin - 2.0 && front < pieces[k].end + body.length());
     }
     corridor.lane_limits.push_back(limit);
     corridor.lateral_limits.push_back(lateral_limit(path, s, changes));
   }
 }
 
-std::string CorridorMap::why_not(const GuidePath& path, const Vehicle& body,
-                                 const Corridor& corridor) const {
-  double first = body.rear;  // no vehicle is further back at its takeover
+/// A turn that lies well before the first stop line is left to the vehicle's own driver: it is
+/// taken over behind it. Anything later makes the corridor undriven.
+void CorridorMap::set_drivable(const GuidePath& path, const Vehicle& body,
+                               Corridor& corridor) const {
+  constexpr double kStep = 0.5;   // [m]
+  constexpr double kRoom = 20.0;  // [m] that are left before the first line
+  double first = body.rear;       // no vehicle is further back at its takeover
   if (corridor.course.start <= 0.0) first = std::max(first, corridor.stations.front());
   if (corridor.course.start <= 0.0 && corridor.course.lead_in.empty()) first += body.length();
-  const double last = std::min(corridor.s_handback, path.length());
-  for (double s = std::max(0.0, first); s <= last; s += 0.5) {
-    if (std::abs(path.curvature(s)) > body.max_curvature()) {
-      return fmt::format("it turns on {:.1f} m, the body needs {:.1f} m",
-                         1.0 / std::abs(path.curvature(s)), body.min_turning_radius);
-    }
+  first = std::max(0.0, first);
+  for (double s = std::min(corridor.s_handback, path.length()); s >= first; s -= kStep) {
+    std::string reason = why_not(path, body, s);
+    if (reason.empty()) continue;
+    corridor.s_drivable = s + kStep;
+    if (corridor.s_drivable + kRoom > corridor.lines.front()) corridor.undriven = std::move(reason);
+    return;
   }
-  for (double s = std::max(0.0, first); s <= last; s += 1.0) {
-    if (area_.share_outside(path.at(s), body, Audit::kRoadTolerance) > 0.0) {
-      return "the body would leave the road";
-    }
+}
+
+std::string CorridorMap::why_not(const GuidePath& path, const Vehicle& body, double s) const {
+  if (std::abs(path.curvature(s)) > body.max_curvature()) {
+    return fmt::format("it turns on {:.1f} m, the body needs {:.1f} m",
+                       1.0 / std::abs(path.curvature(s)), body.min_turning_radius);
+  }
+  if (area_.share_outside(path.at(s), body, Audit::kRoadTolerance) > 0.0) {
+    return "the body would leave the road";
   }
   return {};
 }

@@ -18,19 +18,20 @@ namespace mvtp {
 /// where along it. Stations are arc lengths of the rear axle [m].
 struct Corridor {
   CorridorCourse course;
-  int path = 0;                      ///< in the PathLibrary
-  std::vector<double> stations;      ///< when the front bumper enters each piece
-  std::vector<double> scales;        ///< metres of path per metre of lane, per piece
-  std::vector<double> ratios;        ///< metres on the ground per metre of lane, per piece
-  std::vector<double> lane_limits;   ///< [m/s] per GuidePath::kSpacing of the path
+  int path = 0;                        ///< in the PathLibrary
+  std::vector<double> stations;        ///< when the front bumper enters each piece
+  std::vector<double> scales;          ///< metres of path per metre of lane, per piece
+  std::vector<double> ratios;          ///< metres on the ground per metre of lane, per piece
+  std::vector<double> lane_limits;     ///< [m/s] per GuidePath::kSpacing of the path
   std::vector<double> lateral_limits;  ///< [m/s] likewise, from the curvature
-  int exit_lane = LaneGraph::kNone;  ///< the first behind the last coordinated junction
-  std::vector<double> lines;  ///< when the front bumper is at each coordinated stop line
+  int exit_lane = LaneGraph::kNone;    ///< the first behind the last coordinated junction
+  std::vector<double> lines;           ///< when the front bumper is at each coordinated stop line
   std::vector<double> stops;  ///< before each of them, the last place where the body is in its lane
-  double s_exit = 0.0;               ///< when the front bumper enters the exit lane
+  double s_drivable = 0.0;    ///< from here on the body can drive the path
+  double s_exit = 0.0;        ///< when the front bumper enters the exit lane
   double s_handback = 0.0;
-  double s_end = 0.0;     ///< where a plan is complete
-  std::string undriven;   ///< why this body cannot drive here; empty: it can
+  double s_end = 0.0;    ///< where a plan is complete
+  std::string undriven;  ///< why this body cannot drive here; empty: it can
 
   /// The station of a front bumper at `position` on `lane`, nearest to `expected`; nullopt if the
   /// lane is not part of the corridor. A lane may be part of it more than once.
@@ -53,8 +54,8 @@ class CorridorMap {
   /// The corridor along this course for this body.
   int corridor_for(const CorridorCourse& course, const Vehicle& body);
 
-  /// Metres on the ground per metre that the network gives a lane: its shape may be shorter or longer
-  /// than its length.
+  /// Metres on the ground per metre that the network gives a lane: its shape may be shorter or
+  /// longer than its length.
   [[nodiscard]] double metres_per_metre(int lane) const;
 
   [[nodiscard]] const Corridor& operator[](int c) const { return corridors_[std::size_t(c)]; }
@@ -78,8 +79,8 @@ class CorridorMap {
                                             const Vehicle& body, double from, double to);
   void set_limits(const GuidePath& path, const Vehicle& body, Corridor& corridor) const;
   [[nodiscard]] double lateral_limit(const GuidePath& path, double s, bool changes_lane) const;
-  [[nodiscard]] std::string why_not(const GuidePath& path, const Vehicle& body,
-                                    const Corridor& corridor) const;
+  void set_drivable(const GuidePath& path, const Vehicle& body, Corridor& corridor) const;
+  [[nodiscard]] std::string why_not(const GuidePath& path, const Vehicle& body, double s) const;
 
   const LaneGraph& graph_;
   const DrivableArea& area_;

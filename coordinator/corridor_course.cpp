@@ -20,6 +20,7 @@ constexpr double kBeforeEnd = 9.0;        ///< [m] that a hand-back keeps from t
 constexpr double kDriverBrakes = 45.0;    ///< [m] that a driver needs to stop comfortably
 constexpr double kEarly = 60.0;           ///< [m] that a takeover may be earlier, before a junction
 constexpr double kBeforeJunction = 10.0;  ///< [m] before it, then
+constexpr double kBridge = 100.0;         ///< [m] more behind a junction, up to the next takeover
 constexpr std::size_t kLookAhead = 2;     ///< edges behind a corridor that its lanes should lead to
 
 constexpr double kChangeCost = 10.0;       ///< of one lane change,
@@ -43,18 +44,17 @@ double cost_of_change(std::ptrdiff_t lanes, double room) {
   return kChangeCost * n + (room < kShortChange * n ? kShortChangeCost : 0.0);
 }
 
-/// Where a change over `lanes` lanes begins and ends on a lane of this length, for a vehicle that is
-/// at `position` on it, or before it (< 0). On a short lane it reaches beyond its ends.
+/// Where a change over `lanes` lanes begins and ends on a lane of this length, for a vehicle that
+/// is at `position` on it, or before it (< 0). On a short lane it reaches beyond its ends.
 CorridorPiece with_change(CorridorPiece piece, int target, double lanes, double position,
                           double length) {
   piece.target = target;
   if (position >= 0.0) {
     piece.begin = std::ceil((position + 2.0) / kChangeGrid) * kChangeGrid;
-    piece.end = piece.begin + std::clamp(length - 2.0 - piece.begin, kLeastChange * lanes,
-                                         kChangeLength * lanes);
+    piece.end = piece.begin +
+                std::clamp(length - 2.0 - piece.begin, kLeastChange * lanes, kChangeLength * lanes);
   } else {
-    const double change =
-        std::clamp(length - 5.0, kLeastChange * lanes, kChangeLength * lanes);
+    const double change = std::clamp(length - 5.0, kLeastChange * lanes, kChangeLength * lanes);
     piece.begin = std::min(3.0, 0.5 * (length - change));
     piece.end = piece.begin + change;
   }
@@ -113,8 +113,8 @@ CourseFinder::CourseFinder(const LaneGraph& graph, std::vector<bool> coordinated
         to_line_[std::size_t(*via)] = std::min(to_line_[std::size_t(*via)], behind);
         behind += graph.lane(*via).length;
       }
-      const bool foreign = !is_coordinated(link.junction) &&
-                           graph.junction(link.junction).has_conflicts;
+      const bool foreign =
+          !is_coordinated(link.junction) && graph.junction(link.junction).has_conflicts;
       if (!foreign) reach(link.from, behind);
     }
   }
@@ -215,15 +215,16 @@ CourseFinder::Exit CourseFinder::exit_behind(const CourseQuery& query, std::size
 double CourseFinder::handback_at(const Exit& exit, double body_length) const {
   double at = options_.exit;
   if (exit.kind == Exit::Kind::kLine) {
-    at = std::clamp(exit.room - options_.takeover, 15.0, options_.exit);
+    // Where the next takeover is near, nobody drives on its own in between.
+    at = std::clamp(exit.room - options_.takeover, 15.0, options_.exit + kBridge);
   } else if (exit.kind == Exit::Kind::kForeign || exit.kind == Exit::Kind::kStop) {
     at = std::min(exit.room - kDriverBrakes, options_.exit);
   }
   return std::max(at, body_length + 1.0);
 }
 
-/// For each edge from `first` to `last`, for each lane: the cost of the lane changes still to be made
-/// by a vehicle that enters the edge on it. On the first edge there are `room` metres left.
+/// For each edge from `first` to `last`, for each lane: the cost of the lane changes still to be
+/// made by a vehicle that enters the edge on it. On the first edge there are `room` metres left.
 std::vector<std::vector<double>> CourseFinder::costs_to_go(const CourseQuery& query,
                                                            std::size_t first, std::size_t last,
                                                            double room) const {
@@ -262,12 +263,11 @@ bool CourseFinder::lay_pieces(const CourseQuery& query, const Start& start, std:
   double covered = length(query.edges[exit]);
   for (; covered < reach && last + 1 < query.edges.size(); ++last) {
     const int junction = graph_.junction_behind(query.edges[last]);
-    if (junction == kNone || is_coordinated(junction) ||
-        graph_.junction(junction).has_conflicts) {
+    if (junction == kNone || is_coordinated(junction) || graph_.junction(junction).has_conflicts) {
       break;
     }
-    covered += length_between(query.edges[last], query.edges[last + 1]) +
-               length(query.edges[last + 1]);
+    covered +=
+        length_between(query.edges[last], query.edges[last + 1]) + length(query.edges[last + 1]);
   }
   const std::size_t seen = std::min(last + kLookAhead, query.edges.size() - 1);
   const double room = length(query.edges[start.edge]) - std::max(start.position, 0.0);
@@ -290,8 +290,7 @@ bool CourseFinder::lay_pieces(const CourseQuery& query, const Start& start, std:
         const auto b = std::ranges::find(lanes, link.from) - lanes.begin();
         if (!is_open(link.from, query) || (i >= exit && a != b)) continue;
         const auto to = std::size_t(std::ranges::find(ahead, link.to) - ahead.begin());
-        const double cost =
-            cost_of_change(a - b, free) + costs[i + 1 - start.edge][to];
+        const double cost = cost_of_change(a - b, free) + costs[i + 1 - start.edge][to];
         if (cost < best) best = cost, chosen = k;
       }
     }
@@ -318,8 +317,10 @@ bool CourseFinder::lay_pieces(const CourseQuery& query, const Start& start, std:
 /// The lanes behind the first piece, if the body still reaches there.
 void CourseFinder::lay_lead_in(const CourseQuery& query, CorridorCourse& course) const {
   course.start = -(query.length + 12.0);
-  if (query.position > query.length + 3.0) return;  // straight on backwards: nobody is there
   int lane = course.pieces.front().lane;
+  const bool departed = graph_.edge_of(lane) != kNone && query.previous_lane == kNone;
+  // Straight on backwards: nobody is there, or as the traffic draws those that begin their route.
+  if (departed || query.position > query.length + 3.0) return;
   double covered = 0.0;
   while (covered < -course.start) {
     std::vector<int> behind;
@@ -335,8 +336,7 @@ void CourseFinder::lay_lead_in(const CourseQuery& query, CorridorCourse& course)
       if (chosen == links.end() && links.size() == 1) chosen = links.begin();
       if (chosen == links.end()) break;
       behind.push_back(graph_.link(*chosen).from);
-      behind.insert(behind.end(), graph_.link(*chosen).via.begin(),
-                    graph_.link(*chosen).via.end());
+      behind.insert(behind.end(), graph_.link(*chosen).via.begin(), graph_.link(*chosen).via.end());
     }
     course.lead_in.insert(course.lead_in.begin(), behind.begin(), behind.end());
     for (const int l : behind) covered += graph_.lane(l).length;
@@ -368,7 +368,8 @@ std::optional<CorridorCourse> CourseFinder::find(const CourseQuery& query) const
   const Exit exit = exit_behind(query, *line + 1, 0.0);
   std::size_t first_exit = exit.edge;
   // The exit edge is the first one behind the last coordinated junction.
-  while (first_exit > *line + 1 && !is_coordinated(graph_.junction_behind(query.edges[first_exit - 1]))) {
+  while (first_exit > *line + 1 &&
+         !is_coordinated(graph_.junction_behind(query.edges[first_exit - 1]))) {
     --first_exit;
   }
   CorridorCourse course;
@@ -402,8 +403,8 @@ CorridorCourse CourseFinder::follow(const CourseQuery& query, double reach) cons
     course.pieces.push_back({.lane = lane});
     for (std::size_t i = start->edge; covered < reach && i + 1 < query.edges.size(); ++i) {
       const std::span<const int> links = links_between(query.edges[i], query.edges[i + 1]);
-      const auto k = std::ranges::find_if(
-          links, [&](int n) { return graph_.link(n).from == lane; });
+      const auto k =
+          std::ranges::find_if(links, [&](int n) { return graph_.link(n).from == lane; });
       if (k == links.end()) break;
       for (const int via : graph_.link(*k).via) course.pieces.push_back({.lane = via});
       lane = graph_.link(*k).to;
@@ -429,8 +430,8 @@ std::optional<double> CourseFinder::distance_to_line(const CourseQuery& query) c
 
 namespace {
 
-/// The junctions that a link of `junction` leads to within `chain` metres, over the junctions without
-/// conflicts between them.
+/// The junctions that a link of `junction` leads to within `chain` metres, over the junctions
+/// without conflicts between them.
 template <class Visit>
 void for_each_near(const LaneGraph& graph, int from_lane, double left, const Visit& visit) {
   const double length = graph.lane(from_lane).length;
@@ -481,7 +482,8 @@ std::vector<ControlZone> partition(const LaneGraph& graph, const std::vector<boo
   std::vector<int> root(std::size_t(graph.junctions()));
   std::iota(root.begin(), root.end(), 0);
   const auto find = [&](int j) {
-    while (root[std::size_t(j)] != j) j = root[std::size_t(j)] = root[std::size_t(root[std::size_t(j)])];
+    while (root[std::size_t(j)] != j)
+      j = root[std::size_t(j)] = root[std::size_t(root[std::size_t(j)])];
     return j;
   };
   for (int k = 0; k < graph.links(); ++k) {

@@ -9,79 +9,115 @@
 namespace mvtp {
 namespace {
 
-constexpr double kNear = 12.0;   ///< [m] before its line a vehicle waits for its turn,
-constexpr double kCrawl = 5.0;   ///< [m/s] at no more than this;
-constexpr double kStands = 0.5;  ///< [m/s] or it stands where it was held
-constexpr double kApart = 50.0;  ///< [m] to the next line: there it is held again
-constexpr double kSpare = 6.0;   ///< [m] beside its braking distance that a driver needs to stop
+constexpr double kNear = 12.0;     ///< [m] before its line a vehicle waits for its turn,
+constexpr double kCrawl = 5.0;     ///< [m/s] at no more than this;
+constexpr double kStands = 0.5;    ///< [m/s] or it stands where it was held
+constexpr double kApart = 50.0;    ///< [m] to the next line: there it is held again
+constexpr double kReaction = 0.5;  ///< [s] until a driver who is to stop brakes
+constexpr int kPatience = 4;       ///< decisions for which one that was let through may stand
+constexpr double kClear = 30.0;    ///< [m] between guests on different lanes who pass at a time
 
 }  // namespace
 
 void Gate::begin() {
   ++decisions_;
-  for (auto& [id, guest] : guests_) guest.seen = false;
+  for (auto& [id, visitor] : visitors_) visitor.seen = false;
 }
 
 void Gate::see(const VehicleState& v, double to_line, double to_hold, const Vehicle& body) {
-  const auto [entry, is_new] = guests_.try_emplace(v.id);
-  Guest& guest = entry->second;
+  Visitor& guest = visitors_[v.id];
+  const bool came = !guest.guest;
+  if (came) guest.asked = decisions_;
+  guest.guest = true;
   guest.seen = true;
+  guest.pose = v.pose;
+  if (!guest.passes) guest.lane = v.lane;
+  guest.stands = v.speed < kStands ? guest.stands + 1 : 0;
   guest.waits = (to_line < kNear && v.speed < kCrawl) || v.speed < kStands;
-  const double room = stopping_distance(v.speed, 0.8 * body.max_decel) + kSpare;
+  const double room = stopping_distance(v.speed, 0.8 * body.max_decel) + kReaction * v.speed;
   const bool anew = guest.passes && to_line > std::max(kApart, room);
-  if (!is_new && !anew) return;
-  if (anew) {
-    traffic_.let_through(v.id, false);
-    guest.passes = false;
-  }
+  if (guest.held || (!came && !anew)) return;
   if (to_hold > room) {
-    traffic_.hold(v.id, true);
-    guest.held = true;
+    hold(v.id);
   } else {
     let_through(v.id);
   }
 }
 
+void Gate::keep(const std::string& id) {
+  const auto visitor = visitors_.find(id);
+  if (visitor == visitors_.end()) return;
+  visitor->second.seen = true;
+  visitor->second.guest = false;
+}
+
 void Gate::end() {
   std::vector<std::string> gone;
-  for (const auto& [id, guest] : guests_) {
-    if (!guest.seen) gone.push_back(id);
+  for (const auto& [id, visitor] : visitors_) {
+    if (!visitor.seen) gone.push_back(id);
   }
   for (const std::string& id : gone) release(id);
 }
 
-bool Gate::passes(const std::string& id) const {
-  const auto guest = guests_.find(id);
-  return guest != guests_.end() && guest->second.passes;
+void Gate::hold(const std::string& id) {
+  Visitor& visitor = visitors_[id];
+  visitor.seen = true;
+  if (visitor.held) return;
+  if (visitor.passes) traffic_.let_through(id, false);
+  visitor.passes = false;
+  visitor.held = true;
+  traffic_.hold(id, true);
 }
 
-std::optional<std::string> Gate::propose() {
-  Guest* next = nullptr;
-  std::optional<std::string> id;
-  for (auto& [name, guest] : guests_) {
-    if (!guest.held || !guest.waits) continue;
-    if (next != nullptr && guest.asked >= next->asked) continue;
-    next = &guest;
-    id = name;
+bool Gate::passes(const std::string& id) const {
+  const auto visitor = visitors_.find(id);
+  return visitor != visitors_.end() && visitor->second.passes;
+}
+
+/// Drivers on one lane keep clear of each other.
+bool Gate::are_apart(const Visitor& a, const Visitor& b) {
+  return a.lane == b.lane || std::hypot(a.pose.x - b.pose.x, a.pose.y - b.pose.y) > kClear;
+}
+
+std::vector<std::string> Gate::propose() {
+  std::vector<std::pair<std::int64_t, std::string>> waiting;
+  std::vector<const Visitor*> passing;
+  for (const auto& [id, visitor] : visitors_) {
+    if (visitor.guest && visitor.held && visitor.waits) waiting.emplace_back(visitor.asked, id);
+    if (visitor.passes && visitor.stands < kPatience) passing.push_back(&visitor);
   }
-  if (next != nullptr) next->asked = decisions_;
-  return id;
+  std::ranges::sort(waiting);
+  std::vector<std::string> proposed;
+  for (const auto& [asked, id] : waiting) {
+    Visitor& visitor = visitors_.at(id);
+    if (!std::ranges::all_of(passing, [&](const Visitor* p) { return are_apart(visitor, *p); })) {
+      continue;
+    }
+    visitor.asked = decisions_;
+    passing.push_back(&visitor);
+    proposed.push_back(id);
+  }
+  return proposed;
 }
 
 void Gate::let_through(const std::string& id) {
-  Guest& guest = guests_.at(id);
-  if (guest.held) traffic_.hold(id, false);
+  Visitor& visitor = visitors_.at(id);
+  if (visitor.held) traffic_.hold(id, false);
   traffic_.let_through(id, true);
-  guest.held = false;
-  guest.passes = true;
+  visitor.held = false;
+  visitor.passes = true;
 }
 
 void Gate::release(const std::string& id) {
-  const auto guest = guests_.find(id);
-  if (guest == guests_.end()) return;
-  if (guest->second.held) traffic_.hold(id, false);
-  if (guest->second.passes) traffic_.let_through(id, false);
-  guests_.erase(guest);
+  const auto visitor = visitors_.find(id);
+  if (visitor == visitors_.end()) return;
+  if (visitor->second.held) traffic_.hold(id, false);
+  if (visitor->second.passes) traffic_.let_through(id, false);
+  visitors_.erase(visitor);
+}
+
+void Gate::release_all() {
+  while (!visitors_.empty()) release(std::string(visitors_.begin()->first));
 }
 
 }  // namespace mvtp

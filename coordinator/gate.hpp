@@ -1,46 +1,59 @@
 #pragma once
 
 #include <map>
-#include <optional>
 #include <string>
+#include <vector>
 
 #include "coordinator/traffic.hpp"
 
 namespace mvtp {
 
-/// The way over coordinated junctions for vehicles that keep their own drivers.
+/// The way over coordinated junctions for vehicles that are not under control.
 ///
-/// Each is held before its stop line until all vehicles under control have a plan around its
-/// passage; then it is let through, whatever signals and right of way say.
+/// Whoever comes without a plan is held before its stop line. Guests, vehicles that keep their own
+/// drivers, are let through when all vehicles under control have plans around their passage,
+/// whatever signals and right of way say.
 class Gate {
  public:
   explicit Gate(Traffic& traffic) : traffic_(traffic) {}
 
   /// A decision begins: who is not seen until the end of it has gone.
   void begin();
-  /// A vehicle with its own driver, `to_line` [m] before its stop line (0: behind it, inside), and
-  /// `to_hold` [m] before the place where it can be held: the end of its lane.
+  /// A guest, `to_line` [m] before its stop line (0: behind it, inside), and `to_hold` [m] before
+  /// the place where it can be held: the end of its lane.
   void see(const VehicleState& vehicle, double to_line, double to_hold, const Vehicle& body);
+  /// Somebody who is to be taken over: stays held if it is.
+  void keep(const std::string& id);
   void end();
 
+  /// Until it is released, or is no more seen.
+  void hold(const std::string& id);
   [[nodiscard]] bool passes(const std::string& id) const;
-  /// Who waits at its line and may be let through next: each is proposed in turn.
-  [[nodiscard]] std::optional<std::string> propose();
+  /// Guests who wait at their lines and may be let through next, the longest not asked first: as
+  /// many as do not come near each other, or near those who pass.
+  [[nodiscard]] std::vector<std::string> propose();
   void let_through(const std::string& id);
   /// It is under control now, or on its own again.
   void release(const std::string& id);
+  void release_all();
 
  private:
-  struct Guest {
+  struct Visitor {
+    bool guest = false;  ///< else it is to be taken over
     bool passes = false;
     bool held = false;
     bool seen = false;
-    bool waits = false;       ///< near its line
-    std::int64_t asked = -1;  ///< when it was last proposed
+    bool waits = false;      ///< near its line
+    int stands = 0;          ///< for so many decisions
+    std::int64_t asked = 0;  ///< when it was last proposed, or came
+    Pose pose;
+    std::string lane;  ///< where it was held
   };
 
+  [[nodiscard]] static bool are_apart(const Visitor& a, const Visitor& b);
+
   Traffic& traffic_;
-  std::map<std::string, Guest> guests_;
+  std::map<std::string, Visitor> visitors_;
   std::int64_t decisions_ = 0;
 };
 

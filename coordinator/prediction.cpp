@@ -6,27 +6,41 @@
 namespace mvtp {
 namespace {
 
-constexpr double kHold = 3.0;          ///< [s] for which a driver keeps his speed
-constexpr double kAcceleration = 1.0;  ///< [m/s^2] after that
-constexpr double kPassing = 2.0;       ///< [m/s^2] of a driver who is let through,
-constexpr double kHesitant = 0.5;      ///< and of one who takes his time
-constexpr double kBraking = 3.0;       ///< [m/s^2] before a line
-constexpr double kStand = 60.0;        ///< [s] that he stands there
-constexpr std::size_t kLongest = 3000; ///< steps that are predicted
+constexpr double kHold = 3.0;           ///< [s] for which a driver keeps his speed
+constexpr double kAcceleration = 1.0;   ///< [m/s^2] after that
+constexpr double kPassing = 2.0;        ///< [m/s^2] of a driver who is let through,
+constexpr double kHesitant = 0.5;       ///< and of one who takes his time,
+constexpr double kEasing = 1.0;         ///< [m/s^2] or slows down
+constexpr double kCrawl = 4.0;          ///< [m/s] to no less than this
+constexpr double kBraking = 3.0;        ///< [m/s^2] before a line
+constexpr double kStand = 60.0;         ///< [s] that he stands there
+constexpr std::size_t kLongest = 3000;  ///< steps that are predicted
 
-/// Appends states until the end of the path: held speed until step `hold`, then gentle acceleration.
+/// Appends states until the end of the path: held speed until step `hold`, then gentle
+/// acceleration; on the way, a stand at `line`.
 void drive_on(PathTrajectory& t, const RoadVehicle& v, const DecisionGrid& grid, std::size_t hold,
-              double acceleration) {
+              double acceleration, std::optional<double> line = std::nullopt) {
+  constexpr double kShort = 1.0;  // [m] before the line
+  double stood = 0.0;
   while (t.states.back().s < v.s_end && t.states.size() < kLongest) {
     const InertialState last = t.states.back();
+    const bool waits = line && stood < kStand;
+    const auto stays_short = [&](double a) {
+      const InertialState next = advance(last, a, grid.dt);
+      return next.s + stopping_distance(next.v, kBraking) <= *line - kShort;
+    };
     const bool holds = t.states.size() <= hold || last.v >= v.cruise_speed;
-    t.states.push_back(advance(last, holds ? 0.0 : acceleration, grid.dt));
+    double a = holds ? 0.0 : acceleration;
+    if (waits && !stays_short(a)) a = stays_short(0.0) ? 0.0 : -kBraking;
+    t.states.push_back(advance(last, a, grid.dt));
+    if (waits && t.states.back().v == 0.0) stood += grid.dt;
   }
 }
 
-constexpr double kNearEnd = 60.0;      ///< [m] before the end of its corridor it needs a longer path
-constexpr double kHorizon = 120.0;     ///< [m] along its route for which a vehicle is predicted
-constexpr double kExitSight = 250.0;   ///< [m] behind a junction in which leaders matter
+constexpr double kNearEnd = 60.0;     ///< [m] before the end of its corridor it needs a longer path
+constexpr double kHorizon = 120.0;    ///< [m] along its route for which a vehicle is predicted
+constexpr double kAlongside = 40.0;   ///< [m] behind the place of the takeover
+constexpr double kExitSight = 250.0;  ///< [m] behind a junction in which leaders matter
 
 }  // namespace
 
@@ -88,8 +102,9 @@ std::vector<Forecast> Predictor::predict(const VehicleState& v, const CourseQuer
                                          const DecisionGrid& grid, std::int64_t step) {
   const ExitRoot root = exit_roots_[std::size_t(query.lane)];
   const std::optional<double> to_line = finder_.distance_to_line(query);
-  // Whoever is further from the next line than those under control cannot be ahead of them there.
-  if (to_line && *to_line > takeover_ && root.lane == LaneGraph::kNone) return {};
+  // Whoever is further from the next line than those under control is not ahead of them there, but
+  // may be in the lane beside them.
+  if (to_line && *to_line > takeover_ + kAlongside && root.lane == LaneGraph::kNone) return {};
   double s = 0.0;
   const int number = path_of(v, query, body, s);
   if (number == LaneGraph::kNone) return {};
@@ -108,26 +123,35 @@ std::vector<Forecast> Predictor::predict(const VehicleState& v, const CourseQuer
   }
   road.s_end = corridors_.library().path(corridor.path).length();
   road.s_handback = road.s_end;
-  if (stands > 0.0) return {{road, predict_stop(road, stands, grid, step)}};
-
+  Forecast forecast{.vehicle = road, .trajectory = {}, .latest = std::nullopt};
+  if (stands > 0.0) {
+    forecast.trajectory = predict_stop(road, stands, grid, step);
+    return {forecast};
+  }
   const bool is_inside = graph_.edge_of(query.lane) == LaneGraph::kNone;
   const bool at_line = to_line && *to_line <= takeover_ && s + *to_line < road.s_end;
-  if (at_line && intent == Intent::kWaits) {
+  if (intent == Intent::kPasses && (at_line || is_inside)) {
+    // How quickly it goes nobody knows: it may speed up as it can, or slow down to a crawl.
+    forecast.trajectory = predict_passage(road, std::min(kPassing, body.max_accel), grid, step);
+    forecast.latest = predict_crawl(road, grid, step);
+    forecast.yields = false;
+    return {forecast};
+  }
+  std::optional<double> stop;
+  if (to_line) {
+    // It is held at the end of its lane, or driven as soon as it is nearer.
     const double lane_end = graph_.lane(query.lane).length - query.position;
-    const double stop = s + (is_inside ? *to_line : std::min(*to_line, lane_end));
-    return {{road, predict_halt(road, stop, grid, step)}};
+    const bool is_held = at_line && !is_inside;
+    stop = s + (is_held ? std::min(*to_line, lane_end) : *to_line);
   }
-  if (at_line || (is_inside && intent == Intent::kPasses)) {
-    // How quickly it goes nobody knows: it may speed up as it can, or hardly.
-    return {{road, predict_passage(road, std::min(kPassing, body.max_accel), grid, step), false},
-            {road, predict_passage(road, kHesitant, grid, step), false}};
-  }
-  return {{road, predict_leader(road, grid, step)}};
+  forecast.trajectory = predict_leader(road, stop, grid, step);
+  return {forecast};
 }
 
-PathTrajectory predict_leader(const RoadVehicle& v, const DecisionGrid& grid, std::int64_t step) {
+PathTrajectory predict_leader(const RoadVehicle& v, std::optional<double> line,
+                              const DecisionGrid& grid, std::int64_t step) {
   PathTrajectory t{.begin = step, .states = {v.now}};
-  drive_on(t, v, grid, std::size_t(kHold / grid.dt), kAcceleration);
+  drive_on(t, v, grid, std::size_t(kHold / grid.dt), kAcceleration, line);
   return t;
 }
 
@@ -140,25 +164,20 @@ PathTrajectory predict_stop(const RoadVehicle& v, double stands, const DecisionG
   return t;
 }
 
+PathTrajectory predict_crawl(const RoadVehicle& v, const DecisionGrid& grid, std::int64_t step) {
+  PathTrajectory t{.begin = step, .states = {v.now}};
+  while (t.states.back().s < v.s_end && t.states.size() < kLongest) {
+    const InertialState last = t.states.back();
+    const double wanted = (std::min(kCrawl, v.cruise_speed) - last.v) / grid.dt;
+    t.states.push_back(advance(last, std::clamp(wanted, -kEasing, kHesitant), grid.dt));
+  }
+  return t;
+}
+
 PathTrajectory predict_passage(const RoadVehicle& v, double acceleration, const DecisionGrid& grid,
                                std::int64_t step) {
   PathTrajectory t{.begin = step, .states = {v.now}};
   drive_on(t, v, grid, 0, acceleration);
-  return t;
-}
-
-PathTrajectory predict_halt(const RoadVehicle& v, double s_line, const DecisionGrid& grid,
-                            std::int64_t step) {
-  PathTrajectory t{.begin = step, .states = {v.now}};
-  double stood = 0.0;
-  while (stood < kStand && t.states.size() < kLongest) {
-    const InertialState last = t.states.back();
-    const double room = s_line - 1.0 - last.s - last.v * grid.dt;
-    const bool brakes = room <= stopping_distance(last.v, kBraking);
-    t.states.push_back(advance(last, brakes ? -kBraking : 0.0, grid.dt));
-    stood += t.states.back().v == 0.0 ? grid.dt : 0.0;
-  }
-  drive_on(t, v, grid, 0, kAcceleration);
   return t;
 }
 

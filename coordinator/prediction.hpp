@@ -10,15 +10,15 @@
 
 namespace mvtp {
 
-/// Where the exit begins that a lane belongs to: the first lane behind a coordinated junction, and how
-/// far the lane is from there [m].
+/// Where the exit begins that a lane belongs to: the first lane behind a coordinated junction, and
+/// how far the lane is from there [m].
 struct ExitRoot {
   int lane = LaneGraph::kNone;
   double offset = 0.0;
 };
 
-/// What a driver does at a coordinated stop line: waits, as it is held at the end of its lane; or goes
-/// over it, as it is let through.
+/// What a driver does at a coordinated stop line: waits, as it is held at the end of its lane; or
+/// goes over it, as it is let through.
 enum class Intent { kWaits, kPasses };
 
 /// What vehicles that nobody controls are expected to do.
@@ -39,13 +39,13 @@ class Predictor {
   /// kNone where no coordinated junction is near behind.
   [[nodiscard]] ExitRoot exit_root(int lane) const { return exit_roots_[std::size_t(lane)]; }
 
-  /// The motions to be expected of a vehicle along its route; none if it is leaving the sight of all.
+  /// The motions to be expected of a vehicle along its route; none if it is leaving the sight of
+  /// all.
   /// @param intent  what it does at the next coordinated stop line.
   /// @param stands  [s] that it still stands where it is, at a scheduled stop.
-  [[nodiscard]] std::vector<Forecast> predict(const VehicleState& vehicle,
-                                                const CourseQuery& query, const Vehicle& body,
-                                                Intent intent, double stands,
-                                                const DecisionGrid& grid, std::int64_t step);
+  [[nodiscard]] std::vector<Forecast> predict(const VehicleState& vehicle, const CourseQuery& query,
+                                              const Vehicle& body, Intent intent, double stands,
+                                              const DecisionGrid& grid, std::int64_t step);
 
  private:
   [[nodiscard]] ExitRoot find_exit_root(int lane, double within) const;
@@ -61,10 +61,11 @@ class Predictor {
   std::map<std::string, int> last_corridor_;  ///< of vehicles handed back and still in sight
 };
 
-/// A driver with nothing to wait for: holds his speed for a while, then speeds up gently. Predicting
-/// that a standing leader stands for ever would leave the vehicles behind it without a complete plan.
-[[nodiscard]] PathTrajectory predict_leader(const RoadVehicle& vehicle, const DecisionGrid& grid,
-                                            std::int64_t step);
+/// A driver on his way: holds his speed for a while, then speeds up gently. Predicting that a
+/// standing leader stands for ever would leave the vehicles behind it without a complete plan.
+/// @param line  where he halts for long, if he is to wait: the station of a stop line [m].
+[[nodiscard]] PathTrajectory predict_leader(const RoadVehicle& vehicle, std::optional<double> line,
+                                            const DecisionGrid& grid, std::int64_t step);
 
 /// A driver at a scheduled stop: he goes on after `stands` seconds.
 [[nodiscard]] PathTrajectory predict_stop(const RoadVehicle& vehicle, double stands,
@@ -74,8 +75,8 @@ class Predictor {
 [[nodiscard]] PathTrajectory predict_passage(const RoadVehicle& vehicle, double acceleration,
                                              const DecisionGrid& grid, std::int64_t step);
 
-/// A driver who waits at a stop line: he halts before `s_line` and goes on much later.
-[[nodiscard]] PathTrajectory predict_halt(const RoadVehicle& vehicle, double s_line,
-                                          const DecisionGrid& grid, std::int64_t step);
+/// The slowest way over a junction to be expected of him: at a crawl in the end.
+[[nodiscard]] PathTrajectory predict_crawl(const RoadVehicle& vehicle, const DecisionGrid& grid,
+                                           std::int64_t step);
 
 }  // namespace mvtp

@@ -103,15 +103,21 @@ GuidePath shaped(const GuidePath& base, std::span<const Turn> turns, const Shape
   return GuidePath(shape.follow > 0.1 ? drawn_behind(points, shape.follow) : points);
 }
 
+/// What the rear axle drives of a path [m].
+struct Stretch {
+  double from = 0.0;
+  double to = 0.0;
+};
+
 /// How much of the footprint leaves the road around the turns; 0 if it never does.
-double off_road(const GuidePath& path, std::span<const Turn> turns, const Vehicle& body,
-                const DrivableArea& area) {
+double off_road(const GuidePath& path, const Stretch& driven, std::span<const Turn> turns,
+                const Vehicle& body, const DrivableArea& area) {
   constexpr double kReach = 30.0;
   double sum = 0.0;
-  double looked_at = 0.0;
+  double looked_at = driven.from;
   for (const Turn& turn : turns) {
-    const double last = std::min(turn.s + kReach, path.length());
-    for (double s = std::max({0.0, turn.s - kReach, looked_at}); s <= last; s += 1.0) {
+    const double last = std::min(turn.s + kReach, driven.to);
+    for (double s = std::max(turn.s - kReach, looked_at); s <= last; s += 1.0) {
       sum += area.share_outside(path.at(s), body, 0.0);
       looked_at = s + 1.0;
     }
@@ -122,8 +128,13 @@ double off_road(const GuidePath& path, std::span<const Turn> turns, const Vehicl
 /// Searches the shape of a path that can be steered and keeps the footprint on the road.
 class ShapeSearch {
  public:
-  ShapeSearch(std::span<const Point> centre_line, const Vehicle& body, const DrivableArea& area)
-      : base_(smooth(centre_line, 1.0)), turns_(turns_of(base_)), body_(body), area_(area) {
+  ShapeSearch(std::span<const Point> centre_line, const Stretch& driven, const Vehicle& body,
+              const DrivableArea& area)
+      : base_(smooth(centre_line, 1.0)),
+        driven_(driven),
+        turns_(turns_of(base_)),
+        body_(body),
+        area_(area) {
     best_.swings.resize(turns_.size());
     evaluations_left_ = 40 + 40 * int(turns_.size());
   }
@@ -180,7 +191,7 @@ class ShapeSearch {
     const GuidePath path = shaped(base_, turns_, shape);
     const double sharp = path.max_abs_curvature() / (kReserve * body_.max_curvature()) - 1.0;
     // A bend that cannot be steered is worse than anything that sticks out.
-    double badness = std::max(0.0, sharp) * 1000.0 + off_road(path, turns_, body_, area_);
+    double badness = std::max(0.0, sharp) * 1000.0 + off_road(path, driven_, turns_, body_, area_);
     for (const Swing& swing : shape.swings) {
       badness += 1e-6 * (std::abs(swing.in) + std::abs(swing.out));
     }
@@ -194,6 +205,7 @@ class ShapeSearch {
   static constexpr double kTolerable = 1e-4;  ///< badness of swings alone
 
   GuidePath base_;
+  Stretch driven_;
   std::vector<Turn> turns_;
   const Vehicle& body_;
   const DrivableArea& area_;
@@ -204,11 +216,12 @@ class ShapeSearch {
 
 }  // namespace
 
-GuidePath make_reference_path(std::span<const Point> centre_line, const Vehicle& body,
-                              const DrivableArea& own, const DrivableArea& area) {
-  ShapeSearch on_its_side(centre_line, body, own);
+GuidePath make_reference_path(std::span<const Point> centre_line, double from, double to,
+                              const Vehicle& body, const DrivableArea& own,
+                              const DrivableArea& area) {
+  ShapeSearch on_its_side(centre_line, {from, to}, body, own);
   GuidePath path = on_its_side.best();
-  return on_its_side.good_enough() ? path : ShapeSearch(centre_line, body, area).best();
+  return on_its_side.good_enough() ? path : ShapeSearch(centre_line, {from, to}, body, area).best();
 }
 
 }  // namespace mvtp

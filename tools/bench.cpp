@@ -7,10 +7,12 @@
 
 #include "planner/problem/input_error.hpp"
 #include "planner/problem/text_file.hpp"
+#include "planner/problem/vehicle_file.hpp"
 #include "tools/bench/results.hpp"
 #include "tools/commands.hpp"
 #include "tools/instance_options.hpp"
 #include "tools/option_types.hpp"
+#include "tools/output_files.hpp"
 #include "tools/seed_list.hpp"
 #include "tools/solve_options.hpp"
 
@@ -52,10 +54,7 @@ Shard parse_shard(const std::string& text) {
 
 /// Each run would be refused.
 void reject_unknown_vehicle(const InstanceReadOptions& reading) {
-  const std::string name = reading.vehicle_preset.value_or("escot");
-  if (vehicle_preset(name)) return;
-  throw InputError("--vehicle",
-                   fmt::format("is the unknown preset \"{}\"; choose escot or cl-cbs", name));
+  (void)read_preset("--vehicle", reading.vehicle_preset.value_or("escot"));
 }
 
 /// What the user gave of the options of these groups, as words for a child.
@@ -76,6 +75,7 @@ struct MergeCommand {
 };
 
 int merge(const MergeCommand& command) {
+  check_output_files({command.output}, command.files);
   std::vector<std::vector<ResultRow>> lists;
   std::size_t read = 0;
   for (const std::string& file : command.files) {
@@ -148,6 +148,7 @@ Action declare_bench(CLI::App& app) {
   add_limit_options(app, command->solving, command->options.time_limit);
   add_instance_options(app, command->options.reading);
   add_collision_option(app, command->solving.collision);
+  add_instance_rules(app, command->options.reading);
   add_output_options(app, command->options);
   const CLI::App* merge_app = declare_merge(app, *merging);
   app.parse_complete_callback([&app, merge_app, command] {

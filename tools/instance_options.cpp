@@ -1,5 +1,9 @@
 #include "tools/instance_options.hpp"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "planner/problem/vehicle_file.hpp"
 #include "tools/option_types.hpp"
 
 namespace mvtp {
@@ -12,7 +16,7 @@ void add_instance_options(CLI::App& app, InstanceReadOptions& options) {
       ->group(group);
   app.add_option("--dt", options.dt, "Duration of one step [s], in place of the file's or preset's")
       ->type_name("S")
-      ->check(positive_number)
+      ->check(number_between(kLeastOfVehicle, kLongestStep))
       ->group(group);
   add_choice<YawSense>(app, "--yaw", options.yaw,
                        {{"ccw", YawSense::kCounterClockwise}, {"cw", YawSense::kClockwise}},
@@ -22,6 +26,20 @@ void add_instance_options(CLI::App& app, InstanceReadOptions& options) {
                      {{"axle", Bounds::kAxle}, {"footprint", Bounds::kFootprint}},
                      "What must stay inside the map [axle for plain CL-CBS files, else footprint]")
       ->group(group);
+}
+
+void add_instance_rules(CLI::App& app, InstanceReadOptions& options) {
+  add_choice<InitialOverlap>(
+      app, "--initial-overlap", options.initial_overlap,
+      {{"refuse", InitialOverlap::kRefuse}, {"allow", InitialOverlap::kAllow}},
+      "What of a start or goal that overlaps an obstacle or another one: bad input, or exempt from "
+      "the collision rule until the two are apart, or from the arrival on [refuse]")
+      ->group(kRulesGroup);
+}
+
+std::string exemptions_text(const std::vector<std::string>& exemptions) {
+  if (exemptions.empty()) return {};
+  return fmt::format("; allowed: {}", fmt::join(exemptions, ", "));
 }
 
 void add_collision_option(CLI::App& app, CollisionRule& rule) {

@@ -9,6 +9,7 @@
 
 #include "planner/problem/input_error.hpp"
 #include "tools/child_process.hpp"
+#include "tools/interrupt.hpp"
 #include "tools/sibling.hpp"
 #include "tools/version.hpp"
 
@@ -61,6 +62,7 @@ int run(const Action& action) {
 
 int run_program(int argc, char** argv, std::span<const Command> commands) {
   end_with_parent();
+  end_on_signals();
   try {
     if (argc > 1 && argv[1][0] != '-' && find(commands, argv[1]).declare == nullptr) {
       return run_sibling("mvtp-sumo", argc, argv);

@@ -3,15 +3,19 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <cstdint>
+#include <limits>
 #include <memory>
 #include <string>
 
 #include "planner/problem/check_instance.hpp"
 #include "planner/problem/plan_file.hpp"
-#include "planner/problem/text_file.hpp"
 #include "planner/problem/validate.hpp"
 #include "tools/commands.hpp"
 #include "tools/instance_options.hpp"
+#include "tools/interrupt.hpp"
+#include "tools/option_types.hpp"
+#include "tools/output_files.hpp"
 #include "tools/solve_options.hpp"
 #include "tools/version.hpp"
 
@@ -59,31 +63,43 @@ void refuse_blocked(const SolveCommand& command, const Instance& instance) {
   throw problems.front();
 }
 
-int solve_file(const SolveCommand& command) {
-  const Instance instance = read_instance(command.instance, command.reading);
-  for (const std::string& file : {command.output, command.statistics}) {
-    if (!file.empty()) check_writable(file);
-  }
-  refuse_blocked(command, instance);
-
-  Plan plan = solve(instance, command.solving, Deadline::in(command.time_limit));
-  plan.statistics.version = version();
-  judge(instance, command.solving.collision, plan);
-  write_statistics(command, plan.statistics);
-
+/// What was found is written, whoever ended the search.
+int report(const SolveCommand& command, const Plan& plan, bool interrupted) {
   const Statistics& s = plan.statistics;
+  write_statistics(command, s);
   if (s.status != to_string(Status::kSolved)) {
-    fmt::print(stderr, "mvtp: {}: not solved ({}): {}\n", command.instance, s.status, s.reason);
-    return kNotAchieved;
+    fmt::print(stderr, "mvtp: {}: {} ({}): {}\n", command.instance,
+               interrupted ? "interrupted, and not solved" : "not solved", s.status, s.reason);
+    return interrupted ? kInterrupted : kNotAchieved;
   }
   if (!command.output.empty()) write_plan(plan, command.output, command.reading.yaw);
   if (!command.quiet) {
     fmt::print(
         "solved: {} agents, makespan {} steps = {:.2f} s (at least {:.2f} s), flowtime "
-        "{:.2f} s, found in {:.3f} s\n",
-        plan.names.size(), s.makespan_steps, s.makespan, s.lower_bound, s.flowtime, s.runtime);
+        "{:.2f} s, found in {:.3f} s{}\n",
+        plan.names.size(), s.makespan_steps, s.makespan, s.lower_bound, s.flowtime, s.runtime,
+        exemptions_text(s.initial_overlaps));
   }
-  return kDone;
+  if (!interrupted) return kDone;
+  fmt::print(stderr, "mvtp: {}: interrupted; this is the best plan so far\n", command.instance);
+  return kInterrupted;
+}
+
+int solve_file(const SolveCommand& command) {
+  const Deadline deadline = Deadline::in(command.time_limit);
+  check_output_files({command.output, command.statistics}, {command.instance});
+  const Instance instance = read_instance(command.instance, command.reading);
+  refuse_blocked(command, instance);
+
+  const NotedInterrupt interrupt;
+  Plan plan = solve(instance, command.solving, deadline.or_when(interrupt.seen()));
+  const bool interrupted = interrupt.seen();
+  if (interrupted && plan.statistics.status == to_string(Status::kTimeout)) {
+    plan.statistics.reason = "a signal ended the search";
+  }
+  plan.statistics.version = version();
+  judge(instance, command.solving.collision, plan);
+  return report(command, plan, interrupted);
 }
 
 void add_search_options(CLI::App& app, SolveCommand& command) {
@@ -93,6 +109,7 @@ void add_search_options(CLI::App& app, SolveCommand& command) {
       ->group(kSearchGroup);
   app.add_option("--seed", command.solving.seed, "Of the random choices [0]")
       ->type_name("N")
+      ->check(whole_number_between(0, std::numeric_limits<std::int64_t>::max()))
       ->group(kSearchGroup);
   add_limit_options(app, command.solving, command.time_limit);
 }
@@ -104,7 +121,7 @@ Action declare_solve(CLI::App& app) {
   app.footer(
       "The plan is written only if every robot reaches its goal and the referee finds it valid.\n"
       "Same instance, options and seed give the same plan unless the time limit ends the search.\n"
-      "Exit code: 0 solved, 1 not solved, 2 bad input.");
+      "Exit code: 0 solved, 1 not solved, 2 bad input, 130 interrupted: what is found is written.");
   app.add_option("-i,--instance", command->instance, "Instance (CL-CBS/CSDO YAML, Guo-Yu JSON)")
       ->required()
       ->type_name("FILE")
@@ -120,6 +137,7 @@ Action declare_solve(CLI::App& app) {
   add_search_options(app, *command);
   add_instance_options(app, command->reading);
   add_collision_option(app, command->solving.collision);
+  add_instance_rules(app, command->reading);
   return [command] { return solve_file(*command); };
 }
 

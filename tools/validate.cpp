@@ -5,6 +5,7 @@
 #include <memory>
 #include <string>
 
+#include "planner/problem/initial_overlap.hpp"
 #include "planner/problem/instance_file.hpp"
 #include "planner/problem/metrics.hpp"
 #include "planner/problem/plan_file.hpp"
@@ -24,18 +25,21 @@ struct ValidateOptions {
 
 /// One line per violation, or one that says what was found valid.
 int validate(const ValidateOptions& options) {
-  const Instance instance = read_instance(options.instance, options.reading);
+  Instance instance = read_instance(options.instance, options.reading);
   Plan plan = read_plan(options.plan, {options.reading.yaw, instance.dt});
   if (options.reading.dt) plan.statistics.dt = *options.reading.dt;
+  const bool other_vehicles = !options.reading.vehicle_preset && take_vehicles(plan, instance);
 
   const std::vector<Violation> violations = find_violations(instance, plan, options.collision);
   if (!options.quiet) {
     for (const Violation& v : violations) fmt::print("{}: {}\n", to_string(v.rule), v.message);
     if (violations.empty()) {
       fill_in_durations(plan);
-      fmt::print("valid: {} agents, makespan {} steps = {:.2f} s, flowtime {:.2f} s\n",
+      fmt::print("valid: {} agents, makespan {} steps = {:.2f} s, flowtime {:.2f} s{}{}\n",
                  plan.names.size(), plan.statistics.makespan_steps, plan.statistics.makespan,
-                 plan.statistics.flowtime);
+                 plan.statistics.flowtime,
+                 other_vehicles ? ", with the vehicles of the plan in place of the instance's" : "",
+                 exemptions_text(exemptions_of(instance)));
     }
   }
   return violations.empty() ? kDone : kNotAchieved;
@@ -58,6 +62,7 @@ Action declare_validate(CLI::App& app) {
       ->group("Input");
   add_instance_options(app, options->reading);
   add_collision_option(app, options->collision);
+  add_instance_rules(app, options->reading);
   app.add_flag("-q,--quiet", options->quiet, "Print nothing; the exit code tells")->group("Output");
   return [options] { return validate(*options); };
 }

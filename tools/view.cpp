@@ -1,9 +1,11 @@
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "planner/problem/text_file.hpp"
 #include "tools/commands.hpp"
 #include "tools/instance_options.hpp"
+#include "tools/output_files.hpp"
 #include "tools/view/load.hpp"
 #include "tools/view/page.hpp"
 
@@ -16,7 +18,9 @@ struct ViewOptions {
 };
 
 int view(const ViewOptions& options) {
-  check_writable(options.output);
+  std::vector<std::string> inputs = options.request.files;
+  inputs.insert(inputs.end(), options.request.instances.begin(), options.request.instances.end());
+  check_output_files({options.output}, inputs);
   write_text_file(options.output, to_html(load_replays(options.request)));
   return kDone;
 }

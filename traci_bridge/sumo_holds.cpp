@@ -14,9 +14,11 @@ constexpr int kStoppedBit = 1;      // of getStopState()
 void SumoHolds::hold(const std::string& id) {
   const std::string lane = api::Vehicle::getLaneID(id);
   if (lane.empty() || network_.lanes.at(lane).internal) return;
+  const double length = network_.lanes.at(lane).length;
+  const double here = api::Vehicle::getLanePosition(id);
   const Stop stop{.edge = network_.lanes.at(lane).edge,
                   .lane = network_.lanes.at(lane).index,
-                  .position = std::max(network_.lanes.at(lane).length - kHoldGap, 0.1)};
+                  .position = std::min(length, std::max(length - kHoldGap, here + 0.05))};
   try {
     api::Vehicle::setStop(id, stop.edge, stop.position, stop.lane, kForever);
     stops_[id] = stop;

@@ -31,17 +31,20 @@ class CrossingPlanner {
   }
 
  private:
-  /// A plan for every vehicle: incumbents as long as they fit, then the rest in order; a vehicle
-  /// that finds none moves to the front, which is priority inheritance on whole trajectories.
+  /// A plan for every vehicle: those without an incumbent around all incumbents, as long as these
+  /// fit; else in order, where a vehicle that finds none moves to the front, which is priority
+  /// inheritance on whole trajectories.
   CrossingResult complete(const Order& keys, const JointPlan& incumbent) {
     Order order;
     for (const Entry& e : incumbent.entries) {
       if (std::ranges::find(keys, e.key) != keys.end()) order.push_back(e.key);
     }
+    const std::size_t old = order.size();
     for (const std::int64_t key : keys) {
       if (!incumbent.find(key)) order.push_back(key);
     }
-    restore_lane_order(order);
+    if (auto result = around_the_incumbents(order, old, incumbent)) return *std::move(result);
+    order = in_lane_order(order);
 
     const std::int64_t reserve = work_.left / 2;
     Order repaired = order;
@@ -52,7 +55,30 @@ class CrossingPlanner {
       if (repair >= options_.repairs || work_.left < reserve) break;
       if (!move_to_front(repaired, *failed)) break;
     }
-    return around_the_stuck(order, incumbent);
+    // No order works for all: either old plans stand as long as they fit, or earlier ones go first.
+    CrossingResult standing = around_the_stuck(order, incumbent, /*old_plans_stand=*/true);
+    if (standing.unplanned.size() < 2) return standing;
+    CrossingResult in_order = around_the_stuck(order, incumbent, /*old_plans_stand=*/false);
+    return in_order.unplanned.size() < standing.unplanned.size() ? in_order : standing;
+  }
+
+  /// All incumbents stand, those of the first `old` vehicles of `order`, and all others find plans
+  /// around them; nullopt if that is not possible.
+  std::optional<CrossingResult> around_the_incumbents(const Order& order, std::size_t old,
+                                                      const JointPlan& incumbent) {
+    std::vector<Entry> entries;
+    for (std::size_t i = 0; i < order.size(); ++i) {
+      if (i < old) {
+        const Entry* fits = fitting_incumbent(order[i], incumbent, {});
+        if (fits == nullptr) return std::nullopt;
+        entries.push_back(*fits);
+        continue;
+      }
+      auto t = plan_at_least(scene_.vehicle(order[i]), entries);
+      if (!t) return std::nullopt;
+      entries.push_back({order[i], std::make_shared<PathTrajectory>(std::move(*t))});
+    }
+    return CrossingResult{{in_lane_order(entries)}, {}, cost_of(entries)};
   }
 
   /// Fills `entries` along `order` with the incumbents that fit and new plans for the others;
@@ -61,17 +87,14 @@ class CrossingPlanner {
                                           std::vector<Entry>& entries) {
     bool changed = false;  // until then, the incumbents only have to fit the forecasts
     for (std::size_t i = 0; i < order.size(); ++i) {
-      const RoadVehicle& v = scene_.vehicle(order[i]);
-      const auto old = std::ranges::find(incumbent.entries, order[i], &Entry::key);
       const std::span<const Entry> before =
           changed ? std::span<const Entry>(entries) : std::span<const Entry>();
-      if (old != incumbent.entries.end() &&
-          still_fits(pairs_, v, *old->trajectory, before, options_.trajectory, &work_)) {
+      if (const Entry* old = fitting_incumbent(order[i], incumbent, before)) {
         entries.push_back(*old);
         continue;
       }
       changed = true;
-      auto t = plan_at_least(v, entries);
+      auto t = plan_at_least(scene_.vehicle(order[i]), entries);
       if (!t) return i;
       entries.push_back({order[i], std::make_shared<PathTrajectory>(std::move(*t))});
     }
@@ -87,19 +110,17 @@ class CrossingPlanner {
     return t;
   }
 
-  /// What is left when no order works. Old plans stand; whoever has none looks for one among them,
-  /// or brakes, and then those who would meet it there look for other plans.
-  CrossingResult around_the_stuck(const Order& order, const JointPlan& incumbent) {
+  /// What is left when no order works. Whoever has no plan looks for one among those that stand, or
+  /// brakes, and then those who would meet it there look for other plans.
+  CrossingResult around_the_stuck(const Order& order, const JointPlan& incumbent,
+                                  bool old_plans_stand) {
     std::vector<Entry> planned;
     std::vector<Entry> bodies;
     Order open;
     for (const std::int64_t key : order) {
-      const auto old = std::ranges::find(incumbent.entries, key, &Entry::key);
-      const bool keeps = old != incumbent.entries.end() &&
-                         still_fits(pairs_, scene_.vehicle(key), *old->trajectory, {},
-                                    options_.trajectory, &work_);
-      if (keeps) planned.push_back(*old);
-      if (!keeps) open.push_back(key);
+      const Entry* old = old_plans_stand ? fitting_incumbent(key, incumbent, {}) : nullptr;
+      if (old != nullptr) planned.push_back(*old);
+      if (old == nullptr) open.push_back(key);
     }
     CrossingResult result;
     std::set<std::int64_t> tried;
@@ -108,6 +129,10 @@ class CrossingPlanner {
       if (work_.left > 0 || tried.insert(v.key).second) {
         std::vector<Entry> before = bodies;
         before.insert(before.end(), planned.begin(), planned.end());
+        if (const Entry* old = fitting_incumbent(v.key, incumbent, before)) {
+          planned.push_back(*old);
+          continue;
+        }
         if (auto t = plan_at_least(v, before)) {
           planned.push_back({v.key, std::make_shared<PathTrajectory>(std::move(*t))});
           continue;
@@ -129,6 +154,16 @@ class CrossingPlanner {
     return result;
   }
 
+  /// The incumbent of a vehicle if it still fits among those planned `before`; else nullptr.
+  const Entry* fitting_incumbent(std::int64_t key, const JointPlan& incumbent,
+                                 std::span<const Entry> before) {
+    const auto old = std::ranges::find(incumbent.entries, key, &Entry::key);
+    const bool fits =
+        old != incumbent.entries.end() && still_fits(pairs_, scene_.vehicle(key), *old->trajectory,
+                                                     before, options_.trajectory, &work_);
+    return fits ? &*old : nullptr;
+  }
+
   /// Extends `entries` along `order`; returns the place of the first vehicle without a plan, or
   /// where it is clear that the cost will not be below `budget`: nobody is faster than alone.
   std::optional<std::size_t> plan_rest(const Order& order, std::vector<Entry>& entries,
@@ -148,11 +183,105 @@ class CrossingPlanner {
     return std::nullopt;
   }
 
-  /// Local search over orders: single vehicles earlier or later, or with their followers earlier.
   void improve(CrossingResult& best) {
+    if (options_.tries <= 0) return;
+    if (int(best.plan.entries.size()) > options_.many) {
+      improve_neighbourhoods(best);
+    } else {
+      improve_order(best);
+    }
+  }
+
+  /// Large neighbourhood search: a vehicle that loses time and some of those it meets are planned
+  /// anew, in another order, around all others as they are.
+  void improve_neighbourhoods(CrossingResult& best) {
+    std::vector<double> delays = own_delays(best.plan.entries);
+    int left = options_.tries * options_.per_try;
+    for (int failures = 0; left > 0 && failures < options_.patience && work_.left > 0; --left) {
+      if (std::accumulate(delays.begin(), delays.end(), 0.0) < 0.1) return;
+      const Order chosen = neighbourhood(best.plan.entries, draws_.weighted(delays));
+      std::vector<Entry> entries = best.plan.entries;
+      std::erase_if(entries, [&](const Entry& e) { return std::ranges::count(chosen, e.key) > 0; });
+      ++failures;
+      if (plan_rest(joined(keys_of(entries), chosen), entries, best.cost)) continue;
+      const double cost = cost_of(entries);
+      if (cost >= best.cost - 1e-6) continue;
+      failures = 0;
+      best = {{in_lane_order(std::move(entries))}, {}, cost};
+      delays = own_delays(best.plan.entries);
+    }
+  }
+
+  /// A vehicle with some of its followers, and behind them another one that it meets, with some of
+  /// its own: who passes later needs room behind it.
+  Order neighbourhood(const std::vector<Entry>& entries, std::size_t first) {
+    constexpr int kFollowers = 4;
+    const std::size_t own = pairs_.index(entries[first].key);
+    std::vector<std::size_t> near;
+    for (std::size_t i = 0; i < entries.size(); ++i) {
+      const std::size_t other = pairs_.index(entries[i].key);
+      if (i == first || pairs_.leads(own, other) || pairs_.leads(other, own)) continue;
+      if (meet_soon(own, *entries[first].trajectory, entries[i])) near.push_back(i);
+    }
+    Order chosen;
+    add_with_followers(entries, first, draws_.between(0, kFollowers), chosen);
+    if (!near.empty()) {
+      const std::size_t other = near[std::size_t(draws_.between(0, int(near.size()) - 1))];
+      add_with_followers(entries, other, draws_.between(0, kFollowers), chosen);
+    }
+    return in_lane_order(chosen);
+  }
+
+  void add_with_followers(const std::vector<Entry>& entries, std::size_t i, int followers,
+                          Order& chosen) const {
+    const std::int64_t leader = entries[i].key;
+    if (std::ranges::find(chosen, leader) == chosen.end()) chosen.push_back(leader);
+    for (; i < entries.size() && followers > 0; ++i) {
+      if (!leads(leader, entries[i].key)) continue;
+      --followers;
+      const bool known = std::ranges::find(chosen, entries[i].key) != chosen.end();
+      if (!known) chosen.push_back(entries[i].key);
+    }
+  }
+
+  /// What each vehicle loses beside what its leader loses already [s], with a little of that.
+  std::vector<double> own_delays(const std::vector<Entry>& entries) {
+    constexpr double kShare = 0.05;
+    const std::vector<double> delays = delays_of(entries);
+    std::vector<double> own = delays;
+    for (std::size_t i = 0; i < entries.size(); ++i) {
+      std::size_t leader = i;
+      while (leader > 0 && !leads(entries[leader - 1].key, entries[i].key)) --leader;
+      if (leader == 0) continue;
+      own[i] = std::max(kShare * delays[i], delays[i] - delays[leader - 1]);
+    }
+    return own;
+  }
+
+  /// Would the other one be where this one is, had either been a few seconds earlier or later?
+  [[nodiscard]] bool meet_soon(std::size_t own, const PathTrajectory& t, const Entry& other) const {
+    constexpr double kSoon = 4.0;  // [s]
+    const ContactView contact = pairs_.between(own, pairs_.index(other.key));
+    if (contact.contact->never()) return false;
+    const auto few = std::int64_t(kSoon / scene_.grid.dt);
+    const std::int64_t last = std::min(t.end() - 1, other.trajectory->end() - 1 + few);
+    for (std::int64_t k = scene_.step; k <= last; k += few) {
+      const std::int64_t until = std::min(k + few, t.end() - 1);
+      const std::int64_t from = std::max(scene_.step, k - few);
+      if (from >= other.trajectory->end()) return false;
+      const std::int64_t to = std::min(until + few, other.trajectory->end() - 1);
+      if (contact.table().reaches(t.at(k).s, t.at(until).s, other.trajectory->at(from).s,
+                                  other.trajectory->at(to).s)) {
+        return true;
+      }
+    }
+    return false;
+  }
+
+  /// Local search over orders: single vehicles earlier or later, or with their followers earlier.
+  void improve_order(CrossingResult& best) {
     std::vector<double> delays;
-    const int tries = tries_for(best.plan.entries.size());
-    for (int attempt = 0; attempt < tries && work_.left > 0; ++attempt) {
+    for (int attempt = 0; attempt < options_.tries && work_.left > 0; ++attempt) {
       const Order order = keys_of(best.plan.entries);
       delays = delays_of(best.plan.entries);
       if (std::accumulate(delays.begin(), delays.end(), 0.0) < 0.1) return;
@@ -165,12 +294,6 @@ class CrossingPlanner {
       const double cost = cost_of(entries);
       if (cost < best.cost - 1e-6) best = {{std::move(entries)}, {}, cost};
     }
-  }
-
-  [[nodiscard]] int tries_for(std::size_t n) const {
-    if (int(n) <= options_.many) return options_.tries;
-    const double share = double(options_.many) / double(n);
-    return int(std::ceil(options_.tries * share * share));
   }
 
   Order random_move(Order order, const std::vector<double>& delays) {
@@ -233,24 +356,46 @@ class CrossingPlanner {
            move_to_front(order, follower - 1);
   }
 
-  void restore_lane_order(Order& order) const {
-    for (std::size_t i = 1; i < order.size(); ++i) {
-      std::size_t to = i;
-      for (std::size_t j = 0; j < i; ++j) {
-        if (leads(order[i], order[j])) {
-          to = j;
-          break;
-        }
-      }
-      std::rotate(order.begin() + std::ptrdiff_t(to), order.begin() + std::ptrdiff_t(i),
-                  order.begin() + std::ptrdiff_t(i) + 1);
+  /// The order in which nobody comes before its lane leaders: whoever does waits for them.
+  [[nodiscard]] Order in_lane_order(const Order& order) const {
+    const std::size_t n = order.size();
+    std::vector<std::size_t> index;
+    for (const std::int64_t key : order) index.push_back(pairs_.index(key));
+    std::vector<int> leaders(n, 0);  // that are not sorted yet
+    for (std::size_t i = 0; i < n; ++i) {
+      for (std::size_t j = 0; j < n; ++j) leaders[i] += pairs_.leads(index[j], index[i]) ? 1 : 0;
     }
+    Order sorted;
+    std::vector<bool> taken(n, false);
+    while (sorted.size() < n) {
+      std::size_t next = 0;
+      while (next < n && (taken[next] || leaders[next] > 0)) ++next;
+      // Leaders in a circle: one of them has to be the first.
+      if (next == n) next = std::size_t(std::ranges::find(taken, false) - taken.begin());
+      taken[next] = true;
+      sorted.push_back(order[next]);
+      for (std::size_t i = 0; i < n; ++i) leaders[i] -= pairs_.leads(index[next], index[i]) ? 1 : 0;
+    }
+    return sorted;
   }
 
   static Order keys_of(const std::vector<Entry>& entries) {
     Order keys;
     for (const Entry& e : entries) keys.push_back(e.key);
     return keys;
+  }
+
+  static Order joined(Order order, const Order& more) {
+    order.insert(order.end(), more.begin(), more.end());
+    return order;
+  }
+
+  [[nodiscard]] std::vector<Entry> in_lane_order(const std::vector<Entry>& entries) const {
+    std::vector<Entry> sorted;
+    for (const std::int64_t key : in_lane_order(keys_of(entries))) {
+      sorted.push_back(*std::ranges::find(entries, key, &Entry::key));
+    }
+    return sorted;
   }
 
   static std::size_t common_prefix(const Order& order, const std::vector<Entry>& entries) {

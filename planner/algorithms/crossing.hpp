@@ -9,8 +9,12 @@ namespace mvtp {
 
 struct CrossingOptions {
   WholeTrajectoryOptions trajectory;
-  int tries = 30;               ///< orders tried per call; 0: the order of arrival
-  int many = 30;                ///< with n > many vehicles, tries * (many / n)^2
+  int tries = 30;  ///< orders tried per call; 0: the order of arrival
+  /// More than so many vehicles are not planned anew in another order, but a few at a time, around
+  /// all others.
+  int many = 12;
+  int per_try = 10;   ///< as many times per order that might be tried instead,
+  int patience = 60;  ///< and so often in a row without success
   int repairs = 30;             ///< times that a vehicle without a plan is moved to the front
   double headway_weight = 3.0;  ///< [s/s] cost of a headway that is missing at hand-back
 };

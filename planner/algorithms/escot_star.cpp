@@ -11,7 +11,7 @@
 #include "planner/algorithms/first_plan.hpp"
 #include "planner/algorithms/joint_motion.hpp"
 #include "planner/algorithms/repair.hpp"
-#include "planner/algorithms/ways_alone.hpp"
+#include "planner/algorithms/single_agent_tracks.hpp"
 
 namespace mvtp {
 namespace {
@@ -45,7 +45,7 @@ TimeGrid time_grid(const Instance& instance) {
 }
 
 /// Radius of the circle around the longest action.
-double longest_reach(const Instance& instance) {
+double reach_of_actions(const Instance& instance) {
   double reach = 1.0;
   for (const Agent& agent : instance.agents) reach = std::max(reach, 1.5 * agent.vehicle.length());
   return reach;
@@ -53,15 +53,16 @@ double longest_reach(const Instance& instance) {
 
 /// The instance as all searchers see it; they change nothing in it.
 struct Scene {
-  explicit Scene(const Fleet& fleet)
+  Scene(const Fleet& fleet, const Deadline& deadline)
       : time(time_grid(fleet.instance())),
-        obstacles(fleet.instance().map, longest_reach(fleet.instance())),
-        clearance(fleet.instance().map, obstacles) {
+        obstacles(fleet.instance().map, reach_of_actions(fleet.instance())),
+        clearance(fleet.instance().map, obstacles, deadline) {
     const Instance& instance = fleet.instance();
     cars.reserve(instance.agents.size());
     for (int i = 0; i < fleet.size(); ++i) {
       const Agent& agent = instance.agents[std::size_t(i)];
-      cars.emplace_back(agent.vehicle, time, instance.map, obstacles, clearance);
+      cars.emplace_back(agent.vehicle, time, instance.map, obstacles, clearance,
+                        fleet.exemptions(i));
       robots.push_back({&cars.back(), &fleet.cost_to_go(i), agent.start});
     }
     lower_bound = int(std::ceil(fleet.lower_bound() / time.dt - 1e-6));
@@ -166,8 +167,8 @@ void Searcher::find_first_plan() {
 void Searcher::straighten_longest_ways() {
   for (std::size_t i = 0; i < alone_.size(); ++i) {
     if (alone_[i].arrival() <= scene_.goal || deadline_.expired()) continue;
-    std::optional<TimedTrack> better =
-        plan_alone(repair_.search(), scene_.robots[i], kSoloWeight, kSoloExpansions, 0, deadline_);
+    std::optional<TimedTrack> better = find_single_agent_track(
+        repair_.search(), scene_.robots[i], kSoloWeight, kSoloExpansions, 0, deadline_);
     if (better && better->arrival() < alone_[i].arrival()) alone_[i] = *std::move(better);
   }
 }
@@ -256,10 +257,10 @@ StepPlan solve_escot_star(const Fleet& fleet, const EscotStarOptions& options,
   const auto begin = std::chrono::steady_clock::now();
   StepPlan plan{Status::kExhausted, {}};
   if (fleet.size() == 0) return {Status::kSolved, {}};
-  Scene scene(fleet);
+  Scene scene(fleet, deadline);
   scene.goal =
       std::max(scene.lower_bound, int(fleet.lower_bound() * (1.0 + options.gap) / scene.time.dt));
-  scene.alone = find_ways_alone(fleet, scene.robots, deadline);
+  scene.alone = find_single_agent_tracks(fleet, scene.robots, deadline);
   if (scene.alone.empty()) {
     if (deadline.expired()) plan.status = Status::kTimeout;
     return plan;

@@ -16,7 +16,8 @@ struct EscotStarOptions {
 
 /// ESCoT*: near-optimal plans, improved until the deadline or the gap.
 ///
-/// 1. Every robot alone (find_ways_alone), by a search that could drive through others at a price
+/// 1. Every robot alone (find_single_agent_tracks), by a search that could drive through others at
+/// a price
 ///    (SoftAstar).
 /// 2. From these a plan for all, by repair of what overlaps, one robot at a time (Repair), under
 ///    a deadline for all from the start; where that halts, in turn (FirstPlan, TakingTurns).

@@ -29,7 +29,7 @@ FirstPlan::FirstPlan(JointMotion& motion, Repair& repair, const std::vector<Time
       interrupt_(std::move(interrupt)) {}
 
 bool FirstPlan::find() {
-  motion_.place_all(alone_);
+  if (!motion_.place_all(alone_, deadline_)) return false;
   const bool crowd = needs_windows(motion_);
   motion_.clear();
   temper_ = crowd ? kCrowded : kCalm;

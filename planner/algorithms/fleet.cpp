@@ -31,11 +31,16 @@ double longest_reach(const Instance& instance) {
 }  // namespace
 
 Fleet::Fleet(const Instance& instance, CollisionRule rule, const Deadline& deadline)
-    : instance_(instance), rule_(rule), obstacles_(instance.map, longest_reach(instance)) {
+    : instance_(instance),
+      rule_(rule),
+      overlapping_pairs_(instance),
+      obstacles_(instance.map, longest_reach(instance)) {
   cars_.reserve(instance.agents.size());
   costs_to_go_.reserve(instance.agents.size());
   for (const Agent& agent : instance.agents) {
-    cars_.emplace_back(agent.vehicle, instance.dt, rule, instance.map, obstacles_);
+    exemptions_.push_back(exemptions_of(agent));
+    cars_.emplace_back(agent.vehicle, instance.dt, rule, instance.map, obstacles_,
+                       exemptions_.back().get());
     std::shared_ptr<const ObstacleGrid> grid;
     if (!obstacles_.empty() && !deadline.expired()) {
       std::shared_ptr<const ObstacleGrid>& shared = grids_[agent.vehicle.width];
@@ -47,6 +52,13 @@ Fleet::Fleet(const Instance& instance, CollisionRule rule, const Deadline& deadl
     costs_to_go_.emplace_back(agent.goal, agent.vehicle.min_turning_radius,
                               ReedsSheppTable::shared(), std::move(grid));
   }
+}
+
+std::unique_ptr<const Exemptions> Fleet::exemptions_of(const Agent& agent) const {
+  if (instance_.initial_overlap == InitialOverlap::kRefuse) return nullptr;
+  auto exemptions = std::make_unique<Exemptions>(agent.vehicle, instance_.map, obstacles_,
+                                                 agent.start, agent.goal);
+  return exemptions->empty() ? nullptr : std::move(exemptions);
 }
 
 Configuration Fleet::starts() const {
@@ -71,18 +83,19 @@ double Fleet::lower_bound() const {
   return bound;
 }
 
-std::string Fleet::proof_of_infeasibility() const {
+std::string Fleet::proof_of_infeasibility(const Deadline& deadline) const {
   const std::string proof = proof_by_places();
-  return proof.empty() ? proof_by_passages() : proof;
+  return proof.empty() ? proof_by_passages(deadline) : proof;
 }
 
-std::string Fleet::proof_by_passages() const {
+std::string Fleet::proof_by_passages(const Deadline& deadline) const {
   if (obstacles_.empty()) return {};
   std::map<std::pair<double, double>, Passages> all;  // by radius and freedom to be outside
-  for (int i = 0; i < size(); ++i) {
+  for (int i = 0; i < size() && !deadline.expired(); ++i) {
     // The largest disc in the body, around its middle, moves with it, and a little smaller for
     // touches that are allowed. Checked at steps only, it gets through what is not deeper than
     // half its longest jump: no point between two places is farther from both.
+    if (exemptions(i) != nullptr) continue;  // the proof takes both places to be free
     const Vehicle& vehicle = car(i).vehicle();
     const double ahead = (vehicle.front - vehicle.rear) / 2;
     double radius = std::min(vehicle.width, vehicle.length()) / 2 - kProofMargin;
@@ -93,7 +106,7 @@ std::string Fleet::proof_by_passages() const {
     }
     if (radius <= 0.0) continue;
     const Passages& passages =
-        all.try_emplace({radius, outside}, instance_.map, radius, outside).first->second;
+        all.try_emplace({radius, outside}, instance_.map, radius, outside, deadline).first->second;
     const Agent& agent = instance_.agents[std::size_t(i)];
     if (passages.separated(Frame(agent.start).world(ahead, 0.0),
                            Frame(agent.goal).world(ahead, 0.0))) {
@@ -117,16 +130,14 @@ std::string Fleet::proof_by_places() const {
         return fmt::format("the {} of {} is outside the map", what, name(i));
       }
       const Sweep sweep = car(i).sweep(pose(i), {});
-      if (const int obstacle = obstacles_.first_hit(sweep); obstacle >= 0) {
+      const int obstacle = exemptions(i) == nullptr ? obstacles_.first_hit(sweep) : -1;
+      if (obstacle >= 0) {
         return fmt::format("the {} of {} overlaps obstacle {}", what, name(i), obstacle);
-      }
-      for (int j = 0; j < i; ++j) {
-        if (!collide(sweep, car(j).sweep(pose(j), {}))) continue;
-        return fmt::format("the {}s of {} and {} overlap", what, name(j), name(i));
       }
     }
   }
-  return {};
+  return instance_.initial_overlap == InitialOverlap::kRefuse ? overlapping_pairs_.first()
+                                                              : std::string();
 }
 
 }  // namespace mvtp

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "planner/algorithms/overlapping_pairs.hpp"
 #include "planner/motion/cost_to_go.hpp"
 #include "planner/motion/obstacles.hpp"
 #include "planner/motion/reeds_shepp.hpp"
@@ -35,6 +36,12 @@ class Fleet {
   [[nodiscard]] const CostToGo& cost_to_go(int i) const { return costs_to_go_[std::size_t(i)]; }
   [[nodiscard]] const Pose& goal(int i) const { return costs_to_go_[std::size_t(i)].goal(); }
   [[nodiscard]] const Obstacles& obstacles() const { return obstacles_; }
+  /// Who overlaps whom at a start or a goal.
+  [[nodiscard]] const OverlappingPairs& overlapping_pairs() const { return overlapping_pairs_; }
+  /// What of the obstacles does not count for robot i; nullptr: nothing.
+  [[nodiscard]] const Exemptions* exemptions(int i) const {
+    return exemptions_[std::size_t(i)].get();
+  }
   [[nodiscard]] const ReedsShepp& curves() const { return curves_; }
   [[nodiscard]] Configuration starts() const;
 
@@ -50,18 +57,21 @@ class Fleet {
 
   /// Why nobody can solve the instance: a start or goal that is blocked, or a goal that cannot be
   /// reached even alone, because the gaps on the way are narrower than the vehicle. Empty if that
-  /// does not show.
-  [[nodiscard]] std::string proof_of_infeasibility() const;
+  /// does not show before the deadline.
+  [[nodiscard]] std::string proof_of_infeasibility(const Deadline& deadline) const;
 
  private:
+  [[nodiscard]] std::unique_ptr<const Exemptions> exemptions_of(const Agent& agent) const;
   [[nodiscard]] std::string proof_by_places() const;
-  [[nodiscard]] std::string proof_by_passages() const;
+  [[nodiscard]] std::string proof_by_passages(const Deadline& deadline) const;
 
   const Instance& instance_;
   CollisionRule rule_;
+  OverlappingPairs overlapping_pairs_;
   Obstacles obstacles_;
   ReedsShepp curves_;
   std::map<double, std::shared_ptr<const ObstacleGrid>> grids_;  ///< by the width of the vehicle
+  std::vector<std::unique_ptr<const Exemptions>> exemptions_;
   std::vector<SteppedCar> cars_;
   std::vector<CostToGo> costs_to_go_;
 };

@@ -23,9 +23,12 @@ void JointMotion::for_each_contact(int i, const TimedTrack& track, int wait, int
                                    Visit&& visit) {
   const MacroCar& own = *robot(i).car;
   const int arrival = wait + (track.arrival() + time_.bucket - 1) / time_.bucket;
-  const int buckets = std::max(occupancy_.horizon(), arrival);
+  int last = std::max(occupancy_.horizon(), arrival);
+  if (track.departure() != TimedTrack::kNever) {
+    last = std::min(last, wait + track.departure() / time_.bucket - 1);
+  }
   if (wait > 0) waiting_.assign(std::size_t(time_.bucket) + 1, *track.boxes(0));
-  for (int k = from; k <= buckets && k < horizon_; ++k) {
+  for (int k = from; k <= last && k < horizon_; ++k) {
     const int t = k * time_.bucket;
     const int driven = t - wait * time_.bucket;
     const BoxPose* boxes = driven < 0 ? waiting_.data() : track.boxes(driven);
@@ -112,9 +115,13 @@ void JointMotion::set_horizon(int conflicts, int sight) {
   }
 }
 
-void JointMotion::place_all(const std::vector<TimedTrack>& tracks) {
+bool JointMotion::place_all(const std::vector<TimedTrack>& tracks, const Deadline& deadline) {
   clear();
-  for (int i = 0; i < size(); ++i) place(i, tracks[std::size_t(i)]);
+  for (int i = 0; i < size(); ++i) {
+    if (deadline.expired()) return false;
+    place(i, tracks[std::size_t(i)]);
+  }
+  return true;
 }
 
 void JointMotion::restore(const State& state) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "planner/motion/macro_car.hpp"
+#include "planner/problem/deadline.hpp"
 #include "planner/search/occupancy.hpp"
 #include "planner/search/soft_astar.hpp"
 
@@ -15,7 +16,7 @@ namespace mvtp {
 /// One robot to be planned for; what it points at outlives its users.
 struct MacroRobot {
   const MacroCar* car = nullptr;
-  const CostToGo* cost_to_go = nullptr;  ///< names the goal
+  const CostToGo* cost_to_go = nullptr;  ///< names the goal; nullptr: it only stands there
   Pose start;
 };
 
@@ -58,7 +59,9 @@ class JointMotion {
   void set_horizon(int conflicts, int sight);
   [[nodiscard]] bool has_horizon() const { return horizon_ != kNoHorizon; }
   /// Everyone moves along the given tracks, one per robot, and no horizon.
-  void place_all(const std::vector<TimedTrack>& tracks);
+  /// @return false if the time ran out; then some are absent
+  bool place_all(const std::vector<TimedTrack>& tracks,
+                 const Deadline& deadline = Deadline::never());
 
   struct State {
     std::vector<TimedTrack> tracks;

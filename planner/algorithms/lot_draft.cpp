@@ -52,8 +52,9 @@ void LotPlanner::Draft::add(Robot robot, const Pose& start, bool in_entry) {
   const Vehicle body = robot.stands ? robot.body : planner_.grown(robot.body);
   macro_cars_.push_back(std::make_unique<MacroCar>(body, planner_.time_, ground.map,
                                                    *ground.obstacles, planner_.clearance_));
-  macro_robots_.push_back(
-      {macro_cars_.back().get(), &planner_.cost_to_go(robot.body, robot.goal), start});
+  const CostToGo* const to_go =
+      robot.stands ? nullptr : &planner_.cost_to_go(robot.body, robot.goal);
+  macro_robots_.push_back({macro_cars_.back().get(), to_go, start});
   robots_.push_back(std::move(robot));
 }
 

@@ -164,7 +164,7 @@ void LotMotion::step(double dt, std::span<const double> halts) {
   }
 }
 
-LotForecast LotMotion::forecast(double dt, double longest) const {
+LotForecast LotMotion::forecast(double dt) const {
   LotForecast result;
   result.dt = dt;
   std::vector<Link> links = this->links();
@@ -176,7 +176,7 @@ LotForecast LotMotion::forecast(double dt, double longest) const {
   }
   result.arrives.assign(cars_.size(), 0);
   int still = 0;
-  for (double time = 0.0; time < longest && still < kStalled; time += dt) {
+  while (still < kStalled) {
     std::ranges::fill(stops, kInfinity);
     for (Link& link : links) {
       const LotCar& first = cars_[link.first];

@@ -91,8 +91,8 @@ class LotMotion {
   /// if that takes more than a minute.
   [[nodiscard]] double time_until(const LotCar& car, double s, double stop) const;
 
-  /// @param longest  [s] after which a forecast is given up
-  [[nodiscard]] LotForecast forecast(double dt = 0.1, double longest = 600.0) const;
+  /// Until everyone has arrived, or nobody gets on any more.
+  [[nodiscard]] LotForecast forecast(double dt = 0.1) const;
 
   /// The next speed of a car that must not go beyond `stop` [m].
   [[nodiscard]] double next_speed(const LotCar& car, double s, double v, double stop,

@@ -75,9 +75,26 @@ CostToGo LotPlanner::make_cost_to_go(const Vehicle& body, const Pose& goal) {
 
 const CostToGo& LotPlanner::cost_to_go(const Vehicle& body, const Pose& goal) {
   const GoalKey key{goal.x, goal.y, goal.theta, body.min_turning_radius, body.width};
-  const auto known = costs_to_go_.find(key);
-  if (known != costs_to_go_.end()) return known->second;
-  return costs_to_go_.emplace(key, make_cost_to_go(body, goal)).first->second;
+  auto known = costs_to_go_.find(key);
+  if (known == costs_to_go_.end()) {
+    known = costs_to_go_.emplace(key, KnownCost{make_cost_to_go(body, goal)}).first;
+  }
+  known->second.used = decisions_;
+  return known->second.cost;
+}
+
+/// Forgets the costs-to-go used least recently, and failures that may be tried again.
+void LotPlanner::begin_decision() {
+  ++decisions_;
+  std::erase_if(failed_, [this](const auto& failed) { return improvements_ >= failed.second; });
+  if (costs_to_go_.size() <= kMostCosts) return;
+  std::vector<std::int64_t> times;
+  for (const auto& [goal, known] : costs_to_go_) times.push_back(known.used);
+  const auto last = times.end() - std::ptrdiff_t(kMostCosts / 2);
+  std::ranges::nth_element(times, last);
+  std::erase_if(costs_to_go_,
+                [oldest = *last](const auto& entry) { return entry.second.used < oldest; });
+  if (costs_to_go_.size() > kMostCosts) costs_to_go_.clear();  // all in one decision
 }
 
 Vehicle LotPlanner::grown(Vehicle body) const {
@@ -200,6 +217,7 @@ class LotPlanner::Admission {
 
 std::optional<LotAdmission> LotPlanner::admit(LotMotion& motion, const LotRequest& request,
                                               std::span<const StandingCar> waiting) {
+  begin_decision();
   Admission admission(*this, motion, request, waiting);
   admission.try_places();
   admission.try_before_others();
@@ -211,14 +229,13 @@ std::optional<LotAdmission> LotPlanner::admit(LotMotion& motion, const LotReques
 int LotPlanner::improve(LotMotion& motion, std::span<const StandingCar> waiting) {
   if (!options_.regroup || motion.cars().size() < 2) return 0;
   ++improvements_;
+  begin_decision();
   Draft draft(*this, motion, nullptr, waiting);
   int focus = -1;
   double most = options_.worth;
   for (int i = 0; i < draft.cars(); ++i) {
     const LotCar& car = motion.cars()[std::size_t(i)];
-    const auto failed = failed_.find(car.key);
-    const bool just_failed = failed != failed_.end() && improvements_ < failed->second;
-    if (draft.is_fixed(i) || just_failed) continue;
+    if (draft.is_fixed(i) || failed_.contains(car.key)) continue;
     LotMotion alone(options_.limits);
     alone.put(car);
     const double lost = draft.forecast().arrival(std::size_t(i)) - alone.forecast().arrival(0);

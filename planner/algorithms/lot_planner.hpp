@@ -88,6 +88,12 @@ class LotPlanner {
   /// How far a car that comes in at this speed drives on before its way can turn [m].
   [[nodiscard]] double prefix_length(double speed) const;
 
+  /// Tables of costs-to-go kept and cars that wait for a further attempt, for one who looks after
+  /// the memory.
+  [[nodiscard]] std::size_t costs_kept() const { return costs_to_go_.size(); }
+  [[nodiscard]] std::size_t failures_kept() const { return failed_.size(); }
+  static constexpr std::size_t kMostCosts = 500;  ///< kept from one decision to the next
+
  private:
   class Draft;
   class Admission;
@@ -97,6 +103,11 @@ class LotPlanner {
   static constexpr double kAction = 1.0;    ///< [m] driven in one bucket
   static constexpr int kMostRobots = 1000;  ///< in one search: cars, goals and those who wait
 
+  struct KnownCost {
+    CostToGo cost;
+    std::int64_t used = 0;  ///< in this decision, for the last time
+  };
+
   /// The obstacles of those who drive on the lot, or in an entry lane.
   struct Ground {
     Map map;
@@ -105,7 +116,9 @@ class LotPlanner {
   };
 
   [[nodiscard]] CostToGo make_cost_to_go(const Vehicle& body, const Pose& goal);
+  /// Valid until the next decision.
   [[nodiscard]] const CostToGo& cost_to_go(const Vehicle& body, const Pose& goal);
+  void begin_decision();
   [[nodiscard]] const Ground& ground_of_leaving(const Vehicle& body, const Pose& goal);
   /// The body with its margin, and the curves and speed that it is planned with.
   [[nodiscard]] Vehicle grown(Vehicle body) const;
@@ -123,7 +136,8 @@ class LotPlanner {
   std::map<std::tuple<double, double, double>, Ground> leaving_;  ///< by front overhang and goal
   KeepClear footpaths_;
   std::map<double, std::shared_ptr<const ObstacleGrid>> grids_;
-  std::map<GoalKey, CostToGo> costs_to_go_;
+  std::map<GoalKey, KnownCost> costs_to_go_;
+  std::int64_t decisions_ = 0;
   SoftAstar search_{kMostRobots};
   std::int64_t improvements_ = 0;  ///< attempts so far
   /// PreCheck: a car for which no better order was found is not tried again before that attempt.

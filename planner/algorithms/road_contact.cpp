@@ -5,13 +5,9 @@
 namespace mvtp {
 namespace {
 
-/// Is `a`, standing where it is, in the way of the rest of the path of `b`? Not if only its margins
-/// are, of two that stand too close.
-bool stands_in_the_way(const ContactTable& seen_from_a, const RoadVehicle& a,
-                       const RoadVehicle& b) {
-  constexpr double kClose = 1.0;  // [m]: longer than any margin, shorter than any vehicle
-  return seen_from_a.blocks(a.now.s, b.now.s + kClose, std::max(b.now.s + kClose, b.s_end));
-}
+constexpr double kBareGap = 0.2;  ///< [m] between two that are stuck
+constexpr double kClose = 1.0;    ///< [m]: longer than any margin, shorter than any vehicle
+constexpr double kNotice = 2.0;   ///< [s] until a driver answers to who has come into his lane
 
 }  // namespace
 
@@ -23,13 +19,17 @@ RoadContact::RoadContact(const RoadScene& scene, const RoadVehicle& a, const Roa
       a_(&a),
       b_(&b),
       reaction_(reaction) {
-  if (ab_->empty() || !touch_braking(a.now, b.now, false)) return;
+  stuck_ = a.stuck && b.stuck;
+  if (ab_->empty() || (!stuck_ && !touch_braking(a.now, b.now, false))) return;
+  const Pose pose = library_->path(a.path).at(a.now.s);
+  b_ahead_ = relative(pose, library_->path(b.path).at(b.now.s)).x > 0.0;
   const BrakingMotion stop_a{a.now, library_->body(a.path).max_decel, reaction};
   const BrakingMotion stop_b{b.now, library_->body(b.path).max_decel};
   least_gap_ = gap(a.now.s, b.now.s);
   for (int i = 1; i <= std::max(stop_a.looks(), stop_b.looks()); ++i) {
     least_gap_ = std::min(least_gap_, gap(stop_a.position(i), stop_b.position(i)));
   }
+  if (stuck_) least_gap_ = std::min(least_gap_, kBareGap);
   close_ = true;
 }
 
@@ -46,9 +46,34 @@ bool RoadContact::touch_braking(const InertialState& a, const InertialState& b,
                looks, lenient);
 }
 
+bool RoadContact::a_blocks(const InertialState& a, const InertialState& b) const {
+  return ab_->blocks(a.s, b.s + kClose, std::max(b.s + kClose, b_->s_end));
+}
+
+bool RoadContact::b_blocks(const InertialState& a, const InertialState& b) const {
+  return ba_->blocks(b.s, a.s + kClose, std::max(a.s + kClose, a_->s_end));
+}
+
+bool RoadContact::cuts_off(const InertialState& a, const InertialState& b) const {
+  const BrakingMotion stop_a{a, library_->body(a_->path).max_decel, 0.0};
+  const BrakingMotion stop_b{b, library_->body(b_->path).max_decel, kNotice};
+  if (!ab_->reaches(a.s, stop_a.rest(), b.s, stop_b.rest())) return false;
+  const int looks = std::max({1, stop_a.looks(), stop_b.looks()});
+  return meet([&](int i) { return stop_a.position(i); }, [&](int i) { return stop_b.position(i); },
+              0, looks);
+}
+
+/// Of two in one lane along it: where one drives on into the other, and through it, that goes on to
+/// shrink, unlike their separation.
 double RoadContact::gap(double s_a, double s_b) const {
-  return separation(footprint(library_->body(a_->path), library_->path(a_->path).at(s_a)),
-                    footprint(library_->body(b_->path), library_->path(b_->path).at(s_b)));
+  const OrientedBox a = footprint(library_->body(a_->path), library_->path(a_->path).at(s_a));
+  const OrientedBox b = footprint(library_->body(b_->path), library_->path(b_->path).at(s_b));
+  const double c = std::abs(a.ux * b.ux + a.uy * b.uy);
+  const double s = std::abs(a.ux * b.uy - a.uy * b.ux);
+  const double ahead = (b.x - a.x) * a.ux + (b.y - a.y) * a.uy;
+  const double aside = std::abs((b.y - a.y) * a.ux - (b.x - a.x) * a.uy);
+  if (aside >= a.half_width + b.half_length * s + b.half_width * c) return separation(a, b);
+  return (b_ahead_ ? ahead : -ahead) - a.half_length - b.half_length * c - b.half_width * s;
 }
 
 namespace {
@@ -79,8 +104,8 @@ RoadPairs::RoadPairs(const RoadScene& scene)
       const RoadVehicle& a = scene.vehicles[i];
       const RoadContact& contact = vehicles_.emplace_back(scene, a, b, 0.0);
       if (contact.never()) continue;
-      const bool a_in_the_way = stands_in_the_way(contact.seen_from_a(), a, b);
-      const bool b_in_the_way = stands_in_the_way(contact.seen_from_b(), b, a);
+      const bool a_in_the_way = contact.a_blocks(a.now, b.now);
+      const bool b_in_the_way = contact.b_blocks(a.now, b.now);
       leads_[i * n + j] = a_in_the_way && !b_in_the_way;
       leads_[j * n + i] = b_in_the_way && !a_in_the_way;
     }
@@ -92,8 +117,7 @@ RoadPairs::RoadPairs(const RoadScene& scene)
       const RoadContact& contact = forecasts_.emplace_back(scene, a, b, kReaction);
       if (contact.never()) continue;
       follows_[i * scene.forecasts.size() + f] =
-          stands_in_the_way(contact.seen_from_a(), a, b) &&
-          !stands_in_the_way(contact.seen_from_b(), b, a) &&
+          contact.is_ahead(a.now, b.now) &&
           (scene.forecasts[f].yields || drives_ahead(scene, a, b));
     }
   }

@@ -35,7 +35,8 @@ struct BrakingMotion {
 /// Motions are compared between the looks too (ContactTable::sweeps). Vehicles come into the zone
 /// as their drivers left them. If they are so close that braking now would bring them into their
 /// margins, then as long as that is so the margins do not count, but the gap between the true
-/// bodies must not become smaller than by braking now.
+/// bodies must not become smaller than by braking now. Nor do they count for two that are stuck,
+/// down to a bare gap: a junction where nobody can move for the sake of margins is worse.
 class RoadContact {
  public:
   /// @param reaction  [s] after which `a` answers to braking of `b`.
@@ -57,10 +58,24 @@ class RoadContact {
   [[nodiscard]] bool touch_braking(const InertialState& a, const InertialState& b,
                                    bool lenient) const;
 
+  /// Is `a`, where it is, in the way of the rest of the path of `b`? Not if only its margins are,
+  /// of two that stand too close.
+  [[nodiscard]] bool a_blocks(const InertialState& a, const InertialState& b) const;
+  [[nodiscard]] bool b_blocks(const InertialState& a, const InertialState& b) const;
+  /// Is only the one in the way of the other?
+  [[nodiscard]] bool is_ahead(const InertialState& a, const InertialState& b) const {
+    return a_blocks(a, b) && !b_blocks(a, b);
+  }
+  [[nodiscard]] bool is_behind(const InertialState& a, const InertialState& b) const {
+    return b_blocks(a, b) && !a_blocks(a, b);
+  }
+  /// If `a` brakes now, does the driver of `b` run into it, who takes his time to notice?
+  [[nodiscard]] bool cuts_off(const InertialState& a, const InertialState& b) const;
+
   [[nodiscard]] bool is_close_now() const { return close_; }
   /// Are they in these states within what braking now may save them from? Only if they are now.
   [[nodiscard]] bool is_close(const InertialState& a, const InertialState& b) const {
-    return close_ && touch_braking(a, b, false);
+    return close_ && (stuck_ || touch_braking(a, b, false));
   }
 
  private:
@@ -93,8 +108,10 @@ class RoadContact {
   const RoadVehicle* a_;
   const RoadVehicle* b_;
   double reaction_;
-  double least_gap_ = 0.0;  ///< [m] between the true bodies, if both brake now; only if close_
+  double least_gap_ = 0.0;  ///< [m] see gap(), if both brake now; only if close_
+  bool b_ahead_ = true;     ///< of `a` now; only if close_
   bool close_ = false;      ///< braking now would bring them into their margins
+  bool stuck_ = false;      ///< both
 };
 
 /// A contact as one of its two vehicles sees it.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "planner/motion/inertial_car.hpp"
@@ -56,12 +57,16 @@ struct RoadVehicle {
   double s_entry_lane = 0.0;  ///< rear axle when the front bumper enters that [m]
   double s_handback = 0.0;    ///< rear axle where the zone ends [m]
   double s_end = 0.0;         ///< rear axle where a plan is complete [m]; >= s_handback
+  /// It has stood for long without a complete plan. Two such vehicles may pass each other closely.
+  bool stuck = false;
 };
 
-/// A vehicle that is not ours, with the motion that is expected of it.
+/// A vehicle that is not ours, with the motion that is expected of it; or, with `latest`, with all
+/// motions between that and the earliest: at each time it may be anywhere between the two.
 struct Forecast {
   RoadVehicle vehicle;
-  PathTrajectory trajectory;
+  PathTrajectory trajectory;  ///< the earliest
+  std::optional<PathTrajectory> latest;
   bool yields = true;  ///< to whoever is in its way; else only to those ahead on its own lane
 };
 

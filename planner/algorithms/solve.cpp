@@ -11,6 +11,7 @@
 #include "planner/algorithms/escot_star.hpp"
 #include "planner/algorithms/fleet.hpp"
 #include "planner/algorithms/prioritised.hpp"
+#include "planner/problem/initial_overlap.hpp"
 #include "planner/problem/input_error.hpp"
 #include "planner/problem/metrics.hpp"
 
@@ -73,19 +74,24 @@ StepPlan run_escot_star(const Fleet& fleet, const SolveOptions& options, const D
 struct Algorithm {
   std::string name;
   StepPlan (*run)(const Fleet&, const SolveOptions&, const Deadline&);
+  /// Can it plan for robots that overlap each other at their starts or goals?
+  bool lets_robots_overlap = false;
 };
 
 const std::vector<Algorithm>& algorithms() {
-  static const std::vector<Algorithm> kAll = {{"escot", run_escot}, {"pbcr", run_pbcr},
-                                              {"eccr", run_eccr},   {"cl-cbs", run_cl_cbs},
-                                              {"sha", run_sha},     {"escot-star", run_escot_star}};
+  static const std::vector<Algorithm> kAll = {
+      {"escot", run_escot, true}, {"pbcr", run_pbcr, true}, {"eccr", run_eccr},
+      {"cl-cbs", run_cl_cbs},     {"sha", run_sha},         {"escot-star", run_escot_star}};
   return kAll;
 }
 
-StepPlan run_repeatedly(const Algorithm& algorithm, const Fleet& fleet, SolveOptions options,
+/// @param options  its seed becomes that of the last run: the one that solved, if any did
+StepPlan run_repeatedly(const Algorithm& algorithm, const Fleet& fleet, SolveOptions& options,
                         const Deadline& deadline) {
   StepPlan plan;
-  for (int run = 0; run < std::max(options.runs, 1); ++run, ++options.seed) {
+  const std::uint64_t first_seed = options.seed;
+  for (int run = 0; run < std::max(options.runs, 1); ++run) {
+    options.seed = first_seed + std::uint64_t(run);
     plan = algorithm.run(fleet, options, deadline.within(options.run_time_limit));
     if (plan.status == Status::kSolved || deadline.expired()) break;
   }
@@ -130,27 +136,36 @@ Plan solve(const Instance& instance, const SolveOptions& options, const Deadline
 
   Plan plan;
   StepPlan solution;
+  SolveOptions last = options;
   double prepared = 0.0;  // [s]
-  plan.statistics.reason = fleet.proof_of_infeasibility();
-  if (plan.statistics.reason.empty()) {
+  plan.statistics.reason = fleet.proof_of_infeasibility(deadline);
+  if (plan.statistics.reason.empty() && !algorithm->lets_robots_overlap &&
+      !fleet.overlapping_pairs().empty()) {
+    plan.statistics.reason =
+        fmt::format("{}; only escot and pbcr let them", fleet.overlapping_pairs().first());
+  } else if (plan.statistics.reason.empty()) {
     prepared = seconds_since(begin);
-    solution = run_repeatedly(*algorithm, fleet, options, deadline);
+    solution = run_repeatedly(*algorithm, fleet, last, deadline);
     plan.statistics.reason = reason(solution);
   } else {
     solution.status = Status::kInfeasible;
   }
 
-  for (const Agent& agent : instance.agents) plan.names.push_back(agent.name);
+  for (const Agent& agent : instance.agents) {
+    plan.names.push_back(agent.name);
+    plan.vehicles.push_back(agent.vehicle);
+  }
   plan.trajectories = std::move(solution.trajectories);
   plan.statistics.status = to_string(solution.status);
   plan.statistics.algorithm = options.algorithm;
-  plan.statistics.seed = options.seed;
+  plan.statistics.seed = last.seed;
   plan.statistics.dt = solution.dt.value_or(instance.dt);
   plan.statistics.solo_makespan = solution.solo_makespan;
   if (solution.first_solution) {
     plan.statistics.first_solution = *solution.first_solution + prepared;
   }
   plan.statistics.lower_bound = fleet.lower_bound();
+  plan.statistics.initial_overlaps = exemptions_of(instance);
   fill_in_durations(plan);
   plan.statistics.runtime = seconds_since(begin);
   return plan;

@@ -25,10 +25,10 @@ struct SolveOptions {
 
 /// Plans for all robots.
 ///
-/// `statistics` of the result is filled but for `version`. Its trajectories end exactly at the
-/// goals if the status is "solved"; else they are as far as the search came, or empty. Same
-/// instance and options give the same plan but for `statistics.runtime`, unless the deadline ends
-/// the search.
+/// `statistics` of the result is filled but for `version`; `seed` is that of the last run. Its
+/// trajectories end exactly at the goals if the status is "solved"; else they are as far as the
+/// search came, or empty. Same instance and options give the same plan but for
+/// `statistics.runtime`, unless the deadline ends the search.
 /// @throws InputError for an unknown algorithm.
 [[nodiscard]] Plan solve(const Instance& instance, const SolveOptions& options,
                          const Deadline& deadline);

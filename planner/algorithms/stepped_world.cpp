@@ -90,7 +90,15 @@ SteppedWorld::SteppedWorld(const Fleet& fleet, const SteppedWorldOptions& option
   const Configuration starts = fleet.starts();
   for (int i = 0; i < fleet.size(); ++i) {
     robots_[std::size_t(i)].way = fleet.cost_to_go(i)(starts[std::size_t(i)]);
+    longest_reach_ = std::max(longest_reach_, reach(i));
+    longest_step_ = std::max(longest_step_, fleet.car(i).step_length());
   }
+}
+
+bool SteppedWorld::is_exempt(int i, const Motion& a, int j, const Motion& b) const {
+  if (now_.empty()) return false;
+  return fleet_.overlapping_pairs().allow({i, now_[std::size_t(i)], a.arc},
+                                          {j, now_[std::size_t(j)], b.arc});
 }
 
 SteppedWorld::Motion SteppedWorld::motion(int i, const Pose& pose, const Arc& arc) const {
@@ -317,6 +325,10 @@ std::optional<int> SteppedWorld::predicted_conflict(int i, int j) const {
   const Robot& a = robots_[std::size_t(i)];
   const Robot& b = robots_[std::size_t(j)];
   if (a.joint >= 0 && a.joint == b.joint) return std::nullopt;  // planned together
+  const auto pose = [this](int k) { return now_[std::size_t(k)]; };
+  if (!now_.empty() && fleet_.overlapping_pairs().not_yet_apart(i, pose(i), j, pose(j))) {
+    return std::nullopt;  // no joint trajectory begins like this
+  }
   // What was foreseen to be free at the last step needs no second look but at the step that has
   // come into the window since.
   const bool free_before = as_foreseen(i) && as_foreseen(j) && !(a.disputed && b.disputed);
@@ -330,15 +342,9 @@ std::vector<Group> SteppedWorld::group_robots(const Configuration& q) {
   if (!options_.grouping) return {};
   std::vector<std::tuple<int, int, int>> conflicts;  // steps from now, robots
   std::vector<int> near;
-  double longest = 0.0;  // [m]
-  double quickest = 0.0;
   for (int i = 0; i < fleet_.size(); ++i) {
-    longest = std::max(longest, reach(i));
-    quickest = std::max(quickest, fleet_.car(i).step_length());
-  }
-  for (int i = 0; i < fleet_.size(); ++i) {
-    const double sight =
-        reach(i) + longest + (options_.window - 1) * (fleet_.car(i).step_length() + quickest);
+    const double sight = reach(i) + longest_reach_ +
+                         (options_.window - 1) * (fleet_.car(i).step_length() + longest_step_);
     neighbours_.within(sight, q[std::size_t(i)], near);
     for (const int j : near) {
       if (j >= i) continue;
@@ -374,9 +380,7 @@ std::vector<Group> SteppedWorld::group_robots(const Configuration& q) {
 }
 
 bool SteppedWorld::pre_check(const Group& group) const {
-  if (int(group.size()) > options_.max_group) return false;
-  const auto failure = failed_.find(group);
-  return failure == failed_.end() || step_ - failure->second >= options_.retry_after;
+  return int(group.size()) <= options_.max_group && !failed_.contains(group);
 }
 
 std::optional<std::vector<SteppedWorld::Motion>> SteppedWorld::get_opt_traj(const Configuration& q,
@@ -461,18 +465,12 @@ void SteppedWorld::look_around(const Configuration& q) {
   neighbours_ = Neighbours(q);
   outlooks_.clear();
   for (int i = 0; i < fleet_.size(); ++i) outlooks_.push_back(outlook(i));
-  double longest = 0.0;  // [m]
-  double quickest = 0.0;
-  for (int i = 0; i < fleet_.size(); ++i) {
-    longest = std::max(longest, reach(i));
-    quickest = std::max(quickest, fleet_.car(i).step_length());
-  }
   for (int i = 0; i < fleet_.size(); ++i) {
     Robot& robot = robots_[std::size_t(i)];
     const Pose& pose = q[std::size_t(i)];
-    const double one_step = reach(i) + longest;
+    const double one_step = reach(i) + longest_reach_;
     robot.near.clear();
-    const double drives = fleet_.car(i).step_length() + quickest;
+    const double drives = fleet_.car(i).step_length() + longest_step_;
     neighbours_.within(one_step + look_ahead(i) * drives, pose, robot.in_sight);
     std::erase(robot.in_sight, i);
     for (const int j : robot.in_sight) {
@@ -508,16 +506,12 @@ std::optional<TimedPath> SteppedWorld::find_guide(int i, const Pose& pose) const
   problem.car = &fleet_.car(i);
   problem.cost_to_go = &fleet_.cost_to_go(i);
   problem.start = pose;
-  SearchOptions search{.w = options_.guide_w, .max_expansions = options_.guide_expansions};
-  // Full steps do not get out of every narrow place; shorter ones may.
-  for (const double scale : {1.0, 0.5, 0.25}) {
-    search.arc_scale = scale;
-    if (auto path = planner_.search(problem, search, deadline_)) return path;
-  }
-  return std::nullopt;
+  return planner_.search_with_shorter_steps(
+      problem, {.w = options_.guide_w, .max_expansions = options_.guide_expansions}, deadline_);
 }
 
 void SteppedWorld::prepare(const Configuration& q) {
+  if (!fleet_.overlapping_pairs().empty()) now_ = q;
   for (int i = 0; i < fleet_.size(); ++i) {
     Robot& robot = robots_[std::size_t(i)];
     const Pose& pose = q[std::size_t(i)];
@@ -538,6 +532,7 @@ void SteppedWorld::prepare(const Configuration& q) {
 
 void SteppedWorld::advance(const std::vector<Motion>& motions) {
   ++step_;
+  std::erase_if(failed_, [&](const auto& f) { return step_ - f.second >= options_.retry_after; });
   for (int i = 0; i < fleet_.size(); ++i) {
     Robot& robot = robots_[std::size_t(i)];
     const Motion& m = motions[std::size_t(i)];

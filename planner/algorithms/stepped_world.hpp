@@ -55,8 +55,8 @@ class SteppedWorld {
   /// The same for a robot that is pushed: it also gives way to its pusher, after that one's motion.
   [[nodiscard]] Ranking evasions(int i, const Pose& pose, int pusher, const Motion& motion) const;
   [[nodiscard]] Motion safe_stop(int i, const Pose& pose) const { return motion(i, pose, {}); }
-  [[nodiscard]] bool conflict(int, const Motion& a, int, const Motion& b) const {
-    return collide(a.sweep, b.sweep);
+  [[nodiscard]] bool conflict(int i, const Motion& a, int j, const Motion& b) const {
+    return collide(a.sweep, b.sweep) && !is_exempt(i, a, j, b);
   }
 
   /// Those that i can meet in one step, highest priority first.
@@ -79,6 +79,9 @@ class SteppedWorld {
   /// Makes the next step different: random actions for some robots, and a random "last action" for
   /// some [ESCoT Sec. III-E].
   void add_randomness(const Configuration& q, std::mt19937_64& rng);
+
+  /// Groups that pre_check() has in mind, for one who looks after the memory.
+  [[nodiscard]] std::size_t failures_kept() const { return failed_.size(); }
 
  private:
   /// How much a robot has been in a cell, not counting its own way; forgotten bit by bit.
@@ -121,6 +124,8 @@ class SteppedWorld {
     [[nodiscard]] bool may_meet(const Way& other) const;
   };
 
+  /// May two that overlap at their starts, or at their goals, do so during these motions?
+  [[nodiscard]] bool is_exempt(int i, const Motion& a, int j, const Motion& b) const;
   [[nodiscard]] Motion motion(int i, const Pose& pose, const Arc& arc) const;
   [[nodiscard]] Motion motion(int i, const Pose& pose, const Frame& frame,
                               const Primitive& step) const;
@@ -168,10 +173,14 @@ class SteppedWorld {
   const Deadline& deadline_;
   SpacetimeHybridAstar planner_;
   std::vector<Robot> robots_;
-  std::vector<int> order_;  ///< robots, highest priority first
+  double longest_reach_ = 0.0;  ///< the largest reach() [m]
+  double longest_step_ = 0.0;   ///< [m]
+  Configuration now_;           ///< where they are; kept only if some overlap from the start on
+  std::vector<int> order_;      ///< robots, highest priority first
   Neighbours neighbours_;
   std::vector<Circle> outlooks_;  ///< of each robot, see outlook()
-  std::map<Group, int> failed_;   ///< groups, and the step in which they could not be planned
+  /// Groups, and the step in which they could not be planned; forgotten once they may be tried.
+  std::map<Group, int> failed_;
   int step_ = 0;
   int grouped_at_ = -1;  ///< the last step in which groups were made
   int joints_ = 0;       ///< so many joint trajectories were made

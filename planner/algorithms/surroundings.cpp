@@ -8,6 +8,7 @@ Surroundings::Surroundings(const RoadPairs& pairs, const RoadVehicle& vehicle,
                            std::span<const JointPlan::Entry> before,
                            const WholeTrajectoryOptions& options, Forecasts forecasts)
     : grid_(pairs.scene().grid),
+      now_(pairs.scene().step),
       vehicle_(vehicle),
       body_(pairs.scene().body(vehicle)),
       options_(options) {
@@ -17,14 +18,15 @@ Surroundings::Surroundings(const RoadPairs& pairs, const RoadVehicle& vehicle,
   for (std::size_t f = 0; count && f < scene.forecasts.size(); ++f) {
     if (pairs.follows(f, self)) continue;
     const Forecast& forecast = scene.forecasts[f];
-    add(pairs.towards_forecast(self, f), forecast.vehicle, forecast.trajectory,
-        scene.body(forecast.vehicle), true);
+    add({pairs.towards_forecast(self, f), &forecast.trajectory,
+         forecast.latest ? &*forecast.latest : nullptr, &forecast.vehicle,
+         &scene.body(forecast.vehicle), true, forecast.yields});
   }
   for (const JointPlan::Entry& e : before) {
     if (e.key == vehicle.key) continue;
     const std::size_t other = pairs.index(e.key);
-    add(pairs.between(self, other), scene.vehicles[other], *e.trajectory,
-        scene.body(scene.vehicles[other]), false);
+    add({pairs.between(self, other), e.trajectory.get(), nullptr, &scene.vehicles[other],
+         &scene.body(scene.vehicles[other]), false, false});
   }
 }
 
@@ -33,10 +35,14 @@ bool Surroundings::step_is_clear(std::int64_t k, const InertialState& from, doub
   count_work();
   const double reach =
       to.s + stopping_distance(to.v, body_.max_decel) + to.v * RoadPairs::kReaction;
-  // A leader of another driver may always be answered with full braking.
-  const bool brakes_fully = a <= -body_.max_decel + 1e-9;
+  // A leader of another driver may always be answered with full braking, and whoever crosses now;
+  // one that stands can do no more.
+  const bool brakes_fully = a <= -body_.max_decel + 1e-9 || (from.v == 0.0 && to.v == 0.0);
+  const bool stays = to.s == vehicle_.now.s;
   const auto is_clear_of = [&](const Other& other) {
-    return (other.forecast && brakes_fully) || !meets(other, k, from, a, to, reach);
+    const bool yields_in_time = other.latest == nullptr || k == now_ || stays;
+    return (other.forecast && brakes_fully && yields_in_time) ||
+           !meets(other, k, from, a, to, reach);
   };
   // Whoever stood in the way the last time will mostly do so again.
   if (last_blocker_ < others_.size() && !is_clear_of(others_[last_blocker_])) return false;
@@ -58,14 +64,15 @@ bool Surroundings::can_wait(std::int64_t k, const InertialState& state) const {
     if (other.contact.contact->is_close_now()) continue;
     const ContactTable& contacts = other.contact.table();
     if (!contacts.concerns(state.s, rest)) continue;
-    const double now = other.trajectory->at(k).s;
+    const double now = other.hindmost(k);
     const double end = other.trajectory->states.back().s;
     if (now > end || !contacts.reaches(state.s, rest, now, end)) continue;
+    if (is_followed_by(other, state, other.trajectory->at(k))) continue;
     for (int i = 1; i < steps; ++i) {
       const double s = braked_position(state, b, i * grid_.dt);
-      if (contacts.touches(s, other.trajectory->at(k + i).s)) return false;
+      if (contacts.meets(s, s, other.hindmost(k + i), other.trajectory->at(k + i).s)) return false;
     }
-    const double from = other.trajectory->at(k + steps).s;
+    const double from = other.hindmost(k + steps);
     if (from <= end && contacts.blocks(rest, from, end)) return false;
   }
   return true;
@@ -104,7 +111,7 @@ bool Surroundings::keeps_headway(std::int64_t k, const InertialState& state) con
 bool Surroundings::leaves_forecasts_room(std::int64_t k, const InertialState& state) const {
   const double d = state.s - vehicle_.s_exit_lane;
   for (const Other& other : others_) {
-    const InertialState o = other.trajectory->at(k);
+    const InertialState o = (other.latest != nullptr ? other.latest : other.trajectory)->at(k);
     const double ahead = o.s - other.vehicle->s_exit_lane - d;
     if (!other.forecast || other.vehicle->exit_lane != vehicle_.exit_lane || ahead <= 0.0 ||
         o.s >= PathTrajectory::kGone) {
@@ -118,18 +125,19 @@ bool Surroundings::leaves_forecasts_room(std::int64_t k, const InertialState& st
   return true;
 }
 
-void Surroundings::add(const ContactView& contact, const RoadVehicle& vehicle,
-                       const PathTrajectory& trajectory, const Vehicle& body, bool forecast) {
+void Surroundings::add(const Other& other) {
   const int exit = vehicle_.exit_lane;
-  const bool same_exit = exit >= 0 && (exit == vehicle.exit_lane || exit == vehicle.entry_lane);
-  if (contact.contact->never() && !same_exit) return;
-  others_.push_back({contact, &trajectory, &vehicle, &body, forecast});
+  const bool same_exit =
+      exit >= 0 && (exit == other.vehicle->exit_lane || exit == other.vehicle->entry_lane);
+  if (other.contact.contact->never() && !same_exit) return;
+  others_.push_back(other);
 }
 
 bool Surroundings::meets(const Other& other, std::int64_t k, const InertialState& from, double a,
                          const InertialState& to, double reach) const {
   const ContactTable& contacts = other.contact.table();
   if (!contacts.concerns(from.s, reach)) return false;
+  if (other.latest != nullptr) return meets_anywhere(other, k, from, a, to);
   const PathTrajectory& t = *other.trajectory;
   const InertialState other_from = t.at(k);
   if (other_from.s >= PathTrajectory::kGone) return false;
@@ -139,12 +147,48 @@ bool Surroundings::meets(const Other& other, std::int64_t k, const InertialState
   const InertialState other_to = t.at(k + last);
   const double other_reach = other_to.s + stopping_distance(other_to.v, other.body->max_decel);
   if (!contacts.reaches(from.s, reach, other_from.s, other_reach)) return false;
+  if (is_followed_by(other, from, other_from)) return false;
 
-  const bool lenient = other.contact.is_close(from, other_from);
+  // Too close to a leader with a driver of its own there is no choice but full braking: "no worse
+  // than braking now" would begin anew at every decision, nearer each time.
+  const bool lenient = other.contact.is_close(from, other_from) &&
+                       !(other.forecast && other.contact.contact->is_behind(from, other_from));
   const auto position = [&](int i) { return advance(from, a, i * grid_.dt).s; };
   const auto other_position = [&](int i) { return t.at(k + i).s; };
   if (other.contact.touch(position, other_position, last, lenient)) return true;
-  return last == grid_.steps_per_decision && other.contact.touch_braking(to, other_to, lenient);
+  // Who leaves within the decision drives on where this vehicle does not see it.
+  const InertialState then =
+      last == grid_.steps_per_decision ? to : advance(from, a, last * grid_.dt);
+  return other.contact.touch_braking(then, other_to, lenient) ||
+         (is_followed_by(other, then, other_to) && other.contact.contact->cuts_off(then, other_to));
+}
+
+bool Surroundings::meets_anywhere(const Other& other, std::int64_t k, const InertialState& from,
+                                  double a, const InertialState& to) const {
+  const ContactTable& contacts = other.contact.table();
+  const auto is_there = [&](double s, double s_end, std::int64_t k_from, std::int64_t k_to) {
+    return contacts.meets(s, s_end, other.hindmost(k_from), other.trajectory->at(k_to).s);
+  };
+  // Wherever one goes that is in the way now, it is no worse.
+  if (k == now_ && is_there(from.s, from.s, k, k)) return false;
+  const int n = grid_.steps_per_decision;
+  for (int i = 0; i < n; ++i) {
+    const double s = advance(from, a, i * grid_.dt).s;
+    const double s_end = advance(from, a, (i + 1) * grid_.dt).s;
+    if (is_there(s, s_end, k + i, k + i + 1)) return true;
+  }
+  const int steps = braking_steps(to.v, body_.max_decel, grid_.dt);
+  for (int i = 0; i < steps; ++i) {
+    const double s = braked_position(to, body_.max_decel, i * grid_.dt);
+    const double s_end = braked_position(to, body_.max_decel, (i + 1) * grid_.dt);
+    if (is_there(s, s_end, k + n + i, k + n + i + 1)) return true;
+  }
+  return false;
+}
+
+bool Surroundings::is_followed_by(const Other& other, const InertialState& state,
+                                  const InertialState& other_state) const {
+  return other.yields && other.contact.contact->is_ahead(state, other_state);
 }
 
 double Surroundings::headway(double d_behind, double v, double b, double v_ahead,

@@ -41,17 +41,23 @@ class Surroundings {
   struct Other {
     ContactView contact;
     const PathTrajectory* trajectory;
+    const PathTrajectory* latest;  ///< of a forecast; nullptr: it is the trajectory itself
     const RoadVehicle* vehicle;
     const Vehicle* body;
     bool forecast;
+    bool yields;  ///< a forecast whose driver keeps clear of whoever is in his way
+
+    /// Where it is at least at step k [m].
+    [[nodiscard]] double hindmost(std::int64_t k) const {
+      return (latest != nullptr ? latest : trajectory)->at(k).s;
+    }
   };
 
-  /// How far behind the start of this vehicle's exit lane the other one is in this state [m], if its
-  /// path begins there.
+  /// How far behind the start of this vehicle's exit lane the other one is in this state [m], if
+  /// its path begins there.
   [[nodiscard]] std::optional<double> place_on_next(const Other& other,
                                                     const InertialState& state) const;
-  void add(const ContactView& contact, const RoadVehicle& vehicle, const PathTrajectory& trajectory,
-           const Vehicle& body, bool forecast);
+  void add(const Other& other);
 
   void count_work() const {
     constexpr std::int64_t kOwn = 4;  // what the decision itself takes, in looks
@@ -63,10 +69,20 @@ class Surroundings {
   [[nodiscard]] bool meets(const Other& other, std::int64_t k, const InertialState& from, double a,
                            const InertialState& to, double reach) const;
 
+  /// The same for somebody who may be anywhere between two trajectories, and who does not brake.
+  [[nodiscard]] bool meets_anywhere(const Other& other, std::int64_t k, const InertialState& from,
+                                    double a, const InertialState& to) const;
+
+  /// Has the driver of a forecast this vehicle in his way, and not the other way round? Then he
+  /// keeps clear of it.
+  [[nodiscard]] bool is_followed_by(const Other& other, const InertialState& state,
+                                    const InertialState& other_state) const;
+
   [[nodiscard]] double headway(double d_behind, double v, double b, double v_ahead,
                                double b_ahead) const;
 
   DecisionGrid grid_;
+  std::int64_t now_;
   const RoadVehicle& vehicle_;
   const Vehicle& body_;
   const WholeTrajectoryOptions& options_;

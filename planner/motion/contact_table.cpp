@@ -170,6 +170,16 @@ bool ContactTable::sweeps(double a, double a_end, double b, double b_end) const 
   return false;
 }
 
+bool ContactTable::meets(double a, double a_end, double b, double b_end) const {
+  if (!within_bounds(a, a_end, b, b_end)) return false;
+  const auto first = std::size_t(std::max(row_of(a), 0.0));
+  const auto last = std::size_t(std::min(row_of(a_end), double(rows()) - 1.0));
+  for (std::size_t row = first; row <= last; ++row) {
+    if (row_meets(row, b, b_end)) return true;
+  }
+  return false;
+}
+
 bool ContactTable::blocks_reach(double from, double to, double b, double b_end) const {
   const std::size_t last = std::size_t(std::min(to, double(rows()) - 1.0)) / kBlock;
   for (std::size_t block = std::size_t(std::max(from, 0.0)) / kBlock; block <= last; ++block) {

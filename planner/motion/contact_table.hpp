@@ -96,8 +96,11 @@ class ContactTable {
   /// has while A is in it. @pre a <= a_end, b <= b_end
   [[nodiscard]] bool sweeps(double a, double a_end, double b, double b_end) const;
 
+  /// Is there a contact with A anywhere within [a, a_end] and B anywhere within [b, b_end]?
+  [[nodiscard]] bool meets(double a, double a_end, double b, double b_end) const;
+
   /// Is there, as far as bounds of 16 rows each tell, a contact with A within [a, a_end] and B
-  /// within [b, b_end]? Never false where sweeps() or blocks() is true.
+  /// within [b, b_end]? Never false where sweeps(), meets() or blocks() is true.
   [[nodiscard]] bool reaches(double a, double a_end, double b, double b_end) const {
     return within_bounds(a, a_end, b, b_end) && blocks_reach(row_of(a), row_of(a_end), b, b_end);
   }

@@ -9,7 +9,7 @@ constexpr int kSlow = 3;  ///< slow actions get so many times less far
 
 }  // namespace
 
-Clearance::Clearance(const Map& map, const Obstacles& obstacles) {
+Clearance::Clearance(const Map& map, const Obstacles& obstacles, const Deadline& deadline) {
   if (obstacles.empty()) return;
   side_ = std::max(kSide, std::sqrt(map.width * map.height / 4e6));
   columns_ = int(std::ceil(map.width / side_));
@@ -34,6 +34,7 @@ Clearance::Clearance(const Map& map, const Obstacles& obstacles) {
           [&](const Point& p) { return std::hypot(p.x - c.x, p.y - c.y) - c.radius; });
   }
   for (const Polygon& polygon : map.polygons) {
+    if (deadline.expired()) break;
     const auto [left, right] = std::ranges::minmax(polygon, {}, &Point::x);
     const auto [bottom, top] = std::ranges::minmax(polygon, {}, &Point::y);
     lower({left.x, bottom.y, right.x, top.y}, [&](const Point& p) {
@@ -46,6 +47,7 @@ Clearance::Clearance(const Map& map, const Obstacles& obstacles) {
       return nearest;
     });
   }
+  if (deadline.expired()) *this = unknown();
 }
 
 float Clearance::at(double x, double y) const {
@@ -57,12 +59,14 @@ float Clearance::at(double x, double y) const {
 }
 
 MacroCar::MacroCar(const Vehicle& vehicle, TimeGrid time, const Map& map,
-                   const Obstacles& obstacles, const Clearance& clearance)
+                   const Obstacles& obstacles, const Clearance& clearance,
+                   const Exemptions* exemptions)
     : vehicle_(vehicle),
       time_(time),
       map_(&map),
       obstacles_(&obstacles),
       clearance_(&clearance),
+      exemptions_(exemptions),
       shape_(box_shape(vehicle, time.dt)),
       reach_(shape_.half_diagonal() + shape_.travel * float(time.bucket - time.bucket / 2)),
       turn_(vehicle.max_speed * time.bucket_duration() * vehicle.max_curvature() / kSlow) {
@@ -113,8 +117,14 @@ bool MacroCar::in_bounds(const Pose& from, const Arc& arc) const {
          e.max_y <= map_->height + kRounding;
 }
 
+bool MacroCar::is_clear(const Pose& from, const Arc& arc) const {
+  const Sweep sweep(vehicle_, from, arc);
+  if (!obstacles_->hit(sweep)) return true;
+  return exemptions_ != nullptr && exemptions_->allow(*obstacles_, sweep, from, arc);
+}
+
 bool MacroCar::is_free(const Pose& from, const Arc& arc) const {
-  return in_bounds(from, arc) && !obstacles_->hit(Sweep(vehicle_, from, arc));
+  return in_bounds(from, arc) && is_clear(from, arc);
 }
 
 bool MacroCar::is_free(const Pose& from, const Arc& arc, const BoxPose& halfway) const {
@@ -123,7 +133,7 @@ bool MacroCar::is_free(const Pose& from, const Arc& arc, const BoxPose& halfway)
                            halfway.x <= map_->width - margin && halfway.y <= map_->height - margin;
   if (!well_inside && !in_bounds(from, arc)) return false;
   if (clearance_->at(double(halfway.x), double(halfway.y)) >= reach_) return true;
-  return !obstacles_->hit(Sweep(vehicle_, from, arc));
+  return is_clear(from, arc);
 }
 
 }  // namespace mvtp

@@ -3,8 +3,10 @@
 #include <array>
 #include <vector>
 
+#include "planner/motion/exemptions.hpp"
 #include "planner/motion/obstacles.hpp"
 #include "planner/motion/timed_track.hpp"
+#include "planner/problem/deadline.hpp"
 #include "planner/problem/instance.hpp"
 
 namespace mvtp {
@@ -12,7 +14,9 @@ namespace mvtp {
 /// A lower bound on the distance from any point to the nearest obstacle, from a grid.
 class Clearance {
  public:
-  Clearance(const Map& map, const Obstacles& obstacles);
+  /// @param deadline  once it has expired: the same as unknown()
+  Clearance(const Map& map, const Obstacles& obstacles,
+            const Deadline& deadline = Deadline::never());
   /// Knows nothing: 0 everywhere. For maps that change too often to be worth the work.
   [[nodiscard]] static Clearance unknown() { return Clearance(); }
 
@@ -39,8 +43,9 @@ class Clearance {
 /// The obstacles of the map are those of all cars; they and the map outlive this object.
 class MacroCar {
  public:
+  /// @param exemptions from the obstacles, outlives this object; nullptr: none
   MacroCar(const Vehicle& vehicle, TimeGrid time, const Map& map, const Obstacles& obstacles,
-           const Clearance& clearance);
+           const Clearance& clearance, const Exemptions* exemptions = nullptr);
 
   struct Action {
     Arc arc;
@@ -81,12 +86,14 @@ class MacroCar {
 
  private:
   [[nodiscard]] bool in_bounds(const Pose& from, const Arc& arc) const;
+  [[nodiscard]] bool is_clear(const Pose& from, const Arc& arc) const;
 
   Vehicle vehicle_;
   TimeGrid time_;
   const Map* map_;
   const Obstacles* obstacles_;
   const Clearance* clearance_;
+  const Exemptions* exemptions_;
   BoxShape shape_;
   float reach_;
   float reach_of_all_ = 0.0F;

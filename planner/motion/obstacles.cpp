@@ -5,6 +5,7 @@
 #include <numeric>
 #include <optional>
 #include <ranges>
+#include <set>
 #include <span>
 
 namespace mvtp {
@@ -110,20 +111,44 @@ void Obstacles::add(const Polygon& polygon, int index) {
 bool Obstacles::hit(const Sweep& sweep) const { return first_hit(sweep) >= 0; }
 
 int Obstacles::first_hit(const Sweep& sweep) const {
+  int first = -1;
+  any_hit(sweep, [&](int obstacle) {
+    first = obstacle;
+    return true;
+  });
+  return first;
+}
+
+bool Obstacles::hit_but(const Sweep& sweep, std::span<const int> left_out) const {
+  return any_hit(
+      sweep, [&](int obstacle) { return std::ranges::find(left_out, obstacle) == left_out.end(); });
+}
+
+std::vector<int> Obstacles::all_hits(const Sweep& sweep) const {
+  std::set<int> hits;
+  any_hit(sweep, [&](int obstacle) {
+    hits.insert(obstacle);
+    return false;
+  });
+  return {hits.begin(), hits.end()};
+}
+
+template <class Visit>
+bool Obstacles::any_hit(const Sweep& sweep, Visit&& visit) const {
   const double column = (sweep.centre().x + reach_) / cell_size_;
   const double row = (sweep.centre().y + reach_) / cell_size_;
   const bool in_grid = column >= 0 && row >= 0 && column < columns_ && row < rows_;
-  const auto first_of = [&](const auto& items) {
-    if (items.empty()) return -1;
+  const auto any_of = [&](const auto& items) {
+    if (items.empty()) return false;
     const OrientedBox around = sweep.around();
     for (const int item : items) {
-      if (hits_item(sweep, around, item)) return obstacle_of(item);
+      if (hits_item(sweep, around, item) && visit(obstacle_of(item))) return true;
     }
-    return -1;
+    return false;
   };
-  if (!in_grid || sweep.radius() > reach_) return first_of(std::views::iota(0, item_count()));
+  if (!in_grid || sweep.radius() > reach_) return any_of(std::views::iota(0, item_count()));
   const std::size_t k = std::size_t(int(row) * columns_ + int(column));
-  return first_of(std::span(items_.begin() + first_[k], items_.begin() + first_[k + 1]));
+  return any_of(std::span(items_.begin() + first_[k], items_.begin() + first_[k + 1]));
 }
 
 Extent Obstacles::item_extent(int item) const {

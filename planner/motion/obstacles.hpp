@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <span>
 #include <vector>
 
 #include "planner/motion/sweep.hpp"
@@ -21,6 +22,11 @@ class Obstacles {
 
   /// Index of an obstacle that is hit, circles first, then polygons; -1 if none.
   [[nodiscard]] int first_hit(const Sweep& sweep) const;
+
+  /// Does it overlap an obstacle that is not among these?
+  [[nodiscard]] bool hit_but(const Sweep& sweep, std::span<const int> left_out) const;
+  /// The indices of all obstacles that are hit, ascending.
+  [[nodiscard]] std::vector<int> all_hits(const Sweep& sweep) const;
 
   [[nodiscard]] bool empty() const { return circles_.empty() && parts_.empty(); }
 
@@ -44,6 +50,9 @@ class Obstacles {
   /// @param around  the sweep's
   [[nodiscard]] bool hits_item(const Sweep& sweep, const OrientedBox& around, int item) const;
   [[nodiscard]] int obstacle_of(int item) const;
+  /// Calls visit(obstacle) for those that are hit, until it returns true. @return whether it did
+  template <class Visit>
+  bool any_hit(const Sweep& sweep, Visit&& visit) const;
 
   std::vector<Circle> circles_;
   std::vector<Part> parts_;

@@ -17,6 +17,8 @@ double dot(const Point& p, const Point& q) { return p.x * q.x + p.y * q.y; }
 double cross(const Point& p, const Point& q) { return p.x * q.y - p.y * q.x; }
 double length(const Point& p) { return std::hypot(p.x, p.y); }
 
+constexpr double kRounding = 1e-6;  // [m]
+
 /// The point of the segment ab that is closest to p.
 Point closest(const Point& a, const Point& b, const Point& p) {
   const double square = dot(b - a, b - a);
@@ -98,7 +100,7 @@ class ParitySets {
 
 }  // namespace
 
-Passages::Passages(const Map& map, double radius, double outside) {
+Passages::Passages(const Map& map, double radius, double outside, const Deadline& deadline) {
   // The centre keeps `radius` from everything: so from a frame that lies as much farther out.
   const double far = outside + radius;
   add_polygon({{-far, -far},
@@ -112,10 +114,17 @@ Passages::Passages(const Map& map, double radius, double outside) {
   const auto first_x = [](const Wall& wall) { return std::min(wall.a.x, wall.b.x) - wall.radius; };
   const auto last_x = [](const Wall& wall) { return std::max(wall.a.x, wall.b.x) + wall.radius; };
   std::ranges::stable_sort(walls_, {}, first_x);
-  for (int i = 0; i < int(walls_.size()); ++i) {
-    const double reach = last_x(walls_[std::size_t(i)]) + 2 * radius;
+  const auto first_y = [](const Wall& wall) { return std::min(wall.a.y, wall.b.y) - wall.radius; };
+  const auto last_y = [](const Wall& wall) { return std::max(wall.a.y, wall.b.y) + wall.radius; };
+  const double width = 2 * radius + kRounding;
+  for (int i = 0; i < int(walls_.size()) && !deadline.expired(); ++i) {
+    const Wall& v = walls_[std::size_t(i)];
+    const double reach = last_x(v) + 2 * radius;
+    const double low = first_y(v) - width;
+    const double high = last_y(v) + width;
     for (int j = i + 1; j < int(walls_.size()) && first_x(walls_[std::size_t(j)]) < reach; ++j) {
-      link(i, j, 2 * radius);
+      const Wall& w = walls_[std::size_t(j)];
+      if (last_y(w) >= low && first_y(w) <= high) link(i, j, 2 * radius);
     }
   }
 }

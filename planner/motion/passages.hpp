@@ -3,6 +3,7 @@
 #include <array>
 #include <vector>
 
+#include "planner/problem/deadline.hpp"
 #include "planner/problem/instance.hpp"
 
 namespace mvtp {
@@ -17,7 +18,9 @@ class Passages {
  public:
   /// @param radius   of the disc [m]
   /// @param outside  how far its centre may be outside the map; negative: must be inside [m]
-  Passages(const Map& map, double radius, double outside);
+  /// @param deadline  gaps that are left when it expires are taken to be wide enough
+  Passages(const Map& map, double radius, double outside,
+           const Deadline& deadline = Deadline::never());
 
   /// Is there no way at all for the disc's centre? @pre it may be at both places.
   [[nodiscard]] bool separated(const Point& from, const Point& to) const;

@@ -15,8 +15,13 @@ bool inside(const Map& map, const Extent& extent) {
 }  // namespace
 
 SteppedCar::SteppedCar(const Vehicle& vehicle, double dt, CollisionRule rule, const Map& map,
-                       const Obstacles& obstacles)
-    : vehicle_(vehicle), dt_(dt), rule_(rule), map_(&map), obstacles_(&obstacles) {
+                       const Obstacles& obstacles, const Exemptions* exemptions)
+    : vehicle_(vehicle),
+      dt_(dt),
+      rule_(rule),
+      map_(&map),
+      obstacles_(&obstacles),
+      exemptions_(exemptions) {
   const double length = step_length();
   const double k = vehicle.max_curvature();
   arcs_ = {{{length, 0.0}, {length, k}, {length, -k}, {-length, 0.0}, {-length, k}, {-length, -k}}};
@@ -47,6 +52,13 @@ bool SteppedCar::in_bounds(const Pose& from, const Arc& arc) const {
   const Arc driven = rule_ == CollisionRule::kContinuous ? arc : Arc{};
   return inside(*map_, map_->bounds == Bounds::kAxle ? axle_extent(start, driven)
                                                      : body_extent(vehicle_, start, driven));
+}
+
+bool SteppedCar::is_exempt(const Pose& from, const Arc& arc, const Sweep& sweep) const {
+  if (exemptions_ == nullptr) return false;
+  return rule_ == CollisionRule::kContinuous
+             ? exemptions_->allow(*obstacles_, sweep, from, arc)
+             : exemptions_->allow(*obstacles_, sweep, drive(from, arc), {});
 }
 
 std::vector<Arc> SteppedCar::steps(const std::vector<Arc>& path) const {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "planner/motion/arc.hpp"
+#include "planner/motion/exemptions.hpp"
 #include "planner/motion/obstacles.hpp"
 #include "planner/motion/sweep.hpp"
 #include "planner/problem/instance.hpp"
@@ -32,9 +33,10 @@ struct Primitive {
 /// reverse) and a wait. Arcs are driven exactly, not by the Euler steps of eq. (5).
 class SteppedCar {
  public:
-  /// @param obstacles  of `map`; both outlive this object.
+  /// @param obstacles  of `map`; both outlive this object, and so do
+  /// @param exemptions from them; nullptr: none
   SteppedCar(const Vehicle& vehicle, double dt, CollisionRule rule, const Map& map,
-             const Obstacles& obstacles);
+             const Obstacles& obstacles, const Exemptions* exemptions = nullptr);
 
   [[nodiscard]] const Vehicle& vehicle() const { return vehicle_; }
   /// The way driven in one step at full speed [m].
@@ -55,7 +57,7 @@ class SteppedCar {
 
   /// Is the step inside the map and clear of its obstacles? `sweep` is sweep(from, arc).
   [[nodiscard]] bool is_free(const Pose& from, const Arc& arc, const Sweep& sweep) const {
-    return in_bounds(from, arc) && !obstacles_->hit(sweep);
+    return in_bounds(from, arc) && (!obstacles_->hit(sweep) || is_exempt(from, arc, sweep));
   }
   [[nodiscard]] bool is_free(const Pose& from, const Arc& arc) const {
     return is_free(from, arc, sweep(from, arc));
@@ -71,11 +73,14 @@ class SteppedCar {
   }
 
  private:
+  [[nodiscard]] bool is_exempt(const Pose& from, const Arc& arc, const Sweep& sweep) const;
+
   Vehicle vehicle_;
   double dt_;
   CollisionRule rule_;
   const Map* map_;
   const Obstacles* obstacles_;
+  const Exemptions* exemptions_;
   std::array<Arc, 6> arcs_;
   std::vector<Primitive> primitives_;
 };

@@ -27,11 +27,7 @@ TimedTrack::TimedTrack(const Vehicle& vehicle, const Pose& start, std::vector<Ar
     frame = frame.then(step);
     theta += steps_[t].length * steps_[t].curvature;
   }
-  if (leaves) {  // at the end of a bucket: within one no box may jump
-    const std::size_t buckets = (steps_.size() + std::size_t(padding) - 1) / std::size_t(padding);
-    boxes_.resize(buckets * std::size_t(padding) + 1, boxes_.back());
-    boxes_.push_back({kGone, kGone, 1.0F, 0.0F});
-  }
+  if (leaves) departure_ = std::max(1, (arrival() + padding - 1) / padding) * padding;
   end_ = int(boxes_.size()) - 1;
   boxes_.resize(boxes_.size() + std::size_t(padding), boxes_.back());
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <limits>
 #include <vector>
 
 #include "planner/motion/arc.hpp"
@@ -16,14 +17,14 @@ struct TimeGrid {
   [[nodiscard]] double bucket_duration() const { return dt * bucket; }
 };
 
-/// One robot's motion: one arc per instant from time 0 on, then at rest for ever, or gone.
+/// One robot's motion: one arc per instant from time 0 on, then at rest for ever, or departed.
 ///
 /// The arcs are exact; the boxes, in single precision, are what collision tests read.
 class TimedTrack {
  public:
   TimedTrack() = default;
   /// @param padding  so many boxes at rest follow the last one: the size of a bucket.
-  /// @param leaves   the robot is gone after the bucket in which it arrives
+  /// @param leaves   the robot has departed after the bucket in which it arrives
   TimedTrack(const Vehicle& vehicle, const Pose& start, std::vector<Arc> steps, int padding,
              bool leaves = false);
 
@@ -34,10 +35,11 @@ class TimedTrack {
   /// The rear axle at instant t >= 0.
   [[nodiscard]] Pose pose(int t) const;
 
-  /// Where the box of a robot is that has left [m].
-  static constexpr float kGone = 1e8F;
+  static constexpr int kNever = std::numeric_limits<int>::max();
+  /// The instant from which on the robot is nowhere: the end of a bucket. kNever: it stays.
+  [[nodiscard]] int departure() const { return departure_; }
 
-  /// Boxes from instant t on: `padding` + 1 of them may be read. @pre t >= 0
+  /// Boxes from instant t on: `padding` + 1 of them may be read. @pre 0 <= t < departure()
   [[nodiscard]] const BoxPose* boxes(int t) const { return boxes_.data() + std::min(t, end_); }
   [[nodiscard]] bool empty() const { return boxes_.empty(); }
 
@@ -47,6 +49,7 @@ class TimedTrack {
   std::vector<Pose> poses_;  ///< at every kStride-th instant
   std::vector<BoxPose> boxes_;
   int end_ = 0;  ///< from this box on all are the same
+  int departure_ = kNever;
 };
 
 }  // namespace mvtp

@@ -3,115 +3,109 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
-#include <tuple>
-#include <utility>
 
+#include "planner/problem/initial_overlap.hpp"
 #include "planner/problem/referee_geometry.hpp"
 #include "planner/problem/validate.hpp"
 
 namespace mvtp {
 namespace {
 
-using referee::Box;
-
-/// One of the two poses of each agent.
-struct Place {
-  const char* key;  ///< in the file
-  Pose Agent::*pose;
-};
-
 class Check {
  public:
   Check(const Instance& instance, const std::string& file) : instance_(instance), file_(file) {}
 
-  [[nodiscard]] std::vector<InputError> run() {
-    for (const Place place : {Place{"start", &Agent::start}, Place{"goal", &Agent::goal}}) {
-      std::vector<Box> boxes;
-      for (const Agent& agent : instance_.agents) {
-        boxes.push_back(referee::footprint(agent.vehicle, agent.*place.pose));
+  [[nodiscard]] std::vector<InputError> run() const {
+    std::vector<InputError> problems;
+    if (instance_.initial_overlap == InitialOverlap::kRefuse) {
+      for (const OverlappingPlace& place : find_overlapping_places(instance_)) {
+        problems.push_back(overlap(place));
       }
-      for (std::size_t i = 0; i < boxes.size(); ++i) {
-        check_circles(i, place, boxes[i]);
-        check_polygons(i, place, boxes[i]);
-        check_bounds(i, place, boxes[i]);
-      }
-      check_pairs(place, boxes);
     }
-    return std::move(problems_);
+    for (const bool at_goal : {false, true}) {
+      for (std::size_t i = 0; i < instance_.agents.size(); ++i) check_bounds(i, at_goal, problems);
+    }
+    check_speeds(problems);
+    for (std::size_t i = 0; i < instance_.agents.size(); ++i) check_steps(i, problems);
+    return problems;
   }
 
  private:
-  void add(std::size_t i, const Place& place, const std::string& what) {
-    problems_.emplace_back(fmt::format("{}: agents[{}].{}", file_, i, place.key), what);
+  static const char* key(bool at_goal) { return at_goal ? "goal" : "start"; }
+
+  [[nodiscard]] const Pose& pose(std::size_t i, bool at_goal) const {
+    const Agent& agent = instance_.agents[i];
+    return at_goal ? agent.goal : agent.start;
   }
 
-  [[nodiscard]] std::string at(std::size_t i, const Place& place) const {
-    const Pose& pose = instance_.agents[i].*place.pose;
-    return fmt::format("({:.2f}, {:.2f})", pose.x, pose.y);
+  [[nodiscard]] std::string where(std::size_t i, bool at_goal) const {
+    return fmt::format("{}: agents[{}].{}", file_, i, key(at_goal));
   }
 
-  void add_obstacle(std::size_t i, const Place& place, const std::string& obstacle, double depth) {
-    add(i, place,
-        fmt::format("the footprint at {} overlaps {} by {}; move the {} or the obstacle",
-                    at(i, place), obstacle, metres(depth), place.key));
+  [[nodiscard]] std::string at(std::size_t i, bool at_goal) const {
+    return fmt::format("({:.2f}, {:.2f})", pose(i, at_goal).x, pose(i, at_goal).y);
   }
 
-  /// Two digits as far as they say something.
-  static std::string metres(double depth) {
-    return depth < 0.01 ? fmt::format("{:.4f} m", depth) : fmt::format("{:.2f} m", depth);
-  }
-
-  void check_circles(std::size_t i, const Place& place, const Box& box) {
-    for (std::size_t c = 0; c < instance_.map.circles.size(); ++c) {
-      const double depth = -referee::separation(box, instance_.map.circles[c]);
-      if (depth <= kTouchTolerance) continue;
-      add_obstacle(i, place, fmt::format("obstacles[{}]", c), depth);
+  [[nodiscard]] InputError overlap(const OverlappingPlace& p) const {
+    const std::string begin = fmt::format("the footprint at {} overlaps ", at(p.agent, p.at_goal));
+    if (p.with == OverlappingPlace::With::kAgent) {
+      return {where(p.agent, p.at_goal),
+              fmt::format("{}that of agents[{}].{} by {}; move one of them", begin, p.object,
+                          key(p.at_goal), depth_text(p.depth))};
     }
+    return {where(p.agent, p.at_goal), fmt::format("{}{} by {}; move the {} or the obstacle", begin,
+                                                   obstacle_name(instance_.map, p.object),
+                                                   depth_text(p.depth), key(p.at_goal))};
   }
 
-  void check_polygons(std::size_t i, const Place& place, const Box& box) {
-    for (std::size_t p = 0; p < instance_.map.polygons.size(); ++p) {
-      const double depth = -referee::separation(box, instance_.map.polygons[p]);
-      if (depth <= kTouchTolerance) continue;
-      add_obstacle(i, place, fmt::format("polygons[{}]", p), depth);
-    }
-  }
-
-  void check_bounds(std::size_t i, const Place& place, const Box& box) {
+  void check_bounds(std::size_t i, bool at_goal, std::vector<InputError>& problems) const {
     const Map& map = instance_.map;
     const bool of_axle = map.bounds == Bounds::kAxle;
-    const Pose& pose = instance_.agents[i].*place.pose;
-    const double outside = -(of_axle ? referee::margin_inside(map, Point{pose.x, pose.y})
-                                     : referee::margin_inside(map, box));
+    const Pose& place = pose(i, at_goal);
+    const double outside =
+        -(of_axle ? referee::margin_inside(map, Point{place.x, place.y})
+                  : referee::margin_inside(map,
+                                           referee::footprint(instance_.agents[i].vehicle, place)));
     if (outside <= kTouchTolerance) return;
-    add(i, place,
+    problems.emplace_back(
+        where(i, at_goal),
         fmt::format("the {} at {} is {} outside the map of {} x {} m; move it{}",
-                    of_axle ? "rear axle" : "footprint", at(i, place), metres(outside), map.width,
-                    map.height, of_axle ? "" : ", or choose --bounds axle"));
+                    of_axle ? "rear axle" : "footprint", at(i, at_goal), depth_text(outside),
+                    map.width, map.height, of_axle ? "" : ", or choose --bounds axle"));
   }
 
-  void check_pairs(const Place& place, const std::vector<Box>& boxes) {
-    std::vector<referee::Disc> discs;
-    for (const Box& box : boxes) {
-      discs.push_back({box.center, std::hypot(box.half_length, box.half_width)});
-    }
-    std::vector<std::tuple<std::size_t, std::size_t, double>> overlaps;
-    for (const auto& [i, j] : referee::near_pairs(discs)) {
-      const double depth = -referee::separation(boxes[i], boxes[j]);
-      if (depth > kTouchTolerance) overlaps.emplace_back(j, i, depth);
-    }
-    std::sort(overlaps.begin(), overlaps.end());
-    for (const auto& [i, j, depth] : overlaps) {
-      add(i, place,
-          fmt::format("the footprint at {} overlaps that of agents[{}].{} by {}; move one of them",
-                      at(i, place), j, place.key, metres(depth)));
-    }
+  /// Whoever needs millions of steps to its goal needs them in memory.
+  void check_steps(std::size_t i, std::vector<InputError>& problems) const {
+    constexpr double kMost = 1e6;
+    const Agent& agent = instance_.agents[i];
+    const double speed = agent.vehicle.max_speed;
+    const double steps = distance(agent.start, agent.goal) / (speed * instance_.dt);
+    if (steps <= kMost) return;
+    problems.emplace_back(
+        fmt::format("{}: agents[{}]", file_, i),
+        fmt::format("needs at least {:.2g} steps of dt = {} s at max_speed = {} m/s to its goal; "
+                    "choose them such that {:.0g} are enough",
+                    steps, instance_.dt, speed, kMost));
+  }
+
+  /// escot-star's steps are as fine as the fastest robot needs them.
+  void check_speeds(std::vector<InputError>& problems) const {
+    constexpr double kMost = 1e4;
+    const auto [slowest, fastest] = std::ranges::minmax_element(
+        instance_.agents, {}, [](const Agent& agent) { return agent.vehicle.max_speed; });
+    if (slowest == instance_.agents.end()) return;
+    const double slow = slowest->vehicle.max_speed;
+    const double fast = fastest->vehicle.max_speed;
+    if (fast <= kMost * slow) return;
+    problems.emplace_back(
+        fmt::format("{}: agents[{}].vehicle.max_speed", file_, slowest - instance_.agents.begin()),
+        fmt::format("is {} m/s, where another agent has {} m/s; give speeds that differ by a "
+                    "factor of {:.0f} at most",
+                    slow, fast, kMost));
   }
 
   const Instance& instance_;
   const std::string& file_;
-  std::vector<InputError> problems_;
 };
 
 }  // namespace

@@ -39,11 +39,16 @@ struct Map {
 /// How robots may not touch: along the whole motion, or only at whole steps (the peers' rule).
 enum class CollisionRule { kContinuous, kSteps };
 
+/// What of an agent that overlaps an obstacle or another agent where it starts or ends: bad input,
+/// or exempt from the collision rule there (see OverlappingPlace).
+enum class InitialOverlap { kRefuse, kAllow };
+
 /// One MVTP instance: the tuple <R, W, O, S, G, ...> of the ESCoT paper, Sec. II.
 struct Instance {
   std::vector<Agent> agents;
   Map map;
   double dt = 1.0;  ///< duration of one step [s]
+  InitialOverlap initial_overlap = InitialOverlap::kRefuse;
 };
 
 }  // namespace mvtp

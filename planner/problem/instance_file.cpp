@@ -12,6 +12,7 @@
 #include "planner/problem/document.hpp"
 #include "planner/problem/input_error.hpp"
 #include "planner/problem/text_file.hpp"
+#include "planner/problem/vehicle_file.hpp"
 #include "planner/problem/yaml_text.hpp"
 
 namespace mvtp {
@@ -21,71 +22,12 @@ constexpr std::size_t kMaxBytes = 200'000'000;
 constexpr std::size_t kMaxAgents = 1'000'000;
 constexpr std::size_t kMaxObstacles = 10'000'000;
 constexpr std::size_t kMaxPolygonPoints = 10'000;
-constexpr double kMaxCoordinate = 1e6;  ///< [m]; beyond, double loses the referee's millimetre
-
-double coordinate(const Value& value) {
-  const double x = value.number("m");
-  if (std::abs(x) > kMaxCoordinate) {
-    throw InputError(value.where(), fmt::format("is {} m; give at most {} m", x, kMaxCoordinate));
-  }
-  return x;
-}
-
-double length(const Value& value) {
-  const double x = value.positive("m");
-  return coordinate(value), x;
-}
 
 Pose read_pose(const Value& value, YawSense sense) {
   value.require_list(3, 3, "[x, y, yaw]");
   const double yaw = value[2].number("rad");
-  return {coordinate(value[0]), coordinate(value[1]),
+  return {read_coordinate(value[0]), read_coordinate(value[1]),
           wrap_to_pi(sense == YawSense::kClockwise ? -yaw : yaw)};
-}
-
-// ---- vehicles
-
-VehiclePreset preset(const std::string& where, const std::string& name) {
-  const std::optional<VehiclePreset> found = vehicle_preset(name);
-  if (!found) {
-    throw InputError(where,
-                     fmt::format("is the unknown preset \"{}\"; choose escot or cl-cbs", name));
-  }
-  return *found;
-}
-
-/// The fields of a vehicle as the file names them.
-constexpr std::array<std::pair<std::string_view, double Vehicle::*>, 8> kVehicleFields = {{
-    {"front", &Vehicle::front},
-    {"rear", &Vehicle::rear},
-    {"width", &Vehicle::width},
-    {"wheelbase", &Vehicle::wheelbase},
-    {"min_turning_radius", &Vehicle::min_turning_radius},
-    {"max_speed", &Vehicle::max_speed},
-    {"max_accel", &Vehicle::max_accel},
-    {"max_decel", &Vehicle::max_decel},
-}};
-
-/// The `vehicle` of a file or of an agent: fields replace those of its preset, else of `fallback`.
-VehiclePreset read_vehicle(const Value& value, const VehiclePreset& fallback) {
-  value.require_map("{preset: escot}");
-  value.require_known_keys({"preset", "front", "rear", "width", "wheelbase", "min_turning_radius",
-                            "max_speed", "max_accel", "max_decel"});
-  VehiclePreset result = fallback;
-  if (const auto name = value.find("preset")) result = preset(name->where(), name->text());
-  for (const auto& [key, field] : kVehicleFields) {
-    const std::optional<Value> entry = value.find(key);
-    if (!entry) continue;
-    const bool is_overhang = key == "front" || key == "rear";  // may be negative, not both
-    result.vehicle.*field = is_overhang ? coordinate(*entry) : length(*entry);
-  }
-  if (!(result.vehicle.length() > 0.0)) {
-    throw InputError(value.where(),
-                     fmt::format("front {} m + rear {} m is no positive length; both are counted "
-                                 "outwards from the rear axle",
-                                 result.vehicle.front, result.vehicle.rear));
-  }
-  return result;
 }
 
 // ---- agents
@@ -135,8 +77,8 @@ std::vector<Circle> read_circles(const Value& list) {
   for (std::size_t i = 0; i < list.size(); ++i) {
     const Value entry = list[i];
     entry.require_list(2, 3, "[x, y] or [x, y, r]");
-    Circle circle{coordinate(entry[0]), coordinate(entry[1])};
-    if (entry.size() == 3) circle.radius = length(entry[2]);
+    Circle circle{read_coordinate(entry[0]), read_coordinate(entry[1])};
+    if (entry.size() == 3) circle.radius = read_length(entry[2]);
     circles.push_back(circle);
   }
   return circles;
@@ -168,7 +110,7 @@ Polygon read_polygon(const Value& value) {
   Polygon polygon;
   for (std::size_t i = 0; i < value.size(); ++i) {
     value[i].require_list(2, 2, "[x, y]");
-    const Point point{coordinate(value[i][0]), coordinate(value[i][1])};
+    const Point point{read_coordinate(value[i][0]), read_coordinate(value[i][1])};
     if (polygon.empty() || point != polygon.back()) polygon.push_back(point);
   }
   while (polygon.size() > 1 && polygon.front() == polygon.back()) polygon.pop_back();
@@ -202,8 +144,8 @@ Map read_map(const Value& value, bool is_plain_format) {
   Map map;
   const Value dimensions = value.at("dimensions");
   dimensions.require_list(2, 2, "[width, height]");
-  map.width = length(dimensions[0]);
-  map.height = length(dimensions[1]);
+  map.width = read_length(dimensions[0]);
+  map.height = read_length(dimensions[1]);
   // "obstacles:" with nothing behind it is how some generators write an empty map.
   const std::optional<Value> obstacles = value.find("obstacles");
   if (obstacles && obstacles->kind() != Value::Kind::kNull) map.circles = read_circles(*obstacles);
@@ -242,7 +184,7 @@ Instance read_extended(const Value& root, const VehiclePreset& fallback,
   Instance instance;
   instance.dt = defaults.dt;
   const std::optional<Value> dt = root.find("dt");
-  if (dt) instance.dt = dt->positive("s");
+  if (dt) instance.dt = read_dt(*dt);
 
   const Value agents = root.at("agents");
   instance.agents = read_agents(agents, defaults, options.yaw);
@@ -264,8 +206,8 @@ Instance read_guo_yu(const Value& root, const VehiclePreset& fallback, YawSense 
   }
   Instance instance;
   instance.dt = fallback.dt;
-  instance.map.width = length(root.at("xmax"));
-  instance.map.height = length(root.at("ymax"));
+  instance.map.width = read_length(root.at("xmax"));
+  instance.map.height = read_length(root.at("ymax"));
   instance.map.bounds = Bounds::kAxle;
   if (const auto obstacles = root.find("obstacles")) {
     instance.map.circles = read_circles(*obstacles);
@@ -282,24 +224,6 @@ Instance read_guo_yu(const Value& root, const VehiclePreset& fallback, YawSense 
 std::string pose_text(const Pose& pose, YawSense sense) {
   const double yaw = sense == YawSense::kClockwise ? -pose.theta : pose.theta;
   return fmt::format("[{}, {}, {}]", yaml_number(pose.x), yaml_number(pose.y), yaml_number(yaw));
-}
-
-/// Every field; infinite limits are the default and have no text in YAML that all readers share.
-std::string vehicle_text(const Vehicle& vehicle) {
-  std::string text;
-  for (const auto& [key, field] : kVehicleFields) {
-    if (!std::isfinite(vehicle.*field)) continue;
-    text += fmt::format("{}{}: {}", text.empty() ? "" : ", ", key, yaml_number(vehicle.*field));
-  }
-  return "{" + text + "}";
-}
-
-/// The preset whose vehicle this is.
-std::optional<std::string_view> preset_of(const Vehicle& vehicle) {
-  for (const std::string_view name : {"escot", "cl-cbs"}) {
-    if (vehicle_preset(name).value().vehicle == vehicle) return name;
-  }
-  return std::nullopt;
 }
 
 std::string map_text(const Map& map, bool is_plain_format) {
@@ -330,7 +254,7 @@ std::string map_text(const Map& map, bool is_plain_format) {
 }  // namespace
 
 Instance read_instance(const std::string& path, const InstanceReadOptions& options) {
-  const VehiclePreset fallback = preset("--vehicle", options.vehicle_preset.value_or("escot"));
+  const VehiclePreset fallback = read_preset("--vehicle", options.vehicle_preset.value_or("escot"));
   const Document document = Document::parse(path, read_text_file(path, kMaxBytes),
                                             {"agents", "starts"}, "an instance file");
   const Value root = document.root();
@@ -340,6 +264,7 @@ Instance read_instance(const std::string& path, const InstanceReadOptions& optio
   reject_repeated_names(path, instance.agents);
   if (options.bounds) instance.map.bounds = *options.bounds;
   if (options.dt) instance.dt = *options.dt;
+  instance.initial_overlap = options.initial_overlap;
   return instance;
 }
 
@@ -350,24 +275,19 @@ void write_instance(const Instance& instance, const std::string& path,
                                                    &Agent::vehicle) != instance.agents.end();
   const Vehicle common = instance.agents.empty() ? standard.vehicle : instance.agents[0].vehicle;
   const bool has_vehicle = !is_mixed && (common != standard.vehicle || options.name_vehicle);
-  const std::optional<std::string_view> preset = preset_of(common);
-  const double implied_dt =
-      has_vehicle && preset ? vehicle_preset(*preset).value().dt : standard.dt;
+  const double implied_dt = has_vehicle ? usual_dt(common) : standard.dt;
   const bool has_dt = instance.dt != implied_dt;
 
   std::string text;
   if (!options.description.empty()) {
     text += fmt::format("description: {}\n", yaml_string(options.description));
   }
-  if (has_vehicle) {
-    text += preset ? fmt::format("vehicle: {{preset: {}}}\n", *preset)
-                   : fmt::format("vehicle: {}\n", vehicle_text(common));
-  }
+  if (has_vehicle) text += fmt::format("vehicle: {}\n", vehicle_text(common));
   if (has_dt) text += fmt::format("dt: {}\n", yaml_number(instance.dt));
   text += "agents:\n";
   for (const Agent& agent : instance.agents) {
     const std::string own =
-        is_mixed ? fmt::format(", vehicle: {}", vehicle_text(agent.vehicle)) : "";
+        is_mixed ? fmt::format(", vehicle: {}", vehicle_fields_text(agent.vehicle)) : "";
     text +=
         fmt::format("  - {{name: {}, start: {}, goal: {}{}}}\n", yaml_string(agent.name),
                     pose_text(agent.start, options.yaw), pose_text(agent.goal, options.yaw), own);

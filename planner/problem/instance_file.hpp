@@ -23,6 +23,7 @@ struct InstanceReadOptions {
   std::optional<std::string> vehicle_preset = std::nullopt;
   /// Duration of one step [s]; nullopt: `dt` of the file, else that of the vehicle preset.
   std::optional<double> dt = std::nullopt;
+  InitialOverlap initial_overlap = InitialOverlap::kRefuse;
 };
 
 /// Reads an instance: YAML in the format of CL-CBS and CSDO with our extensions, or JSON in the one

@@ -9,11 +9,13 @@
 #include <vector>
 
 #include "planner/problem/pose.hpp"
+#include "planner/problem/vehicle.hpp"
 
 namespace mvtp {
 
-/// The state at the end of a step, with the speed v [m/s] (negative: reverse) and the steering angle
-/// phi [rad] held constant during the step: an arc of curvature tan(phi) / wheelbase, or a wait.
+/// The state at the end of a step, with the speed v [m/s] (negative: reverse) and the steering
+/// angle phi [rad] held constant during the step: an arc of curvature tan(phi) / wheelbase, or a
+/// wait.
 struct Waypoint {
   Pose pose;
   double v = 0.0;
@@ -62,16 +64,20 @@ enum class Status {
 
 [[nodiscard]] constexpr const char* to_string(Status status) {
   switch (status) {
-    case Status::kSolved: return "solved";
-    case Status::kTimeout: return "timeout";
-    case Status::kExhausted: return "exhausted";
-    case Status::kInfeasible: return "infeasible";
+    case Status::kSolved:
+      return "solved";
+    case Status::kTimeout:
+      return "timeout";
+    case Status::kExhausted:
+      return "exhausted";
+    case Status::kInfeasible:
+      return "infeasible";
   }
   return "";
 }
 
 struct Statistics {
-  std::string status;     ///< to_string(Status)
+  std::string status;  ///< to_string(Status)
   std::string algorithm;
   double cost = 0.0;      ///< sum of arrival times [s]; flowtime is the same figure
   double makespan = 0.0;  ///< [s]
@@ -81,12 +87,14 @@ struct Statistics {
   /// plan is the first, and `runtime` says when.
   std::optional<double> first_solution;
   std::size_t makespan_steps = 0;
-  double lower_bound = 0.0;              ///< [s]; see metrics.hpp
-  std::optional<double> solo_makespan;   ///< [s]
+  double lower_bound = 0.0;             ///< [s]; see metrics.hpp
+  std::optional<double> solo_makespan;  ///< [s]
   std::uint64_t seed = 0;
   double dt = 1.0;  ///< [s]
   std::string version;
   std::string reason;  ///< why not solved; empty if solved
+  /// What is exempt from the collision rule; see exemptions_of().
+  std::vector<std::string> initial_overlaps;
 };
 
 /// One trajectory per agent, in the order of the instance.
@@ -94,6 +102,7 @@ struct Plan {
   Statistics statistics;
   std::vector<std::string> names;
   std::vector<Trajectory> trajectories;
+  std::vector<Vehicle> vehicles{};  ///< one for each name; empty if the plan does not say
 };
 
 }  // namespace mvtp

@@ -2,14 +2,18 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <functional>
 #include <iterator>
 #include <limits>
 #include <optional>
+#include <unordered_map>
 
 #include "planner/problem/document.hpp"
 #include "planner/problem/input_error.hpp"
 #include "planner/problem/text_file.hpp"
+#include "planner/problem/vehicle_file.hpp"
 #include "planner/problem/yaml_text.hpp"
 
 namespace mvtp {
@@ -47,6 +51,12 @@ Statistics read_statistics(const Value& value, double default_dt) {
   number("flowtime", result.flowtime, "s");
   number("runtime", result.runtime, "s");
   number("lower_bound", result.lower_bound, "s");
+  if (const auto list = value.find("initial_overlaps")) {
+    list->require_list(0, std::numeric_limits<std::uint32_t>::max(), "[start of agent0 in ...]");
+    for (std::size_t i = 0; i < list->size(); ++i) {
+      result.initial_overlaps.push_back((*list)[i].text());
+    }
+  }
   if (const auto entry = value.find("solo_makespan")) result.solo_makespan = entry->number("s");
   if (const auto entry = value.find("first_solution")) result.first_solution = entry->number("s");
   if (const auto entry = value.find("makespan_steps")) result.makespan_steps = entry->count();
@@ -83,6 +93,35 @@ Trajectory read_trajectory(const Value& list, YawSense sense) {
   return Trajectory(std::move(waypoints));
 }
 
+/// `vehicle`: that of all; `vehicles`: one for each name of the schedule.
+std::vector<Vehicle> read_vehicles(const Value& root, const std::vector<std::string>& names) {
+  const VehiclePreset standard = vehicle_preset("escot").value();
+  if (const auto common = root.find("vehicle")) {
+    return std::vector(names.size(), read_vehicle(*common, standard).vehicle);
+  }
+  std::vector<Vehicle> vehicles;
+  if (const auto each = root.find("vehicles")) {
+    each->require_map("{agent0: {preset: escot}}");
+    for (const std::string& name : names) {
+      vehicles.push_back(read_vehicle(each->at(name), standard).vehicle);
+    }
+  }
+  return vehicles;
+}
+
+std::string vehicles_text(const Plan& plan) {
+  if (plan.vehicles.empty()) return {};
+  const bool is_mixed =
+      std::ranges::adjacent_find(plan.vehicles, std::ranges::not_equal_to{}) != plan.vehicles.end();
+  if (!is_mixed) return fmt::format("vehicle: {}\n", vehicle_text(plan.vehicles.front()));
+  std::string text = "vehicles:\n";
+  for (std::size_t i = 0; i < plan.vehicles.size(); ++i) {
+    text +=
+        fmt::format("  {}: {}\n", yaml_string(plan.names.at(i)), vehicle_text(plan.vehicles[i]));
+  }
+  return text;
+}
+
 Plan read_schedule(const Value& root, const PlanReadOptions& options) {
   Plan plan;
   YawSense sense = options.yaw;
@@ -98,6 +137,7 @@ Plan read_schedule(const Value& root, const PlanReadOptions& options) {
     plan.names.emplace_back(schedule[i].key());
     plan.trajectories.push_back(read_trajectory(schedule[i], sense));
   }
+  plan.vehicles = read_vehicles(root, plan.names);
   return plan;
 }
 
@@ -145,6 +185,10 @@ std::string statistics_text(const Statistics& statistics, YawSense yaw) {
   line("version", yaml_string(statistics.version));
   if (!statistics.reason.empty()) line("reason", yaml_string(statistics.reason));
   if (yaw == YawSense::kClockwise) line("yaw", "cw");
+  if (!statistics.initial_overlaps.empty()) text += "  initial_overlaps:\n";
+  for (const std::string& overlap : statistics.initial_overlaps) {
+    text += fmt::format("    - {}\n", yaml_string(overlap));
+  }
   return text;
 }
 
@@ -169,8 +213,23 @@ Plan read_plan(const std::string& path, const PlanReadOptions& options) {
   return root.find("paths") ? read_guo_yu(root, options) : read_schedule(root, options);
 }
 
+bool take_vehicles(const Plan& plan, Instance& instance) {
+  std::unordered_map<std::string_view, const Vehicle*> recorded;
+  for (std::size_t i = 0; i < plan.vehicles.size(); ++i) {
+    recorded.emplace(plan.names[i], &plan.vehicles[i]);
+  }
+  bool changes = false;
+  for (Agent& agent : instance.agents) {
+    const auto found = recorded.find(agent.name);
+    if (found == recorded.end() || agent.vehicle == *found->second) continue;
+    agent.vehicle = *found->second;
+    changes = true;
+  }
+  return changes;
+}
+
 void write_plan(const Plan& plan, const std::string& path, YawSense yaw) {
-  std::string text = statistics_text(plan.statistics, yaw);
+  std::string text = statistics_text(plan.statistics, yaw) + vehicles_text(plan);
   text += plan.trajectories.empty() ? "schedule: {}\n" : "schedule:\n";
   for (std::size_t i = 0; i < plan.trajectories.size(); ++i) {
     text += fmt::format("  {}:\n", yaml_string(plan.names.at(i)));

@@ -22,6 +22,10 @@ struct PlanReadOptions {
 /// wrong type, or not finite, and where the steps `t` are not 0, 1, 2, ...
 [[nodiscard]] Plan read_plan(const std::string& path, const PlanReadOptions& options = {});
 
+/// Gives the agents of the instance the vehicles that their plan records, if it records any.
+/// @return whether that changes one of them
+bool take_vehicles(const Plan& plan, Instance& instance);
+
 /// Writes the plan whole or not at all; read_plan() gives back the same numbers, bit by bit.
 /// @throws InputError if the file cannot be written; find out before solving with check_writable().
 void write_plan(const Plan& plan, const std::string& path,

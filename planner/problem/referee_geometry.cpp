@@ -104,6 +104,38 @@ std::vector<std::pair<std::size_t, std::size_t>> near_pairs(const std::vector<Di
   return pairs;
 }
 
+DiscsByX::DiscsByX(std::vector<Disc> discs) : discs_(std::move(discs)) {
+  for (std::size_t i = 0; i < discs_.size(); ++i) {
+    order_.emplace_back(discs_[i].center.x, i);
+    largest_ = std::max(largest_, discs_[i].radius);
+  }
+  std::sort(order_.begin(), order_.end());
+}
+
+const std::vector<std::size_t>& DiscsByX::near(const Disc& disc) {
+  near_.clear();
+  const double reach = disc.radius + largest_;
+  const std::pair first(disc.center.x - reach, std::size_t{0});
+  for (auto next = std::lower_bound(order_.begin(), order_.end(), first);
+       next != order_.end() && next->first <= disc.center.x + reach; ++next) {
+    if (overlap(disc, discs_[next->second])) near_.push_back(next->second);
+  }
+  std::sort(near_.begin(), near_.end());
+  return near_;
+}
+
+DiscsByX discs_of_obstacles(const Map& map) {
+  std::vector<Disc> discs;
+  for (const Circle& circle : map.circles) discs.push_back({{circle.x, circle.y}, circle.radius});
+  for (const Polygon& polygon : map.polygons) {
+    const auto [left, right] = std::ranges::minmax(polygon, {}, &Point::x);
+    const auto [bottom, top] = std::ranges::minmax(polygon, {}, &Point::y);
+    discs.push_back({{(left.x + right.x) / 2, (bottom.y + top.y) / 2},
+                     std::hypot(right.x - left.x, top.y - bottom.y) / 2});
+  }
+  return DiscsByX(std::move(discs));
+}
+
 double margin_inside(const Map& map, const Box& box) {
   const double half_x = half_extent(box, {1.0, 0.0});
   const double half_y = half_extent(box, {0.0, 1.0});

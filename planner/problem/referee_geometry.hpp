@@ -59,6 +59,25 @@ struct Disc {
 [[nodiscard]] std::vector<std::pair<std::size_t, std::size_t>> near_pairs(
     const std::vector<Disc>& discs);
 
+/// Discs that lie still, found by place: sorted along x.
+class DiscsByX {
+ public:
+  DiscsByX() = default;
+  explicit DiscsByX(std::vector<Disc> discs);
+
+  /// The indices of those that overlap the given one, ascending; valid until the next call.
+  [[nodiscard]] const std::vector<std::size_t>& near(const Disc& disc);
+
+ private:
+  std::vector<Disc> discs_;
+  std::vector<std::pair<double, std::size_t>> order_;  ///< by the x of their centres
+  double largest_ = 0.0;
+  std::vector<std::size_t> near_;
+};
+
+/// Discs around all obstacles of the map: circles first, then polygons.
+[[nodiscard]] DiscsByX discs_of_obstacles(const Map& map);
+
 /// The least distance of a point of the box from the border of the map, inside; negative outside.
 [[nodiscard]] double margin_inside(const Map& map, const Box& box);
 [[nodiscard]] double margin_inside(const Map& map, const Point& point);

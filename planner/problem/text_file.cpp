@@ -2,15 +2,19 @@
 
 #include <fcntl.h>
 #include <fmt/core.h>
+#include <signal.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cerrno>
+#include <chrono>
 #include <cstring>
 #include <filesystem>
 #include <optional>
+#include <utility>
 
 #include "planner/problem/input_error.hpp"
 
@@ -25,6 +29,10 @@ class Descriptor {
   explicit Descriptor(int fd) : fd_(fd) {}
   Descriptor(const Descriptor&) = delete;
   Descriptor& operator=(const Descriptor&) = delete;
+  Descriptor& operator=(Descriptor&& other) noexcept {
+    std::swap(fd_, other.fd_);
+    return *this;
+  }
   ~Descriptor() {
     if (fd_ >= 0) ::close(fd_);
   }
@@ -90,11 +98,17 @@ std::optional<std::size_t> find_malformed_utf8(std::string_view text) {
                                      static_cast<unsigned char>(text[offset]), offset));
 }
 
-/// Where the bytes go in the end: the target of a link rather than the link.
+/// Where the bytes go in the end: the target of a link rather than the link, there or not.
 fs::path final_target(const fs::path& path) {
+  constexpr int kMostLinks = 40;  // as the kernel
+  fs::path target = path;
   std::error_code error;
-  const fs::path target = fs::canonical(path, error);
-  return error ? path : target;
+  for (int k = 0; k < kMostLinks && fs::is_symlink(target, error); ++k) {
+    const fs::path next = fs::read_symlink(target, error);
+    if (error) break;
+    target = next.is_absolute() ? next : target.parent_path() / next;
+  }
+  return target;
 }
 
 /// Devices, pipes and sockets cannot be replaced by a rename; they are written directly.
@@ -111,18 +125,43 @@ bool is_special(const fs::path& path) {
 void reject_unwritable_target(const std::string& path, const fs::path& target) {
   if (path.empty()) throw InputError("output file", "has an empty name; give a path");
   std::error_code error;
+  if (fs::is_symlink(target, error)) report_unwritable(path, reason(ELOOP));
   if (fs::is_directory(target, error)) report_unwritable(path, "it is a directory");
   if (fs::exists(target, error) && ::access(target.c_str(), W_OK) != 0) {
     report_unwritable(path, reason(errno));
   }
 }
 
+/// While it lives, this thread handles no signal that would end the program.
+class SignalsHeldBack {
+ public:
+  SignalsHeldBack() {
+    sigset_t set;
+    sigemptyset(&set);
+    for (const int signal : {SIGINT, SIGTERM}) sigaddset(&set, signal);
+    ::pthread_sigmask(SIG_BLOCK, &set, &before_);
+  }
+  SignalsHeldBack(const SignalsHeldBack&) = delete;
+  SignalsHeldBack& operator=(const SignalsHeldBack&) = delete;
+  ~SignalsHeldBack() { ::pthread_sigmask(SIG_SETMASK, &before_, nullptr); }
+
+ private:
+  sigset_t before_;
+};
+
 /// A new, empty file in the directory of `target`; removed again unless kept.
 class TemporaryFile {
  public:
   TemporaryFile(const std::string& path, const fs::path& target)
-      : name_(target.string() + ".XXXXXX"), file_(::mkstemp(name_.data())) {
-    if (!file_.valid()) report_unwritable(path, reason(errno));
+      : name_(new_name(target)), file_(::open(name_.c_str(), kNewFile, 0666)) {
+    while (!file_.valid() && errno == EEXIST) {
+      name_ = new_name(target);
+      file_ = Descriptor(::open(name_.c_str(), kNewFile, 0666));
+    }
+    if (!file_.valid()) {
+      name_.clear();
+      report_unwritable(path, reason(errno));
+    }
   }
   TemporaryFile(const TemporaryFile&) = delete;
   TemporaryFile& operator=(const TemporaryFile&) = delete;
@@ -135,16 +174,24 @@ class TemporaryFile {
   /// Gives the file the name `target` and the rights of the file it replaces, or the usual ones.
   [[nodiscard]] bool rename_to(const fs::path& target) {
     struct stat old {};
-    const mode_t mask = ::umask(0);
-    ::umask(mask);
-    const mode_t mode = ::stat(target.c_str(), &old) == 0 ? old.st_mode & 07777u : 0666u & ~mask;
-    if (::chmod(name_.c_str(), mode) != 0) return false;
+    const bool is_new = ::stat(target.c_str(), &old) != 0;
+    if (!is_new && ::chmod(name_.c_str(), old.st_mode & 07777u) != 0) return false;
     if (::rename(name_.c_str(), target.c_str()) != 0) return false;
     name_.clear();
     return true;
   }
 
  private:
+  static constexpr int kNewFile = O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC;
+
+  /// A name beside the target that is hardly taken.
+  static std::string new_name(const fs::path& target) {
+    static std::atomic<unsigned> count = 0;
+    const auto now = std::chrono::steady_clock::now().time_since_epoch().count();
+    return fmt::format("{}.{:x}-{:x}-{:x}", target.string(), ::getpid(), now, count++);
+  }
+
+  SignalsHeldBack held_back_;  ///< until the file has its name or is gone
   std::string name_;
   Descriptor file_;
 };

@@ -23,7 +23,7 @@ void check_writable(const std::string& path);
 /// @throws InputError with the system's reason; no partial file is left behind.
 void write_text_file(const std::string& path, std::string_view content);
 
-/// A field of a CSV file; quoted where its text demands it.
+/// A field of a CSV file [RFC 4180]; quoted where its text demands it.
 [[nodiscard]] std::string csv_field(const std::string& text);
 
 }  // namespace mvtp

@@ -4,12 +4,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <numbers>
 #include <tuple>
 #include <unordered_map>
 #include <utility>
 
+#include "planner/problem/initial_overlap.hpp"
 #include "planner/problem/referee_geometry.hpp"
 
 namespace mvtp {
@@ -139,13 +141,24 @@ struct Phase {
   bool changed = true;  ///< false: the vehicle rests where it was judged in the phase before
 };
 
+/// Two that may overlap during the phases that end with the steps `first` to `last`.
+struct Exemption {
+  std::size_t first = 0;
+  std::size_t last = 0;
+  double depth = 0.0;  ///< no more deeply than this [m]
+};
+
 class Referee {
  public:
   Referee(const Instance& instance, const Plan& plan, CollisionRule rule)
-      : instance_(instance), plan_(plan), rule_(rule) {}
+      : instance_(instance),
+        plan_(plan),
+        rule_(rule),
+        obstacles_(referee::discs_of_obstacles(instance.map)) {}
 
   [[nodiscard]] std::vector<Violation> judge() {
     match_agents();
+    find_exemptions();
     for (const std::size_t i : present_) {
       judge_ends(i);
       judge_kinematics(i);
@@ -163,6 +176,12 @@ class Referee {
   const Trajectory& trajectory(std::size_t i) const { return *trajectories_[i]; }
 
   void match_agents();
+  void find_exemptions();
+  /// How deeply the two overlap at a whole step [m]; negative if they are apart.
+  [[nodiscard]] double depth_at(const OverlappingPlace& place, std::size_t step) const;
+  /// How deeply the two may overlap during the phase that ends with this step [m].
+  [[nodiscard]] double allowed_depth(Rule rule, std::size_t i, std::size_t object,
+                                     std::size_t step) const;
   void judge_ends(std::size_t i);
   void judge_kinematics(std::size_t i);
   void judge_limits(std::size_t i, std::size_t step, const Arc& arc, bool is_stated);
@@ -171,7 +190,7 @@ class Referee {
   [[nodiscard]] Phase phase_of(std::size_t i, std::size_t step) const;
   void judge_pairs(std::size_t step);
   void judge_pair(std::size_t i, std::size_t j, std::size_t step);
-  void judge_circles(std::size_t i, std::size_t step);
+  void judge_obstacles(std::size_t i, std::size_t step);
   void judge_polygon(std::size_t i, std::size_t p, std::size_t step);
   void judge_bounds(std::size_t i, std::size_t step);
 
@@ -185,7 +204,6 @@ class Referee {
   }
   [[nodiscard]] Violation to_violation(const Protocol::Entry& entry) const;
   [[nodiscard]] std::string message(const Protocol::Entry& entry) const;
-  [[nodiscard]] std::string obstacle_name(std::size_t object) const;
 
   const Instance& instance_;
   const Plan& plan_;
@@ -194,6 +212,8 @@ class Referee {
   std::vector<const Trajectory*> trajectories_;  ///< by agent; nullptr if it has none
   std::vector<std::size_t> present_;             ///< agents with a trajectory that can be judged
   std::vector<Phase> phases_;                    ///< by agent
+  referee::DiscsByX obstacles_;
+  std::map<std::tuple<Rule, std::size_t, std::size_t>, std::vector<Exemption>> exemptions_;
 };
 
 void Referee::match_agents() {
@@ -223,6 +243,57 @@ void Referee::match_agents() {
       protocol_.add(Rule::kNotFinite, i, 0, step, double(step), 0.0);
     }
   }
+}
+
+double Referee::depth_at(const OverlappingPlace& place, std::size_t step) const {
+  const auto box_at = [&](std::size_t i) {
+    return referee::footprint(agent(i).vehicle, trajectory(i).at(step).pose);
+  };
+  const Box box = box_at(place.agent);
+  if (place.with == OverlappingPlace::With::kAgent) {
+    return -referee::separation(box, box_at(place.object));
+  }
+  const Map& map = instance_.map;
+  const std::size_t circles = map.circles.size();
+  return place.object < circles ? -referee::separation(box, map.circles[place.object])
+                                : -referee::separation(box, map.polygons[place.object - circles]);
+}
+
+void Referee::find_exemptions() {
+  if (instance_.initial_overlap == InitialOverlap::kRefuse) return;
+  for (const OverlappingPlace& place : find_overlapping_places(instance_)) {
+    const bool of_two = place.with == OverlappingPlace::With::kAgent;
+    const auto is_judged = [&](std::size_t i) { return std::ranges::count(present_, i) > 0; };
+    if (!is_judged(place.agent) || (of_two && !is_judged(place.object))) continue;
+    const auto overlap_at = [&](std::size_t step) {
+      return depth_at(place, step) > kTouchTolerance;
+    };
+    std::size_t end = trajectory(place.agent).makespan();
+    if (of_two) end = std::max(end, trajectory(place.object).makespan());
+    Exemption exemption{0, end, place.depth};
+    if (place.at_goal) {
+      exemption.first = end;
+      while (exemption.first > 0 && overlap_at(exemption.first - 1)) --exemption.first;
+      exemption.last = std::numeric_limits<std::size_t>::max();
+    } else {
+      exemption.last = 0;
+      while (exemption.last < end && overlap_at(exemption.last)) ++exemption.last;
+    }
+    const auto key = of_two ? std::tuple(Rule::kRobotOverlap, place.object, place.agent)
+                            : std::tuple(Rule::kObstacleOverlap, place.agent, place.object);
+    exemptions_[key].push_back(exemption);
+  }
+}
+
+double Referee::allowed_depth(Rule rule, std::size_t i, std::size_t object,
+                              std::size_t step) const {
+  double depth = 0.0;
+  const auto found = exemptions_.find({rule, i, object});
+  if (found == exemptions_.end()) return depth;
+  for (const Exemption& e : found->second) {
+    if (e.first <= step && step <= e.last) depth = std::max(depth, e.depth);
+  }
+  return depth;
 }
 
 void Referee::judge_ends(std::size_t i) {
@@ -283,8 +354,7 @@ void Referee::judge_phase(std::size_t step) {
   for (const std::size_t i : present_) phases_[i] = phase_of(i, step);
   judge_pairs(step);
   for (const std::size_t i : present_) {
-    judge_circles(i, step);
-    for (std::size_t p = 0; p < instance_.map.polygons.size(); ++p) judge_polygon(i, p, step);
+    judge_obstacles(i, step);
     judge_bounds(i, step);
   }
 }
@@ -313,7 +383,8 @@ Phase Referee::phase_of(std::size_t i, std::size_t step) const {
 template <class Separation>
 void Referee::follow(Rule rule, std::size_t i, std::size_t object, std::size_t step, double rate,
                      const Separation& separation) {
-  const auto found = referee::first_below(separation, -kTouchTolerance, rate);
+  const double level = -kTouchTolerance - allowed_depth(rule, i, object, step);
+  const auto found = referee::first_below(separation, level, rate);
   if (!found) return;
   constexpr int kSamples = 64;  // for the message only: how deep it gets
   double deepest = separation(*found);
@@ -341,17 +412,17 @@ void Referee::judge_pair(std::size_t i, std::size_t j, std::size_t step) {
          [&](double s) { return referee::separation(box(i, s), box(j, s)); });
 }
 
-void Referee::judge_circles(std::size_t i, std::size_t step) {
-  const Phase& phase = phases_[i];
-  const std::vector<Circle>& circles = instance_.map.circles;
-  for (std::size_t c = 0; c < circles.size(); ++c) {
-    if (!overlap(phase.disc, Disc{{circles[c].x, circles[c].y}, circles[c].radius})) continue;
-    if (!phase.changed) {
-      protocol_.prolong(Rule::kObstacleOverlap, i, c, step);
-      continue;
+void Referee::judge_obstacles(std::size_t i, std::size_t step) {
+  const std::size_t circles = instance_.map.circles.size();
+  for (const std::size_t k : obstacles_.near(phases_[i].disc)) {
+    if (!phases_[i].changed) {
+      protocol_.prolong(Rule::kObstacleOverlap, i, k, step);
+    } else if (k < circles) {
+      follow(Rule::kObstacleOverlap, i, k, step, phases_[i].rate,
+             [&](double s) { return referee::separation(box(i, s), instance_.map.circles[k]); });
+    } else {
+      judge_polygon(i, k - circles, step);
     }
-    follow(Rule::kObstacleOverlap, i, c, step, phase.rate,
-           [&](double s) { return referee::separation(box(i, s), circles[c]); });
   }
 }
 
@@ -377,10 +448,6 @@ void Referee::judge_polygon(std::size_t i, std::size_t p, std::size_t step) {
   const Phase& phase = phases_[i];
   const Polygon& polygon = instance_.map.polygons[p];
   const std::size_t object = instance_.map.circles.size() + p;
-  if (!phase.changed) {
-    protocol_.prolong(Rule::kObstacleOverlap, i, object, step);
-    return;
-  }
   const std::vector<Edge> near = edges_near(polygon, phase.disc);
   const Box start = box(i, 0.0);
   // From outside, a footprint gets inside only through an edge; so the start of the phase suffices.
@@ -416,12 +483,6 @@ void Referee::judge_bounds(std::size_t i, std::size_t step) {
 }
 
 // ---- words
-
-std::string Referee::obstacle_name(std::size_t object) const {
-  const std::size_t circles = instance_.map.circles.size();
-  return object < circles ? fmt::format("obstacles[{}]", object)
-                          : fmt::format("polygons[{}]", object - circles);
-}
 
 /// "at step 3.25", or "from step 3.25 to step 7" if it lasts.
 std::string span(const Protocol::Entry& entry) {
@@ -460,8 +521,8 @@ std::string Referee::message(const Protocol::Entry& entry) const {
       return fmt::format("{} and {}: overlap by {:.4f} m {}", car().name, agent(entry.object).name,
                          x, span(entry));
     case Rule::kObstacleOverlap:
-      return fmt::format("{}: overlaps {} by {:.4f} m {}", car().name, obstacle_name(entry.object),
-                         x, span(entry));
+      return fmt::format("{}: overlaps {} by {:.4f} m {}", car().name,
+                         obstacle_name(instance_.map, entry.object), x, span(entry));
     case Rule::kBounds:
       return fmt::format("{}: the {} is {:.4f} m outside the map {}", car().name,
                          instance_.map.bounds == Bounds::kAxle ? "rear axle" : "footprint", x,

@@ -47,6 +47,7 @@ inline constexpr double kTouchTolerance = 1e-3;
 /// of less than 1 mm is reported. Vehicles that have arrived rest at their last pose until the last
 /// one arrives. Steps whose v is NaN get the arc that joins their poses; where there is none, the
 /// straight line is followed (and kArc reported).
+/// Under InitialOverlap::kAllow, places that overlap are exempt: see OverlappingPlace.
 /// The step lasts `plan.statistics.dt`.
 /// Cost: O(T (n log n + near pairs)) for n robots and T steps.
 [[nodiscard]] std::vector<Violation> find_violations(const Instance& instance, const Plan& plan,

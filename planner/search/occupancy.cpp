@@ -83,10 +83,17 @@ void Occupancy::extend(int rows) {
 
 void Occupancy::place(int i, const TimedTrack& track, const BoxShape& shape) {
   const int moving = (track.arrival() + time_.bucket - 1) / time_.bucket;
-  if (moving >= rows_) extend(moving + 1);
+  const bool leaves = track.departure() != TimedTrack::kNever;
+  const int present = leaves ? track.departure() / time_.bucket : TimedTrack::kNever;
+  const int settled = leaves ? present : moving;
+  if (settled >= rows_) extend(settled + 1);
   const float half = shape.half_diagonal();
   const int middle = time_.bucket / 2;
   for (int k = 0; k < rows_; ++k) {
+    if (k >= present) {
+      remove(i, k);
+      continue;
+    }
     const std::size_t here = at(k, i);
     const BoxPose* boxes = track.boxes(k * time_.bucket);
     x_[here] = boxes[k < moving ? middle : 0].x;
@@ -101,11 +108,14 @@ void Occupancy::place(int i, const TimedTrack& track, const BoxShape& shape) {
 }
 
 void Occupancy::remove(int i) {
-  for (int k = 0; k < rows_; ++k) {
-    x_[at(k, i)] = kAway;
-    y_[at(k, i)] = kAway;
-    radius_[at(k, i)] = 0.0F;
-  }
+  for (int k = 0; k < rows_; ++k) remove(i, k);
+}
+
+void Occupancy::remove(int i, int bucket) {
+  const std::size_t here = at(bucket, i);
+  x_[here] = kAway;
+  y_[here] = kAway;
+  radius_[here] = 0.0F;
 }
 
 int Occupancy::near(int bucket, float x, float y, float radius, int* found) const {

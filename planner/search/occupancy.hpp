@@ -24,7 +24,7 @@ class Occupancy {
 
   /// The robots whose circles overlap the given one during a bucket, in ascending order; `found`
   /// has room for all and kPadding more. Later buckets than horizon() are like the last one: all
-  /// robots rest.
+  /// robots rest or have departed.
   /// @return how many
   int near(int bucket, float x, float y, float radius, int* found) const;
 
@@ -45,7 +45,7 @@ class Occupancy {
     return motions_[at(std::min(bucket, rows_ - 1), i)];
   }
 
-  /// The number of buckets after which every robot rests.
+  /// The number of buckets after which every robot rests or has departed.
   [[nodiscard]] int horizon() const { return rows_ - 1; }
 
  private:
@@ -53,6 +53,7 @@ class Occupancy {
     return std::size_t(bucket) * std::size_t(stride_) + std::size_t(i);
   }
   void extend(int rows);
+  void remove(int i, int bucket);
 
   TimeGrid time_;
   int stride_;

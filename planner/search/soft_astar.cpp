@@ -17,6 +17,7 @@ constexpr double kShotRange = 3.0;  ///< within so many turning radii every node
 constexpr double kSlack = 0.1;
 constexpr double kNoPrice = 1e-3;   ///< [s]: prices are summed up in single precision
 constexpr double kRounding = 1e-9;  ///< of a step: no step of its own for so little
+constexpr int kRoomFor = 1 << 12;   ///< expansions, before the table of cells has to grow
 
 /// Instants that a path takes.
 int duration(std::span<const Arc> arcs, double step) {
@@ -87,15 +88,10 @@ void SoftAstar::prepare() {
   nodes_.clear();
   open_.clear();
   best_ = Shot{};
-  // Room for all nodes that the expansions can make, half empty.
+  // Room for what the expansions of most searches can make; small searches stay in the cache.
   const std::size_t room = std::bit_ceil(
-      std::size_t(std::min(options_.max_expansions, 1 << 20)) * (options_.slowly ? 20 : 10) + 64);
-  if (cells_.size() < room) {
-    cells_.assign(room, {0, 0.0F, 0});
-    stamp_ = 0;
-  }
-  cell_mask_ = room - 1;  // small searches stay in the cache
-  ++stamp_;
+      std::size_t(std::min(options_.max_expansions, kRoomFor)) * (options_.slowly ? 20 : 10) + 64);
+  clear_cells(room);
   boxes_.resize(std::size_t(car.time().bucket) + 1);
   price_of_resting();
 }
@@ -193,6 +189,39 @@ float SoftAstar::estimate(double price, int bucket, double to_go) const {
   return float(price + std::max(arrival, double(rest_cost_[k])) + (options_.weight - 1.0) * to_go);
 }
 
+/// Makes the table empty, with room for so many cells. @param room  a power of two
+void SoftAstar::clear_cells(std::size_t room) {
+  if (cells_.size() < room) {
+    cells_.assign(room, {0, 0.0F, 0});
+    stamp_ = 0;
+  }
+  cell_mask_ = room - 1;
+  used_cells_ = 0;
+  ++stamp_;
+}
+
+void SoftAstar::grow_cells() {
+  std::vector<Cell> kept;
+  for (std::size_t i = 0; i <= cell_mask_; ++i) {
+    if (cells_[i].stamp == stamp_) kept.push_back(cells_[i]);
+  }
+  clear_cells(2 * (cell_mask_ + 1));
+  for (const Cell& cell : kept) cell_with(cell.key).f = cell.f;
+}
+
+/// The cell with this key, made if need be: linear probing in a table that is never full.
+SoftAstar::Cell& SoftAstar::cell_with(std::uint64_t key) {
+  std::size_t i = std::size_t(key * 0x9e3779b97f4a7c15U >> 24U) & cell_mask_;
+  while (cells_[i].stamp == stamp_ && cells_[i].key != key) i = (i + 1) & cell_mask_;
+  if (cells_[i].stamp == stamp_) return cells_[i];
+  if (4 * used_cells_ > 3 * cell_mask_) {
+    grow_cells();
+    return cell_with(key);
+  }
+  ++used_cells_;
+  return cells_[i] = {key, std::numeric_limits<float>::infinity(), stamp_};
+}
+
 SoftAstar::Cell& SoftAstar::cell_of(double x, double y, double theta, int bucket) {
   const double turns = theta / (2.0 * std::numbers::pi);
   const auto heading =
@@ -201,12 +230,7 @@ SoftAstar::Cell& SoftAstar::cell_of(double x, double y, double theta, int bucket
   const auto row = std::uint64_t(std::int64_t(std::floor(y / options_.cell)) + (1 << 18));
   const std::uint64_t key = ((column << 20U | row) << 8U | heading) << 16U |
                             (std::uint64_t(bucket / options_.cell_buckets) & 0xffffU);
-  std::size_t i = std::size_t(key * 0x9e3779b97f4a7c15U >> 24U) & cell_mask_;
-  while (cells_[i].stamp == stamp_ && cells_[i].key != key) i = (i + 1) & cell_mask_;
-  if (cells_[i].stamp != stamp_) {
-    cells_[i] = {key, std::numeric_limits<float>::infinity(), stamp_};
-  }
-  return cells_[i];
+  return cell_with(key);
 }
 
 /// Has the robot got there by waiting in the cell of its parent? The parent was there earlier, but

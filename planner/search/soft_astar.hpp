@@ -87,6 +87,8 @@ class SoftAstar {
 
   /// Expansions of all searches so far.
   [[nodiscard]] std::int64_t expansions() const { return expansions_; }
+  /// Cells in memory, for one who looks after it.
+  [[nodiscard]] std::size_t cells() const { return cells_.size(); }
 
  private:
   struct Node {
@@ -136,6 +138,10 @@ class SoftAstar {
   }
   [[nodiscard]] double to_go(double x, double y, double theta) const;
   [[nodiscard]] float estimate(double price, int bucket, double to_go) const;
+  void clear_cells(std::size_t room);
+  void grow_cells();
+  [[nodiscard]] Cell& cell_with(std::uint64_t key);
+  /// Valid until the next call. @return where the best node of a place and time is kept
   [[nodiscard]] Cell& cell_of(double x, double y, double theta, int bucket);
   [[nodiscard]] double price_of_reversals(int direction, std::span<const Arc> arcs) const;
   [[nodiscard]] bool shoots(int expansion, const Node& node) const;
@@ -159,8 +165,9 @@ class SoftAstar {
   int around_ = 0;
   std::vector<Node> nodes_;
   std::vector<std::pair<float, int>> open_;
-  std::vector<Cell> cells_;  ///< by open addressing; valid are those with the search's stamp
-  std::size_t cell_mask_ = 0;
+  std::vector<Cell> cells_;    ///< by open addressing; valid are those with the search's stamp
+  std::size_t cell_mask_ = 0;  ///< so many cells, less one, are in use by the search under way
+  std::size_t used_cells_ = 0;
   unsigned stamp_ = 0;
   std::vector<float> rest_price_;  ///< of resting on the goal from bucket k on
   std::vector<float> rest_cost_;   ///< least arrival time plus rest price from bucket k on

@@ -316,4 +316,13 @@ std::optional<TimedPath> SpacetimeHybridAstar::search(const SearchProblem& probl
   return Search(problem, options, curves_, deadline).run();
 }
 
+std::optional<TimedPath> SpacetimeHybridAstar::search_with_shorter_steps(
+    const SearchProblem& problem, SearchOptions options, const Deadline& deadline) const {
+  for (const double scale : {1.0, 0.5, 0.25}) {
+    options.arc_scale = scale;
+    if (auto path = search(problem, options, deadline)) return path;
+  }
+  return std::nullopt;
+}
+
 }  // namespace mvtp

@@ -63,6 +63,12 @@ class SpacetimeHybridAstar {
                                                 const SearchOptions& options,
                                                 const Deadline& deadline) const;
 
+  /// The same, where that fails with steps of half and then a quarter of the length: full steps do
+  /// not get out of every narrow place, shorter ones may.
+  [[nodiscard]] std::optional<TimedPath> search_with_shorter_steps(const SearchProblem& problem,
+                                                                   SearchOptions options,
+                                                                   const Deadline& deadline) const;
+
  private:
   const ReedsShepp& curves_;
 };

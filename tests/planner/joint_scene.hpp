@@ -8,7 +8,7 @@
 
 #include "planner/algorithms/fleet.hpp"
 #include "planner/algorithms/joint_motion.hpp"
-#include "planner/algorithms/ways_alone.hpp"
+#include "planner/algorithms/single_agent_tracks.hpp"
 #include "planner/problem/plan.hpp"
 #include "planner/problem/validate.hpp"
 
@@ -27,7 +27,7 @@ struct JointScene {
       cars.emplace_back(a.vehicle, time, instance.map, obstacles, clearance);
       robots.push_back({&cars.back(), &fleet.cost_to_go(i), a.start});
     }
-    alone = find_ways_alone(fleet, robots, never);
+    alone = find_single_agent_tracks(fleet, robots, never);
     EXPECT_EQ(alone.size(), robots.size());
   }
   JointScene(const JointScene&) = delete;

@@ -178,6 +178,16 @@ TEST(LotMotion, ACycleOfWaitsIsNotComplete) {
   EXPECT_TRUE(motion.forecast().complete);
 }
 
+//   Half an hour at walking speed: late, but nothing is in the way.
+TEST(LotMotion, WhoseWayIsLongIsNotBlocked) {
+  LotMotion motion;
+  motion.put(make_car(0, {0, 0, 0}, {{5000.0, 0.0}}));
+  const LotForecast forecast = motion.forecast();
+  EXPECT_TRUE(forecast.complete);
+  EXPECT_NEAR(forecast.arrival(0), 1800.0, 5.0);
+  EXPECT_THAT(motion.strand_the_blocked(), IsEmpty());
+}
+
 TEST(LotMotion, StopsWhereItChangesDirection) {
   LotMotion motion;
   motion.put(make_car(0, {0, 0, 0}, {{5.0, 0.0}, {-5.0, 0.2}}));

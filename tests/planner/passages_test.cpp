@@ -152,6 +152,13 @@ TEST(Passages, ACornerIsCutOffOnlyForThoseWhoMayNotLeaveTheMap) {
   EXPECT_FALSE(Passages(map, 1.0, 1.5).separated({2, 2}, {18, 18}));
 }
 
+TEST(Passages, WithoutTimeNothingIsProven) {
+  Map map{.width = 30, .height = 30};
+  map.polygons = {{{14, 0}, {15, 0}, {15, 30}, {14, 30}}};
+  EXPECT_TRUE(Passages(map, 1.0, -1.0).separated({5, 15}, {25, 15}));
+  EXPECT_FALSE(Passages(map, 1.0, -1.0, Deadline::in(0)).separated({5, 15}, {25, 15}));
+}
+
 TEST(Passages, NothingIsSeparatedFromItself) {
   const Passages passages(ring(24, 0.3), 2.0, -2.0);
   EXPECT_FALSE(passages.separated({20, 20}, {20, 20}));

@@ -1,13 +1,17 @@
 #include "planner/problem/plan_file.hpp"
 
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
+#include <atomic>
 #include <cmath>
 #include <filesystem>
 #include <limits>
 #include <string>
+#include <thread>
 
 #include "planner/problem/input_error.hpp"
 #include "planner/problem/metrics.hpp"
@@ -114,6 +118,42 @@ TEST_F(PlanFile, WritesTheLinesOfTheFormat) {
                         "    - {x: 1.0, y: 2.0, yaw: 0.5, t: 0}\n"
                         "    - {x: 2.0, y: 2.0, yaw: 0.5, t: 1, v: 1.0, phi: 0.0}\n"));
   EXPECT_THAT(content_of(path), HasSubstr("statistics:\n  status: solved\n  algorithm: escot\n"));
+}
+
+TEST_F(PlanFile, RecordsTheVehicleThatAllShare) {
+  Plan plan = example_plan();
+  plan.vehicles.assign(plan.names.size(), vehicle_preset("cl-cbs")->vehicle);
+  write_plan(plan, directory_.path("plan.yaml"));
+  EXPECT_THAT(content_of(directory_.path("plan.yaml")),
+              HasSubstr("\nvehicle: {preset: cl-cbs}\nschedule:\n"));
+  EXPECT_EQ(read_plan(directory_.path("plan.yaml")).vehicles, plan.vehicles);
+}
+
+TEST_F(PlanFile, RecordsTheVehiclesOfAMixedFleetBitByBit) {
+  Plan plan = example_plan();
+  plan.vehicles.assign(plan.names.size(), Vehicle{.width = 0.1 + 0.2, .max_accel = 1.5});
+  plan.vehicles[1] = vehicle_preset("escot")->vehicle;
+  write_plan(plan, directory_.path("plan.yaml"));
+  EXPECT_EQ(read_plan(directory_.path("plan.yaml")).vehicles, plan.vehicles);
+}
+
+TEST_F(PlanFile, PlansOfPeersAndOldOnesRecordNoVehicle) {
+  Instance instance{.agents = {{"agent0", {}, {}, {}}}, .map = {}};
+  const Plan plan = read(kPeers);
+  EXPECT_TRUE(plan.vehicles.empty());
+  EXPECT_FALSE(take_vehicles(plan, instance));
+  EXPECT_EQ(instance.agents[0].vehicle, Vehicle{});
+}
+
+TEST_F(PlanFile, AgentsTakeTheVehicleOfTheirName) {
+  Plan plan = example_plan();
+  plan.vehicles.assign(plan.names.size(), Vehicle{});
+  plan.vehicles[1].width = 1.5;
+  Instance instance{.agents = {{plan.names[1], {}, {}, {}}, {"other", {}, {}, {}}}, .map = {}};
+  EXPECT_TRUE(take_vehicles(plan, instance));
+  EXPECT_EQ(instance.agents[0].vehicle.width, 1.5);
+  EXPECT_EQ(instance.agents[1].vehicle, Vehicle{});
+  EXPECT_FALSE(take_vehicles(plan, instance));
 }
 
 TEST_F(PlanFile, NumbersAreFloatsForEveryYamlReader) {
@@ -228,6 +268,46 @@ TEST_F(PlanFile, NewFilesHaveTheUsualRights) {
   ::umask(mask);
   EXPECT_EQ(std::filesystem::status(directory_.path("plan.yaml")).permissions(),
             std::filesystem::perms(0640));
+}
+
+//   The mask of rights belongs to the process: files that other threads make meanwhile keep theirs.
+TEST_F(PlanFile, WritingLeavesTheRightsOfOtherFilesAlone) {
+  const mode_t mask = ::umask(0077);
+  std::atomic<bool> done = false;
+  int open_to_others = 0;
+  std::thread other([&] {
+    while (!done) {
+      const std::string path = directory_.path("other");
+      const int fd = ::open(path.c_str(), O_CREAT | O_WRONLY | O_CLOEXEC, 0666);
+      struct stat made {};
+      ::fstat(fd, &made);
+      if ((made.st_mode & 0777U) != 0600U) ++open_to_others;
+      ::close(fd);
+      ::unlink(path.c_str());
+    }
+  });
+  for (int n = 0; n < 500; ++n) write_text_file(directory_.path("plan.yaml"), "x");
+  done = true;
+  other.join();
+  ::umask(mask);
+  EXPECT_EQ(open_to_others, 0);
+}
+
+TEST_F(PlanFile, ADanglingLinkStaysALink) {
+  std::filesystem::create_directory(directory_.path("results"));
+  std::filesystem::create_symlink("second", directory_.path("first"));
+  std::filesystem::create_symlink("results/plan.yaml", directory_.path("second"));
+  check_writable(directory_.path("first"));
+  write_plan(example_plan(), directory_.path("first"));
+  EXPECT_TRUE(std::filesystem::is_symlink(directory_.path("first")));
+  EXPECT_TRUE(std::filesystem::is_symlink(directory_.path("second")));
+  EXPECT_THAT(content_of(directory_.path("results/plan.yaml")), testing::StartsWith("statistics:"));
+}
+
+TEST_F(PlanFile, LinksInACircleAreNoOutput) {
+  std::filesystem::create_symlink("b", directory_.path("a"));
+  std::filesystem::create_symlink("a", directory_.path("b"));
+  EXPECT_THAT(write_error(directory_.path("a")), HasSubstr("symbolic links"));
 }
 
 TEST_F(PlanFile, DevicesAreWrittenDirectly) {

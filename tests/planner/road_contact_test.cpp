@@ -156,6 +156,38 @@ TEST_F(TooClose, NothingMakesADecisionFail) {
 }
 
 // The one behind cannot stop in time any more: it brakes, and the one ahead makes room.
+// With the time to notice, braking now ends 3.5 m within the other one, where only the front of a body
+// goes further: that is worse, and the vehicle has to brake as hard as it can.
+TEST_F(TooClose, WhoMayRunIntoSomebodyBrakes) {
+  add_standing_forecast(0, 74.5);  // its rear is 10 m ahead of the front
+  add(0, 60.0, 9.0);
+  const RoadDecision decision = decide_on_road(scene, {}, {0}, {});
+  EXPECT_NEAR(decision.plan.find(0)->at(5).v, 9.0 - 4.5 * 0.5, 1e-9);
+}
+
+// The leader is expected to drive on, so that half braking would be no worse than to brake now as it is
+// planned: with a moment to notice. At the next decision that would begin anew.
+TEST_F(TooClose, BehindALeaderWithItsOwnDriverItBrakesFully) {
+  RoadVehicle leader = add(0, 74.5, 5.0);
+  scene.vehicles.pop_back();
+  leader.key = -1;
+  PathTrajectory motion;
+  for (int k = 0; k < 200; ++k) motion.states.push_back({74.5 + 0.5 * k, 5.0});
+  scene.forecasts.push_back({leader, motion});
+  add(0, 60.0, 9.0);
+  const RoadDecision decision = decide_on_road(scene, {}, {0}, {});
+  EXPECT_NEAR(decision.plan.find(0)->at(5).v, 9.0 - 4.5 * 0.5, 1e-9);
+}
+
+// Whatever it does, it ends up well within the other one, where only the front of a body goes further:
+// that is worse.
+TEST_F(TooClose, WhoIsTooFastBehindAnotherBrakes) {
+  add(0, 74.5, 0.0);
+  add(2, 68.0, 9.0);  // 2 m behind
+  const RoadDecision decision = decide_on_road(scene, {}, {0, 1}, {});
+  EXPECT_NEAR(decision.plan.find(1)->at(5).v, 9.0 - 4.5 * 0.5, 1e-9);
+}
+
 TEST_F(TooClose, WhoWillBeRunIntoDrivesOn) {
   add(0, 60.0, 4.0);
   add(2, 53.0, 13.0);

@@ -215,6 +215,26 @@ TEST(SoftAstar, StaysClearOfObstaclesAndInsideTheMap) {
   }
 }
 
+//   A budget without bound takes no memory by itself; what is expanded does.
+TEST(SoftAstar, ItsMemoryGrowsWithTheSearch) {
+  const Pose start{10, 10, 0};
+  const Scene open(empty_map(50), {40, 10, 0});
+  SoftAstar search(2);
+  SoftOptions options{.max_expansions = std::numeric_limits<int>::max()};
+  ASSERT_TRUE(search.search(open.problem(start), options, Deadline::never()));
+  const std::size_t at_first = search.cells();
+  EXPECT_LT(at_first, std::size_t{1} << 20U);
+
+  // No way out of the box: everything inside and all the time are searched.
+  Map closed = empty_map(30);
+  closed.polygons = {{{20, -5}, {21, -5}, {21, 35}, {20, 35}}};
+  const Scene box(closed, {26, 15, 0});
+  options = {.max_expansions = 150'000, .cell = 0.5, .cell_heading = 0.1, .cell_buckets = 1};
+  EXPECT_FALSE(search.search(box.problem({10, 15, 0}), options, Deadline::never()));
+  EXPECT_GT(search.expansions(), 30'000);
+  EXPECT_GT(search.cells(), at_first);
+}
+
 //   A tail: planned from a bucket on, arcs are counted from there.
 TEST(SoftAstar, PlansFromALaterBucketOn) {
   const Pose start{10, 10, 0};

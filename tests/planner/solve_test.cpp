@@ -200,6 +200,33 @@ TEST_P(Crowd, GroupsAreTheSameWhateverWasForeseen) {
   EXPECT_GT(joined, 20);
 }
 
+//   A group that could not be planned is in mind only until it may be tried again.
+TEST_P(Crowd, FailuresAreForgottenInTime) {
+  const Instance instance = random_instance(GetParam(), 16, 3, 40);
+  const Fleet fleet(instance, CollisionRule::kContinuous);
+  const Deadline never = Deadline::never();
+  SteppedWorldOptions options;
+  options.eccr.max_nodes = 1;
+  options.eccr.max_expansions = 1;  // no group is planned
+  SteppedWorld world(fleet, options, never);
+  Configuration q = fleet.starts();
+  std::size_t most = 0;
+  for (int t = 0; t < 60; ++t) {
+    world.prepare(q);
+    const std::vector<SteppedWorld::Motion> motions = generate_config(world, q);
+    most = std::max(most, world.failures_kept());
+    world.advance(motions);
+    for (std::size_t i = 0; i < q.size(); ++i) q[i] = motions[i].end;
+  }
+  EXPECT_GT(most, 0U);
+  for (int t = 0; t < options.retry_after; ++t) {  // nobody moves: nothing is tried
+    std::vector<SteppedWorld::Motion> waits;
+    for (int i = 0; i < fleet.size(); ++i) waits.push_back(world.safe_stop(i, q[std::size_t(i)]));
+    world.advance(waits);
+  }
+  EXPECT_EQ(world.failures_kept(), 0U);
+}
+
 INSTANTIATE_TEST_SUITE_P(Seeds, Crowd, testing::Range(std::uint64_t{900}, std::uint64_t{906}));
 
 TEST(Solve, ProvesThatABlockedGoalIsInfeasible) {
@@ -253,6 +280,16 @@ TEST(Solve, NamesTheAlgorithmsThereAre) {
   } catch (const InputError& error) {
     EXPECT_THAT(error.what(), HasSubstr("unknown algorithm 'magic'; choose one of escot, pbcr"));
   }
+}
+
+//   The seed in the plan is the one that gives this plan again, not that of a run before it.
+TEST(Solve, NamesTheSeedOfTheLastRun) {
+  EXPECT_EQ(solve(circle(3), {.seed = 5, .runs = 3}, Deadline::in(60)).statistics.seed, 5U);
+  Instance lane{.agents = {agent({2, 2, 0}, {12, 2, 0}, 0), agent({14, 2, 3.14}, {4, 2, 3.14}, 1)},
+                .map = {.width = 18, .height = 4, .circles = {}, .polygons = {}}};
+  const Plan plan = solve(lane, {.algorithm = "sha", .seed = 5, .runs = 3}, Deadline::in(60));
+  EXPECT_EQ(plan.statistics.status, "exhausted");
+  EXPECT_EQ(plan.statistics.seed, 7U);
 }
 
 TEST(Solve, TheLowerBoundIsTheLongestReedsSheppTime) {

@@ -110,6 +110,10 @@ TEST_F(Coordinate, WrongOptionsAreOneLine) {
                    std::string("coordinate: --zone-radius: is \"") + radius +
                        "\"; give a number from 20 to 1000" + help);
   }
+  expect_refused(
+      run + "--max-lateral-accel 1e-9",
+      "coordinate: --max-lateral-accel: is \"1e-9\"; give a number from 0.1 to 100, or 0" + help);
+  expect_refused(run + "--seed -1", "coordinate: --seed: is \"-1\"; [^\n]*");
   expect_refused(run + "--end nan", "coordinate: --end: is \"nan\"; [^\n]*");
   for (const char* controller : {"escot", "sumo"}) {
     expect_refused(run + "--junction nowhere --controller " + controller,

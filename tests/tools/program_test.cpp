@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <filesystem>
 #include <string>
 
@@ -66,8 +67,9 @@ TEST_F(Program, WrongUsageIsOneLine) {
   expect_refused("validate -i a -s b --fly", "validate: .*--fly.*; see mvtp validate --help");
   expect_refused("validate -i a -s b --yaw up",
                  "validate: --yaw: is \"up\"; choose ccw.cw; see mvtp validate --help");
-  expect_refused("validate -i a -s b --dt nan",
-                 "validate: --dt: is \"nan\"; give a finite number > 0; see mvtp validate --help");
+  expect_refused(
+      "validate -i a -s b --dt nan",
+      "validate: --dt: is \"nan\"; give a number from 0.001 to 1e.06; see mvtp validate --help");
   expect_refused("validate -i a -s b --vehicle tank",
                  "--vehicle: is the unknown preset \"tank\"; choose escot or cl-cbs");
 }
@@ -120,6 +122,67 @@ TEST_F(Program, TheVehicleIsTheUsersChoice) {
   EXPECT_EQ(run("validate -i i.yaml -s p.yaml").exit_code, 1);
   EXPECT_EQ(run("validate -i i.yaml -s p.yaml --vehicle cl-cbs").exit_code, 0);
   EXPECT_EQ(run("validate -i i.yaml -s p.yaml --dt 2.2").exit_code, 0);
+}
+
+//   The start of agent1 lies 5 cm inside the circle.
+TEST_F(Program, InitialOverlapsAreRefusedUnlessAllowed) {
+  (void)directory_.file("i.yaml", replaced(replaced(kInstance, "goal: [30", "goal: [34"),
+                                           "[[40, 40]]", "[[31, 11.75]]"));
+  expect_refused("solve -i i.yaml -o p.yaml", "i.yaml: agents.1..start: .* by 0.05 m; move .*");
+  const Outcome solved = run("solve -i i.yaml -o p.yaml --initial-overlap allow");
+  EXPECT_EQ(solved.exit_code, 0) << solved.err;
+  EXPECT_THAT(solved.out, HasSubstr("; allowed: start of agent1 in obstacles[0] by 0.05 m\n"));
+  EXPECT_THAT(
+      content_of(directory_.path("p.yaml")),
+      HasSubstr("  initial_overlaps:\n    - \"start of agent1 in obstacles[0] by 0.05 m\"\n"));
+  const Outcome allowed = run("validate -i i.yaml -s p.yaml --initial-overlap allow");
+  EXPECT_EQ(allowed.exit_code, 0);
+  EXPECT_THAT(allowed.out, HasSubstr("; allowed: start of agent1 in obstacles[0] by 0.05 m\n"));
+  EXPECT_EQ(run("validate -i i.yaml -s p.yaml").exit_code, 1);
+  expect_refused("solve -i i.yaml --initial-overlap maybe", "solve: --initial-overlap: .*");
+
+  EXPECT_EQ(run("bench i.yaml -o refused.csv").exit_code, 0);
+  EXPECT_THAT(content_of(directory_.path("refused.csv")), HasSubstr(",infeasible,false,"));
+  const Outcome bench = run("bench i.yaml -o allowed.csv --initial-overlap allow");
+  EXPECT_THAT(content_of(directory_.path("allowed.csv")), HasSubstr(",solved,true,"));
+  EXPECT_THAT(bench.err, HasSubstr("1 valid; in 1 an initial overlap is allowed\n"));
+}
+
+//   What was solved for the car of CL-CBS is judged and shown as such, without saying so again.
+TEST_F(Program, ThePlanRecordsItsVehicle) {
+  (void)directory_.file("i.yaml", kInstance);
+  ASSERT_EQ(run("solve -i i.yaml -o p.yaml --vehicle cl-cbs -q").exit_code, 0);
+  EXPECT_THAT(content_of(directory_.path("p.yaml")), HasSubstr("\nvehicle: {preset: cl-cbs}\n"));
+  const Outcome judged = run("validate -i i.yaml -s p.yaml");
+  EXPECT_EQ(judged.exit_code, 0);
+  EXPECT_THAT(judged.out, HasSubstr(", with the vehicles of the plan in place of the instance's"));
+  const Outcome named = run("validate -i i.yaml -s p.yaml --vehicle cl-cbs");
+  EXPECT_EQ(named.exit_code, 0);
+  EXPECT_THAT(named.out, testing::Not(HasSubstr("in place of")));
+
+  ASSERT_EQ(run("view p.yaml -i i.yaml -o named.html --vehicle cl-cbs").exit_code, 0);
+  ASSERT_EQ(run("view p.yaml -i i.yaml -o view.html").exit_code, 0);
+  EXPECT_EQ(content_of(directory_.path("view.html")), content_of(directory_.path("named.html")));
+}
+
+//   The paper's car turns more tightly than that of CL-CBS may.
+TEST_F(Program, APlanIsJudgedByTheVehicleThatItRecords) {
+  (void)directory_.file("i.yaml", "vehicle: {preset: cl-cbs}\n" +
+                                      replaced(kInstance, "[12, 10, 0]", "[13, 13, 1.5708]"));
+  ASSERT_EQ(run("solve -i i.yaml -o p.yaml --vehicle escot -q").exit_code, 0);
+  EXPECT_EQ(run("validate -i i.yaml -s p.yaml").exit_code, 0);
+  EXPECT_EQ(run("validate -i i.yaml -s p.yaml --vehicle cl-cbs").exit_code, 1);
+}
+
+TEST_F(Program, CubesFollowTheVehicleOfThePlan) {
+  (void)directory_.file("i.yaml", kInstance);
+  ASSERT_EQ(run("solve -i i.yaml -o p.yaml --vehicle cl-cbs -q").exit_code, 0);
+  const auto fit = [&](const std::string& more) {
+    return run("toio fit p.yaml --mat collection-ring " + more).out;
+  };
+  EXPECT_EQ(fit(""), fit("--vehicle cl-cbs"));
+  EXPECT_EQ(fit("-i i.yaml"), fit("-i i.yaml --vehicle cl-cbs"));
+  EXPECT_NE(fit(""), fit("--vehicle escot"));
 }
 
 //   A drive up and to the right: along the heading 0.785398 rad only if that is counter-clockwise.
@@ -223,10 +286,121 @@ TEST_F(Program, SolveRefusesBadInput) {
   expect_refused("solve -i i.yaml -o no/such/p.yaml", "no/such/p.yaml: .*");
   expect_refused("solve -i i.yaml -a magic",
                  "solve: --algorithm: is \"magic\"; choose escot.*; see mvtp solve --help");
+  expect_refused("solve -i i.yaml --seed -1",
+                 "solve: --seed: is \"-1\"; give a whole number from 0 to [0-9]+; .*");
   expect_refused("solve -i i.yaml --runs 0",
                  "solve: --runs: is \"0\"; give a whole number > 0; see mvtp solve --help");
   expect_refused("solve -i i.yaml --time-limit -3",
                  "solve: --time-limit: is \"-3\"; give a finite number > 0; .*");
+}
+
+/// Eight robots across a circle: improved for as long as one waits.
+std::string circle_of_eight() {
+  std::string text = "agents:\n";
+  for (int i = 0; i < 8; ++i) {
+    const double a = 0.785398 * i;
+    text += "  - {start: [" + std::to_string(25 + 15 * std::cos(a)) + ", " +
+            std::to_string(25 + 15 * std::sin(a)) + ", " + std::to_string(a + 3.141593) +
+            "], goal: [" + std::to_string(25 - 15 * std::cos(a)) + ", " +
+            std::to_string(25 - 15 * std::sin(a)) + ", " + std::to_string(a + 3.141593) + "]}\n";
+  }
+  return text + "map: {dimensions: [50, 50]}\n";
+}
+
+//   A signal after two seconds, long after the first plan and long before the last.
+TEST_F(Program, AnInterruptedSearchWritesTheBestPlanSoFar) {
+  (void)directory_.file("i.yaml", circle_of_eight());
+  for (const std::string signal : {"INT", "TERM"}) {
+    const Outcome outcome = shell("timeout --preserve-status -s " + signal + " 2 '" + MVTP_PROGRAM +
+                                  "' solve -i i.yaml -a escot-star --gap 0 --time-limit 250 "
+                                  "-o p.yaml --statistics s.yaml");
+    EXPECT_EQ(outcome.exit_code, 130);
+    EXPECT_THAT(outcome.out, StartsWith("solved: 8 agents, "));
+    EXPECT_EQ(outcome.err, "mvtp: i.yaml: interrupted; this is the best plan so far\n");
+    EXPECT_EQ(run("validate -i i.yaml -s p.yaml").exit_code, 0);
+    EXPECT_THAT(content_of(directory_.path("s.yaml")), HasSubstr("status: solved"));
+    std::filesystem::remove(directory_.path("p.yaml"));
+  }
+}
+
+//   Two cars head on in a lane: nobody ever finds a plan.
+TEST_F(Program, AnInterruptedSearchWithoutAPlanSaysSo) {
+  (void)directory_.file("i.yaml",
+                        "agents:\n"
+                        "  - {start: [2, 2, 0], goal: [40, 2, 0]}\n"
+                        "  - {start: [42, 2, 3.141593], goal: [4, 2, 3.141593]}\n"
+                        "map: {dimensions: [46, 4], bounds: footprint}\n");
+  const Outcome outcome =
+      shell(std::string("timeout --preserve-status -s TERM 1 '") + MVTP_PROGRAM +
+            "' solve -i i.yaml -a pbcr --runs 100000 --time-limit 250 -o p.yaml");
+  EXPECT_EQ(outcome.exit_code, 130);
+  EXPECT_EQ(outcome.err,
+            "mvtp: i.yaml: interrupted, and not solved (timeout): a signal ended the search\n");
+  EXPECT_FALSE(std::filesystem::exists(directory_.path("p.yaml")));
+}
+
+//   The signal comes after the first of 29,000 files and long before the last.
+TEST_F(Program, GenerateEndsWithTheCodeOfAnInterrupt) {
+  for (const std::string signal : {"INT", "TERM"}) {
+    const Outcome outcome = shell("timeout --preserve-status -s " + signal + " 3 '" + MVTP_PROGRAM +
+                                  "' generate dense --count 1000 -q -o out");
+    EXPECT_EQ(outcome.exit_code, 130);
+  }
+  ASSERT_TRUE(std::filesystem::exists(directory_.path("out")));
+  for (const auto& entry : std::filesystem::directory_iterator(directory_.path("out"))) {
+    EXPECT_EQ(entry.path().extension(), ".yaml");  // nothing half done
+  }
+}
+
+TEST_F(Program, AnOutputIsNoInput) {
+  const std::string instance = directory_.file("i.yaml", kHeadOn);
+  std::filesystem::create_symlink("i.yaml", directory_.path("link.yaml"));
+  std::filesystem::create_hard_link(instance, directory_.path("twin.yaml"));
+  const std::string remedy = "is an input too .*; choose another output file";
+  for (const std::string name : {"i.yaml", "./i.yaml", "link.yaml", "twin.yaml"}) {
+    expect_refused("solve -i i.yaml -o " + name, name + ": " + remedy);
+    expect_refused("solve -i i.yaml --statistics " + name, name + ": " + remedy);
+  }
+  expect_refused("solve -i link.yaml -o i.yaml", "i.yaml: " + remedy);
+  EXPECT_EQ(content_of(instance), kHeadOn);
+  expect_refused("solve -i i.yaml -o p.yaml --statistics ./p.yaml",
+                 "./p.yaml: is named for two outputs; .*");
+  expect_refused("view i.yaml -o i.yaml", "i.yaml: " + remedy);
+  ASSERT_EQ(run("view i.yaml -o view.html").exit_code, 0);
+  expect_refused("view view.html", "view.html: " + remedy);
+  ASSERT_EQ(run("bench i.yaml -q -o a.csv").exit_code, 0);
+  expect_refused("bench merge a.csv -o a.csv", "a.csv: " + remedy);
+  ASSERT_EQ(run("solve -i i.yaml -q -o p.yaml").exit_code, 0);
+  expect_refused("toio export p.yaml --mat collection-ring -o p.yaml", "p.yaml: " + remedy);
+}
+
+//   Each would take gigabytes, or for ever; the line names what is too small.
+TEST_F(Program, TinyNumbersAreRefused) {
+  const auto instance = [this](const std::string& name, const std::string& key) {
+    (void)directory_.file(name, key + "\n" + kHeadOn);
+  };
+  instance("i.yaml", "name: head on");
+  instance("speed.yaml", "vehicle: {max_speed: 1e-300}");
+  instance("dt.yaml", "dt: 1e-9");
+  instance("steps.yaml", "vehicle: {max_speed: 0.001}");
+  expect_refused("solve -i speed.yaml",
+                 "speed.yaml: vehicle.max_speed: is 1e-300 m/s; give 0.001 to 1000000 m/s");
+  expect_refused("solve -i dt.yaml", "dt.yaml: dt: is 1e-09 s; give 0.001 to 1000000 s");
+  expect_refused("solve -i i.yaml --dt 1e-9", "solve: --dt: is \"1e-9\"; give a number from .*");
+  expect_refused("solve -i steps.yaml --dt 0.001",
+                 "steps.yaml: agents.0.: needs at least .* steps of dt = 0.001 s at max_speed = "
+                 "0.001 m/s to its goal; .*");
+}
+
+TEST_F(Program, SpeedsTooFarApartAreRefused) {
+  (void)directory_.file("i.yaml",
+                        "agents:\n"
+                        "  - {start: [5, 5, 0], goal: [9, 5, 0], vehicle: {max_speed: 100000}}\n"
+                        "  - {start: [5, 15, 0], goal: [9, 15, 0], vehicle: {max_speed: 0.01}}\n"
+                        "map: {dimensions: [50, 50]}\n");
+  expect_refused("solve -i i.yaml -a escot-star",
+                 "i.yaml: agents.1..vehicle.max_speed: is 0.01 m/s, where another agent has "
+                 "100000 m/s; .*");
 }
 
 }  // namespace

@@ -87,7 +87,7 @@ TEST(Summary, MakespansCountSuccessesAndRunTimesAllRuns) {
   EXPECT_EQ(cell.runs, 3);
   EXPECT_EQ(cell.valid, 2);
   EXPECT_DOUBLE_EQ(cell.makespan_steps->mean, 14.0);
-  EXPECT_DOUBLE_EQ(cell.makespan_steps->deviation, std::sqrt(8.0));
+  EXPECT_DOUBLE_EQ(cell.makespan_steps->deviation.value(), std::sqrt(8.0));
   EXPECT_DOUBLE_EQ(cell.ratio->mean, 1.4);
   EXPECT_DOUBLE_EQ(cell.first_solution->mean, 1.0);
   EXPECT_DOUBLE_EQ(cell.runtime.mean, 3.0);

@@ -204,6 +204,7 @@ class Bench : public JobSource {
     if (statistics.lower_bound > 0.0) row.lower_bound = statistics.lower_bound;
     if (statistics.runtime > 0.0) row.runtime = statistics.runtime;
     if (row.status == "invalid" || row.status == "infeasible") complain(i, statistics.reason);
+    if (!statistics.initial_overlaps.empty()) ++with_overlaps_;
     if (row.status != "solved") return;
     const double dt = read_instance(runs_[i].instance.file, options_.reading).dt;
     row.makespan = statistics.makespan;
@@ -258,7 +259,10 @@ class Bench : public JobSource {
     }
     std::string ends;
     for (const auto& [status, count] : ends_) ends += fmt::format("{} {}, ", count, status);
-    fmt::print(stderr, "bench: {} of {} runs: {}{} valid\n", finished_, runs_.size(), ends, valid_);
+    fmt::print(
+        stderr, "bench: {} of {} runs: {}{} valid{}\n", finished_, runs_.size(), ends, valid_,
+        with_overlaps_ == 0 ? std::string()
+                            : fmt::format("; in {} an initial overlap is allowed", with_overlaps_));
   }
 
   const BenchOptions& options_;
@@ -272,6 +276,7 @@ class Bench : public JobSource {
   std::map<std::size_t, ResultRow> solved_;  ///< not yet judged
   std::size_t finished_ = 0;
   std::size_t valid_ = 0;
+  std::size_t with_overlaps_ = 0;    ///< runs on instances with an initial overlap that is allowed
   std::map<std::string, int> ends_;  ///< how many runs ended with each status
   std::vector<std::string> complaints_;
 };

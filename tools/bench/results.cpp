@@ -29,14 +29,6 @@ constexpr std::array<std::string_view, 13> kColumns = {
 
 // ---- writing
 
-/// A field as RFC 4180 wants it.
-std::string quoted(std::string_view text) {
-  if (text.find_first_of(",\"\r\n") == std::string_view::npos) return std::string(text);
-  std::string result = "\"";
-  for (const char c : text) result += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return result + '"';
-}
-
 std::string seconds(std::optional<double> value) {
   return value ? fmt::format("{:.4f}", *value) : std::string();
 }
@@ -216,12 +208,12 @@ void reject_foreign_text(const std::string& path, std::string_view content) {
 std::string results_header() { return fmt::format("{}\n", fmt::join(kColumns, ",")); }
 
 std::string to_csv(const ResultRow& row) {
-  return fmt::format("{},{},{},{},{},{},{},{},{},{},{},{:.1f},{}\n", quoted(row.instance),
-                     quoted(row.algorithm), row.seed, quoted(row.status), row.valid,
+  return fmt::format("{},{},{},{},{},{},{},{},{},{},{},{:.1f},{}\n", csv_field(row.instance),
+                     csv_field(row.algorithm), row.seed, csv_field(row.status), row.valid,
                      row.makespan_steps ? fmt::to_string(*row.makespan_steps) : "",
                      seconds(row.makespan), seconds(row.flowtime), seconds(row.lower_bound),
                      seconds(row.first_solution), seconds(row.runtime), row.peak_rss,
-                     quoted(row.version));
+                     csv_field(row.version));
 }
 
 std::vector<ResultRow> parse_results(std::string_view content, const std::string& name) {

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <functional>
 #include <nlohmann/json.hpp>
 
@@ -229,17 +228,6 @@ bool succeeded(const ComparedRun& run) {
                     run.control == "one-at-a-time";
   if (!ours) return true;
   return run.status != "stuck" && run.figures.at("overlap_pairs_coordinated") == 0.0;
-}
-
-MeanAndDeviation mean_and_deviation(std::span<const double> values) {
-  MeanAndDeviation result;
-  const auto n = static_cast<double>(values.size());
-  for (const double value : values) result.mean += value / n;
-  if (values.size() < 2) return result;
-  double squares = 0.0;
-  for (const double value : values) squares += (value - result.mean) * (value - result.mean);
-  result.deviation = std::sqrt(squares / (n - 1.0));
-  return result;
 }
 
 std::string comparison_table(std::span<const ComparedRun> runs) {

@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "tools/mean.hpp"
+
 namespace mvtp {
 
 /// One run of a comparison, and what its summary.json says.
@@ -40,13 +42,6 @@ void read_summary(const std::string& text, const std::string& where, ComparedRun
 /// Did the run do its job? A light that cannot cope is a result, our own failure is one too, but a
 /// bad one: a coordinated run may neither get stuck nor let a coordinated vehicle overlap.
 [[nodiscard]] bool succeeded(const ComparedRun& run);
-
-struct MeanAndDeviation {
-  double mean = 0.0;
-  std::optional<double> deviation;  ///< of the sample; none for a single value
-};
-/// @pre !values.empty()
-[[nodiscard]] MeanAndDeviation mean_and_deviation(std::span<const double> values);
 
 /// The table for people: a row per control, in the order in which they first appear, then a line
 /// per run that failed.

@@ -49,9 +49,9 @@ CoordinatorOptions coordinator_options(const CoordinateOptions& options,
   coordinator.junctions.assign(junctions.begin(), junctions.end());
   coordinator.escot.seed = options.seed;
   coordinator.escot.crossing.tries = options.tries;
+  coordinator.escot.threads = options.threads;
   if (options.replan_budget_ms >= 0.0) coordinator.replan_budget_ms = options.replan_budget_ms;
   coordinator.budget_from = options.replan_budget_from;
-  coordinator.threads = options.threads;
   return coordinator;
 }
 

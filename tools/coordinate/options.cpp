@@ -85,7 +85,11 @@ void declare_run_options(CLI::App& app, CoordinateOptions& o) {
   app.add_option(
          "--max-lateral-accel", o.max_lateral_accel,
          "Limit in bends for every vehicle, SUMO's too [m/s^2] (0: the lanes' speed limits)")
-      ->check(number_between(0.0, 100.0))
+      ->check([](const std::string& text) {
+        if (number_between(0.0, 0.0)(text).empty()) return std::string();
+        std::string problem = number_between(0.1, 100.0)(text);
+        return problem.empty() ? problem : problem + ", or 0";
+      })
       ->capture_default_str()
       ->group("Control");
   app.add_option("--margin-along", o.margin_along, "Safety distance ahead and behind, in all [m]")

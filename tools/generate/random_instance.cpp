@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "planner/algorithms/solvable_alone.hpp"
+#include "planner/algorithms/single_agent_path.hpp"
 #include "planner/motion/oriented_box.hpp"
 #include "planner/problem/input_error.hpp"
 #include "tools/generate/dice.hpp"

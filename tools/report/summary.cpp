@@ -54,13 +54,7 @@ std::string map_of(const std::string& instance) {
 
 std::optional<MeanAndDeviation> mean_of(const std::vector<double>& values) {
   if (values.empty()) return std::nullopt;
-  double sum = 0.0;
-  for (const double value : values) sum += value;
-  MeanAndDeviation result{sum / double(values.size()), 0.0};
-  double squares = 0.0;
-  for (const double value : values) squares += (value - result.mean) * (value - result.mean);
-  if (values.size() > 1) result.deviation = std::sqrt(squares / double(values.size() - 1));
-  return result;
+  return mean_and_deviation(values);
 }
 
 CellSummary summarise_cell(const std::vector<const ResultRow*>& rows,

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "tools/bench/results.hpp"
+#include "tools/mean.hpp"
 
 namespace mvtp {
 
@@ -19,11 +20,6 @@ struct InstanceTraits {
   friend auto operator<=>(const InstanceTraits&, const InstanceTraits&) = default;
 };
 [[nodiscard]] InstanceTraits traits_of(const std::string& instance);
-
-struct MeanAndDeviation {
-  double mean = 0.0;
-  double deviation = 0.0;  ///< of a sample; 0 for a single value
-};
 
 /// One algorithm on one map with one number of robots.
 struct CellSummary {

@@ -21,7 +21,8 @@ std::string cell_text(const std::string& text) {
 
 std::string with_deviation(const std::optional<MeanAndDeviation>& value, int digits) {
   if (!value) return "–";
-  return fmt::format("{:.{}f} ± {:.{}f}", value->mean, digits, value->deviation, digits);
+  return fmt::format("{:.{}f} ± {:.{}f}", value->mean, digits, value->deviation.value_or(0.0),
+                     digits);
 }
 
 /// Three digits that say something.
@@ -115,8 +116,8 @@ Json series(const MapSummary& map, const std::string& algorithm) {
     result["robots"].push_back(*cell.robots);
     result["success"].push_back(100.0 * cell.valid / cell.runs);
     result["makespan"].push_back(value_or_null(cell.makespan_steps));
-    result["deviation"].push_back(cell.makespan_steps ? Json(cell.makespan_steps->deviation)
-                                                      : Json());
+    result["deviation"].push_back(
+        cell.makespan_steps ? Json(cell.makespan_steps->deviation.value_or(0.0)) : Json());
     result["runtime"].push_back(cell.runtime.mean);
   }
   return result;

@@ -7,6 +7,7 @@
 
 #include "planner/problem/text_file.hpp"
 #include "tools/option_types.hpp"
+#include "tools/output_files.hpp"
 #include "tools/toio/check.hpp"
 #include "tools/toio/commands.hpp"
 #include "tools/toio/emulate.hpp"
@@ -107,7 +108,7 @@ int emulate_runs(EmulateCommand command) {
   command.options.delay = command.options.player.lag = command.delay_ms / 1000.0;
   command.options.loss = command.loss_percent / 100.0;
   command.options.player.gating = !command.no_gating;
-  if (!command.report.empty()) check_writable(command.report);
+  check_output_files({command.report}, command.runs);
   std::vector<ToioRun> runs;
   for (const std::string& file : command.runs) {
     runs.push_back(read_drivable_run(file, command.options.player.mode));

@@ -6,9 +6,9 @@
 #include <functional>
 #include <memory>
 
-#include "planner/problem/text_file.hpp"
 #include "tools/child_process.hpp"
 #include "tools/option_types.hpp"
+#include "tools/output_files.hpp"
 #include "tools/toio/check.hpp"
 #include "tools/toio/commands.hpp"
 #include "tools/toio/live_run.hpp"
@@ -81,7 +81,7 @@ int run_cubes(RunCommand command) {
   LiveHooks hooks{.say = say, .log = nullptr, .pause_asked = enter_pressed};
   std::ofstream log;
   if (!command.log.empty()) {
-    check_writable(command.log);
+    check_output_files({command.log}, {command.run});
     log.open(command.log);
     hooks.log = [&log](const std::string& line) { log << line << '\n'; };
   }

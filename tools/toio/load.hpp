@@ -11,7 +11,8 @@ namespace mvtp {
 /// Where a plan and its vehicles come from.
 struct PlanRequest {
   std::string plan;
-  std::string instance;  ///< empty: every robot is the preset `reading.vehicle_preset`
+  /// Empty: robots are the preset `reading.vehicle_preset`, or else what the plan records.
+  std::string instance;
   InstanceReadOptions reading;
 };
 

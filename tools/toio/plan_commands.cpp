@@ -5,6 +5,7 @@
 
 #include "planner/problem/text_file.hpp"
 #include "tools/option_types.hpp"
+#include "tools/output_files.hpp"
 #include "tools/toio/check.hpp"
 #include "tools/toio/commands.hpp"
 #include "tools/toio/export.hpp"
@@ -86,9 +87,8 @@ int fit_plan(const PlanCommand& command) {
 }
 
 int export_plan(const PlanCommand& command) {
-  for (const std::string& file : {command.output, command.csv}) {
-    if (!file.empty()) check_writable(file);
-  }
+  check_output_files({command.output, command.csv},
+                     {command.plan.plan, command.plan.instance, command.mat});
   const Outcome outcome = lay_out(command);
   if (!outcome.problem.empty()) return refuse(outcome.problem);
   const ToioRun& run = outcome.exported.run;

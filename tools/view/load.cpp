@@ -38,8 +38,10 @@ Instance load_instance(const std::string& path, const InstanceReadOptions& optio
 
 Replay load_plan(const std::string& path, const std::string& instance_path,
                  const ViewRequest& request, ReplayInfo info) {
-  const Instance instance = read_instance(instance_path, request.reading);
+  Instance instance = read_instance(instance_path, request.reading);
   Plan plan = read_plan(path, {.yaw = request.reading.yaw, .dt = instance.dt});
+  if (!request.reading.vehicle_preset) take_vehicles(plan, instance);
+  if (!plan.statistics.initial_overlaps.empty()) instance.initial_overlap = InitialOverlap::kAllow;
   if (request.reading.dt) plan.statistics.dt = *request.reading.dt;
   return replay_of(instance, plan, find_violations(instance, plan, CollisionRule::kContinuous),
                    std::move(info), path);

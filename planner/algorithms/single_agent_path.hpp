@@ -12,8 +12,8 @@ namespace mvtp {
 ///
 /// @return nullopt if hybrid A* found none within its budget, with steps of any of three lengths,
 ///         or until the deadline
-[[nodiscard]] std::optional<std::vector<Arc>> find_way_alone(const Fleet& fleet, int i,
-                                                             const Deadline& deadline);
+[[nodiscard]] std::optional<std::vector<Arc>> find_single_agent_path(const Fleet& fleet, int i,
+                                                                     const Deadline& deadline);
 
 /// Was one found? True is a proof; false is none. The clock plays no part.
 [[nodiscard]] bool solvable_alone(const Fleet& fleet, int i);

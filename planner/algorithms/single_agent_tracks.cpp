@@ -1,10 +1,10 @@
-#include "planner/algorithms/ways_alone.hpp"
+#include "planner/algorithms/single_agent_tracks.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
-#include "planner/algorithms/solvable_alone.hpp"
+#include "planner/algorithms/single_agent_path.hpp"
 
 namespace mvtp {
 namespace {
@@ -26,24 +26,26 @@ std::vector<Arc> by_instants(const std::vector<Arc>& arcs, double step_length) {
 
 std::optional<TimedTrack> find_way(SoftAstar& search, const Fleet& fleet, int i,
                                    const MacroRobot& robot, const Deadline& deadline) {
-  std::optional<TimedTrack> way = plan_alone(search, robot, kWeight, kExpansions, 0, deadline);
+  std::optional<TimedTrack> way =
+      find_single_agent_track(search, robot, kWeight, kExpansions, 0, deadline);
   if (way) return way;
-  if (const std::optional<std::vector<Arc>> arcs = find_way_alone(fleet, i, deadline)) {
+  if (const std::optional<std::vector<Arc>> arcs = find_single_agent_path(fleet, i, deadline)) {
     return TimedTrack(robot.car->vehicle(), robot.start,
                       by_instants(*arcs, robot.car->step_length()), robot.car->time().bucket);
   }
   int expansions = kExpansions;
   for (int finer = 1; finer <= kFinerLevels && !way && !deadline.expired(); ++finer) {
     expansions *= kFactor;
-    way = plan_alone(search, robot, kWeight, expansions, finer, deadline);
+    way = find_single_agent_track(search, robot, kWeight, expansions, finer, deadline);
   }
   return way;
 }
 
 }  // namespace
 
-std::optional<TimedTrack> plan_alone(SoftAstar& search, const MacroRobot& robot, double weight,
-                                     int expansions, int finer, const Deadline& deadline) {
+std::optional<TimedTrack> find_single_agent_track(SoftAstar& search, const MacroRobot& robot,
+                                                  double weight, int expansions, int finer,
+                                                  const Deadline& deadline) {
   const TimeGrid& time = robot.car->time();
   const Occupancy nobody(1, time);
   SoftProblem alone;
@@ -62,8 +64,9 @@ std::optional<TimedTrack> plan_alone(SoftAstar& search, const MacroRobot& robot,
   return TimedTrack(robot.car->vehicle(), robot.start, std::move(path->steps), time.bucket);
 }
 
-std::vector<TimedTrack> find_ways_alone(const Fleet& fleet, const std::vector<MacroRobot>& robots,
-                                        const Deadline& deadline) {
+std::vector<TimedTrack> find_single_agent_tracks(const Fleet& fleet,
+                                                 const std::vector<MacroRobot>& robots,
+                                                 const Deadline& deadline) {
   SoftAstar search(1);
   std::vector<TimedTrack> ways;
   for (int i = 0; i < fleet.size(); ++i) {

@@ -14,15 +14,16 @@ namespace mvtp {
 /// @param weight  of the cost-to-go, >= 1
 /// @param finer   so many times smaller are the cells of the search; slow actions are used if > 0
 /// @return nullopt if none was found in so many expansions or until the deadline
-[[nodiscard]] std::optional<TimedTrack> plan_alone(SoftAstar& search, const MacroRobot& robot,
-                                                   double weight, int expansions, int finer,
-                                                   const Deadline& deadline);
+[[nodiscard]] std::optional<TimedTrack> find_single_agent_track(SoftAstar& search,
+                                                                const MacroRobot& robot,
+                                                                double weight, int expansions,
+                                                                int finer,
+                                                                const Deadline& deadline);
 
 /// Every robot's way alone: by a quick search, by hybrid A* with steps of several lengths, or by
 /// ever finer searches; empty if one was not found.
 /// @param robots  those of the fleet, in its order
-[[nodiscard]] std::vector<TimedTrack> find_ways_alone(const Fleet& fleet,
-                                                      const std::vector<MacroRobot>& robots,
-                                                      const Deadline& deadline);
+[[nodiscard]] std::vector<TimedTrack> find_single_agent_tracks(
+    const Fleet& fleet, const std::vector<MacroRobot>& robots, const Deadline& deadline);
 
 }  // namespace mvtp

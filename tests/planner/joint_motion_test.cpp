@@ -1,0 +1,98 @@
+#include "planner/algorithms/joint_motion.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/planner/joint_scene.hpp"
+#include "tests/planner/scenes.hpp"
+
+namespace mvtp {
+namespace {
+
+using testing::IsEmpty;
+
+/// Three cars on lanes of their own: two short ways out, and a long one.
+class Departures : public testing::Test {
+ protected:
+  Departures()
+      : scene_({.agents = {agent({3, 5, 0}, {8, 5, 0}, 0), agent({3, 15, 0}, {8, 15, 0}, 1),
+                           agent({3, 25, 0}, {33, 25, 0}, 2)},
+                .map = empty_map(40)}),
+        motion_(scene_.robots, scene_.time) {}
+
+  /// Straight ahead for so many instants, begun `wait` buckets later, and out.
+  [[nodiscard]] TimedTrack way_out(int i, int instants, int wait = 0) const {
+    const std::vector<Arc> way(std::size_t(instants), Arc{0.1, 0.0});
+    return motion_.track_after(i, wait, way, true);
+  }
+  [[nodiscard]] TimedTrack long_way() const {
+    return motion_.track_after(2, 0, std::vector<Arc>(300, Arc{0.1, 0.0}));
+  }
+
+  JointScene scene_;
+  JointMotion motion_;
+};
+
+TEST_F(Departures, TwoThatHaveLeftMeetNobody) {
+  motion_.place(0, way_out(0, 50));
+  motion_.place(1, way_out(1, 50));
+  motion_.place(2, long_way());  // it alone is there in the end
+  EXPECT_THAT(motion_.conflicts(), IsEmpty());
+}
+
+TEST_F(Departures, WhoLeavesIsInNobodysWayWhicheverIsPlacedFirst) {
+  motion_.place(2, long_way());
+  motion_.place(0, way_out(0, 40));
+  EXPECT_EQ(motion_.overlaps(1, way_out(1, 50), 3), 0);
+  motion_.place(1, way_out(1, 50));
+  EXPECT_THAT(motion_.conflicts_of(1), IsEmpty());
+}
+
+TEST_F(Departures, AnExitIsNotPutOffByAnEarlierOne) {
+  motion_.place(2, long_way());
+  motion_.place(0, way_out(0, 50));
+  const std::vector<Arc> way(50, Arc{0.1, 0.0});
+  ASSERT_TRUE(motion_.place_later(1, way, 200, true));
+  EXPECT_EQ(motion_.track(1).arrival(), 50);
+}
+
+//   Until the end of the bucket in which it arrives it is there, and not a bucket longer.
+TEST_F(Departures, TheWayOutItselfCounts) {
+  motion_.place(0, way_out(0, 50));
+  const MacroRobot& second = motion_.robot(1);
+  const auto standing = [&] {
+    return TimedTrack(second.car->vehicle(), {9.5, 5, 0}, {}, scene_.time.bucket);
+  };
+  EXPECT_EQ(motion_.overlaps(1, standing(), 3), 1);
+  const int gone = motion_.track(0).departure();
+  EXPECT_EQ(gone, 60);
+  const TimedTrack late(second.car->vehicle(), {9.5 - 0.1 * gone, 12, 0},
+                        std::vector<Arc>(std::size_t(gone), Arc{0.1, 0.0}), scene_.time.bucket);
+  EXPECT_EQ(motion_.overlaps(1, late, 3), 0);
+}
+
+TEST_F(Departures, WhoArrivesAtOnceIsThereForOneBucket) {
+  EXPECT_EQ(way_out(0, 0).departure(), scene_.time.bucket);
+  motion_.place(0, way_out(0, 0));
+  const TimedTrack standing(motion_.robot(1).car->vehicle(), {4, 5, 0}, {}, scene_.time.bucket);
+  EXPECT_EQ(motion_.overlaps(1, standing, 3), 1);
+}
+
+//   With thousands of robots, placing them all takes long.
+TEST_F(Departures, PlacingAllEndsAtTheDeadline) {
+  EXPECT_FALSE(motion_.place_all(scene_.alone, Deadline::in(0)));
+  EXPECT_FALSE(motion_.present(0));
+  EXPECT_TRUE(motion_.place_all(scene_.alone));
+  EXPECT_TRUE(motion_.present(2));
+}
+
+TEST(Clearance, KnowsNothingIfTheTimeRunsOut) {
+  Map map = empty_map(40);
+  map.polygons = {{{30, 30}, {35, 30}, {30, 35}}};
+  const Obstacles obstacles(map, 4.0);
+  EXPECT_GT(Clearance(map, obstacles).at(5, 5), 5.0F);
+  EXPECT_EQ(Clearance(map, obstacles, Deadline::in(0)).at(5, 5), 0.0F);
+}
+
+}  // namespace
+}  // namespace mvtp
