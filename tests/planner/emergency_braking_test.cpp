@@ -56,7 +56,7 @@ class InARow : public EmergencyBraking {
 
 TEST_F(InARow, WhoWouldRunIntoABrakingOneBrakesToo) {
   make_plan();
-  add_standing_forecast(0, 60.0 + 4.5 + 13.0);
+  add_standing_forecast(0, 60.0 + 4.5 + 21.0);
   EXPECT_THAT(braking(), ElementsAre(0, 1));
 }
 
