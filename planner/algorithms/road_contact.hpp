@@ -108,10 +108,11 @@ class RoadContact {
   const RoadVehicle* a_;
   const RoadVehicle* b_;
   double reaction_;
-  double least_gap_ = 0.0;  ///< [m] see gap(), if both brake now; only if close_
-  bool b_ahead_ = true;     ///< of `a` now; only if close_
-  bool close_ = false;      ///< braking now would bring them into their margins
-  bool stuck_ = false;      ///< both
+  double least_gap_ = 0.0;   ///< [m] see gap(), if both brake now; only if close_
+  bool b_ahead_ = true;      ///< of `a` now; only if close_
+  bool in_one_lane_ = true;  ///< now; only if close_
+  bool close_ = false;       ///< braking now would bring them into their margins
+  bool stuck_ = false;       ///< both
 };
 
 /// A contact as one of its two vehicles sees it.
