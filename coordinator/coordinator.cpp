@@ -9,6 +9,7 @@
 
 #include "coordinator/audit.hpp"
 #include "coordinator/referee.hpp"
+#include "planner/algorithms/emergency_braking.hpp"
 #include "planner/search/draws.hpp"
 
 namespace mvtp {
@@ -87,6 +88,7 @@ void Coordinator::decide() {
   } else {
     static_cast<void>(leave_corridors(/*may_go_on=*/false));
     hold_departures();
+    brake_for_surprises();
   }
 }
 
@@ -540,10 +542,19 @@ void Coordinator::see_guest(const VehicleState& v, const CourseQuery& query) {
   if (to_line && *to_line <= options_.corridors.takeover) {
     ++guest_sightings_;
     const double lane_end = graph_.lane(query.lane).length - query.position;
-    gate_.see(v, *to_line, is_inside ? 0.0 : std::min(*to_line, lane_end), type_of(v.type).body);
+    gate_.see(v, *to_line, is_inside ? 0.0 : std::min(*to_line, lane_end), is_first_on_lane(v),
+              type_of(v.type).body);
   } else if (is_inside && gate_.passes(v.id)) {
-    gate_.see(v, 0.0, 0.0, type_of(v.type).body);
+    gate_.see(v, 0.0, 0.0, true, type_of(v.type).body);
   }
+}
+
+/// Is nobody ahead of it on its lane but guests who are let through?
+bool Coordinator::is_first_on_lane(const VehicleState& v) const {
+  return std::ranges::none_of(traffic_.vehicles(), [&](const VehicleState& other) {
+    return other.lane_position > v.lane_position && other.lane == v.lane &&
+           !gate_.passes(other.id);
+  });
 }
 
 /// From where a vehicle is onto the path of a corridor, about `station` along it.
@@ -672,6 +683,48 @@ void Coordinator::hold_departures() {
     const CourseQuery query = query_for(v, route);
     const std::optional<double> to_line = finder_.distance_to_line(query);
     if (to_line && *to_line < kAtLine) see_guest(v, query);
+  }
+}
+
+/// Has it appeared, or changed lanes, since the last decision?
+bool Coordinator::is_surprise(const VehicleState& v) const {
+  if (driven_.contains(v.id)) return false;
+  const int lane = graph_.find_lane(v.lane);
+  if (lane == LaneGraph::kNone || !predictor_.watches(lane)) return false;
+  const auto trail = trails_.find(v.id);
+  if (trail == trails_.end()) return true;
+  const int before = trail->second.lane;
+  return before != LaneGraph::kNone && before != lane && graph_.edge_of(lane) != LaneGraph::kNone &&
+         graph_.edge_of(before) == graph_.edge_of(lane);
+}
+
+/// Between two decisions nobody is planned for, but whoever has somebody appear right before it
+/// brakes at once, and those who would run into it with it.
+void Coordinator::brake_for_surprises() {
+  if (planner_is_dead() || driven_.empty()) return;
+  for (const VehicleState& v : traffic_.vehicles()) {
+    if (is_surprise(v)) brake_for(v);
+  }
+}
+
+void Coordinator::brake_for(const VehicleState& v) {
+  constexpr double kNear = 60.0;  // [m]
+  RoadScene now{.library = &corridors_.library(), .grid = grid_, .step = step_};
+  for (const auto& [id, driven] : driven_) {
+    const Pose& pose = find_state(id)->pose;
+    if (distance(pose, v.pose) < kNear) now.vehicles.push_back(driven.road);
+  }
+  if (now.vehicles.empty()) return;
+  std::ranges::sort(now.vehicles, {}, &RoadVehicle::key);
+  const std::vector<int> route = route_of(v);
+  now.forecasts = predictor_.predict(v, query_for(v, route), type_of(v.type).body, Intent::kWaits,
+                                     time_at_stop(v), grid_, step_);
+  prepare_tables(now);
+  for (const std::int64_t key : who_must_brake(now, plan_, options_.escot.crossing.trajectory)) {
+    const RoadVehicle& braking = now.vehicle(key);
+    const double b = now.body(braking).max_decel;
+    const auto entry = std::ranges::find(plan_.entries, key, &JointPlan::Entry::key);
+    entry->trajectory = std::make_shared<PathTrajectory>(stop_after(now, braking.now, -b, b));
   }
 }
 

@@ -127,6 +127,10 @@ class Coordinator : public Controller {
   [[nodiscard]] bool turns_yet(const Newcomer& newcomer);
   [[nodiscard]] bool is_entering(const VehicleState& state);
   void see_guest(const VehicleState& state, const CourseQuery& query);
+  [[nodiscard]] bool is_first_on_lane(const VehicleState& v) const;
+  [[nodiscard]] bool is_surprise(const VehicleState& v) const;
+  void brake_for_surprises();
+  void brake_for(const VehicleState& v);
   void prepare_tables(const RoadScene& now);
   [[nodiscard]] std::vector<std::int64_t> stagnating_groups();
   void notice_the_stuck();

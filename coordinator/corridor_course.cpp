@@ -18,6 +18,7 @@ constexpr double kRunOut = 25.0;          ///< [m] behind the hand-back until a 
 constexpr double kSight = 20.0;           ///< [m] behind that in which others still matter
 constexpr double kBeforeEnd = 9.0;        ///< [m] that a hand-back keeps from the end of its lane
 constexpr double kDriverBrakes = 45.0;    ///< [m] that a driver needs to stop comfortably
+constexpr double kDriverChanges = 80.0;   ///< [m] that a driver needs to change lanes and to stop
 constexpr double kEarly = 60.0;           ///< [m] that a takeover may be earlier, before a junction
 constexpr double kBeforeJunction = 10.0;  ///< [m] before it, then
 constexpr double kBridge = 100.0;         ///< [m] more behind a junction, up to the next takeover
@@ -314,6 +315,21 @@ bool CourseFinder::lay_pieces(const CourseQuery& query, const Start& start, std:
   }
 }
 
+/// Does the last lane lead on along the route, or to a line before which it is taken over again?
+/// Else its driver has to change lanes behind the hand-back.
+bool CourseFinder::leads_on(const CourseQuery& query, const Start& start,
+                            const CorridorCourse& course) const {
+  const auto edges = std::ranges::count_if(
+      course.pieces, [&](const CorridorPiece& p) { return graph_.edge_of(p.lane) != kNone; });
+  const std::size_t last = start.edge + std::size_t(edges) - 1;
+  if (last + 1 >= query.edges.size()) return true;
+  const int junction = graph_.junction_behind(query.edges[last]);
+  if (is_coordinated(junction)) return true;
+  return std::ranges::any_of(
+      links_between(query.edges[last], query.edges[last + 1]),
+      [&](int k) { return graph_.link(k).from == course.pieces.back().last_lane(); });
+}
+
 /// The lanes behind the first piece, if the body still reaches there.
 void CourseFinder::lay_lead_in(const CourseQuery& query, CorridorCourse& course) const {
   course.start = -(query.length + 12.0);
@@ -373,7 +389,7 @@ std::optional<CorridorCourse> CourseFinder::find(const CourseQuery& query) const
     --first_exit;
   }
   CorridorCourse course;
-  const double wanted = handback_at(exit, query.length);
+  double wanted = handback_at(exit, query.length);
   if (!lay_pieces(query, *start, first_exit, wanted + kRunOut + kSight, course)) {
     return std::nullopt;
   }
@@ -382,6 +398,9 @@ std::optional<CorridorCourse> CourseFinder::find(const CourseQuery& query) const
     room += graph_.lane(course.pieces[i].lane).length;
   }
   room = std::min(room, exit.room);
+  if (!leads_on(query, *start, course)) {
+    wanted = std::max(query.length + 1.0, std::min(wanted, room - kDriverChanges));
+  }
   const double latest = std::max(std::min(query.length + 1.0, room - 1.6), room - kBeforeEnd);
   course.handback = std::max(0.1, std::min(wanted, latest));
   course.end = std::max(course.handback, std::min(course.handback + kRunOut, room - 1.0));

@@ -24,7 +24,8 @@ void Gate::begin() {
   for (auto& [id, visitor] : visitors_) visitor.seen = false;
 }
 
-void Gate::see(const VehicleState& v, double to_line, double to_hold, const Vehicle& body) {
+void Gate::see(const VehicleState& v, double to_line, double to_hold, bool is_first,
+               const Vehicle& body) {
   Visitor& guest = visitors_[v.id];
   const bool came = !guest.guest;
   if (came) guest.asked = decisions_;
@@ -33,7 +34,7 @@ void Gate::see(const VehicleState& v, double to_line, double to_hold, const Vehi
   guest.pose = v.pose;
   if (!guest.passes) guest.lane = v.lane;
   guest.stands = v.speed < kStands ? guest.stands + 1 : 0;
-  guest.waits = (to_line < kNear && v.speed < kCrawl) || v.speed < kStands;
+  guest.waits = is_first && ((to_line < kNear && v.speed < kCrawl) || v.speed < kStands);
   const double room = stopping_distance(v.speed, 0.8 * body.max_decel) + kReaction * v.speed;
   const bool anew = guest.passes && to_line > std::max(kApart, room);
   if (guest.held || (!came && !anew)) return;

@@ -21,7 +21,9 @@ class Gate {
   void begin();
   /// A guest, `to_line` [m] before its stop line (0: behind it, inside), and `to_hold` [m] before
   /// the place where it can be held: the end of its lane.
-  void see(const VehicleState& vehicle, double to_line, double to_hold, const Vehicle& body);
+  /// @param is_first  nobody is ahead of it on its lane.
+  void see(const VehicleState& vehicle, double to_line, double to_hold, bool is_first,
+           const Vehicle& body);
   /// Somebody who is to be taken over: stays held if it is.
   void keep(const std::string& id);
   void end();
@@ -43,7 +45,7 @@ class Gate {
     bool passes = false;
     bool held = false;
     bool seen = false;
-    bool waits = false;      ///< near its line
+    bool waits = false;      ///< near its line, the first on its lane
     int stands = 0;          ///< for so many decisions
     std::int64_t asked = 0;  ///< when it was last proposed, or came
     Pose pose;

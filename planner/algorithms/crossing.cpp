@@ -67,18 +67,29 @@ class CrossingPlanner {
   std::optional<CrossingResult> around_the_incumbents(const Order& order, std::size_t old,
                                                       const JointPlan& incumbent) {
     std::vector<Entry> entries;
-    for (std::size_t i = 0; i < order.size(); ++i) {
-      if (i < old) {
-        const Entry* fits = fitting_incumbent(order[i], incumbent, {});
-        if (fits == nullptr) return std::nullopt;
-        entries.push_back(*fits);
-        continue;
-      }
+    for (std::size_t i = 0; i < old; ++i) {
+      const Entry* fits = fitting_incumbent(order[i], incumbent, {});
+      if (fits == nullptr) return std::nullopt;
+      entries.push_back(*fits);
+    }
+    restore_headways(entries);
+    for (std::size_t i = old; i < order.size(); ++i) {
       auto t = plan_at_least(scene_.vehicle(order[i]), entries);
       if (!t) return std::nullopt;
       entries.push_back({order[i], std::make_shared<PathTrajectory>(std::move(*t))});
     }
     return CrossingResult{{in_lane_order(entries)}, {}, cost_of(entries)};
+  }
+
+  /// A leader may go on otherwise than it was expected to when its follower was planned: whoever
+  /// would be handed back too close behind it is planned anew around all others, if that works.
+  void restore_headways(std::vector<Entry>& entries) {
+    for (std::size_t i = 0; i < entries.size(); ++i) {
+      const RoadVehicle& v = scene_.vehicle(entries[i].key);
+      if (leaves_room(pairs_, v, *entries[i].trajectory, entries, options_.trajectory)) continue;
+      auto t = plan_at_least(v, entries);
+      if (t) entries[i].trajectory = std::make_shared<PathTrajectory>(std::move(*t));
+    }
   }
 
   /// Fills `entries` along `order` with the incumbents that fit and new plans for the others;

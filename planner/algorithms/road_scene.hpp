@@ -52,7 +52,7 @@ struct RoadVehicle {
   int exit_lane = -1;        ///< vehicles of one exit lane keep a headway on it
   double s_exit_lane = 0.0;  ///< rear axle when the front bumper enters the exit lane [m]
   /// The exit lane on which its path begins, behind another junction: there it is a leader of those
-  /// who leave that one. From the first stop line on it is no more.
+  /// who leave that one, until its tail is over the first stop line.
   int entry_lane = -1;
   double s_entry_lane = 0.0;  ///< rear axle when the front bumper enters that [m]
   double s_handback = 0.0;    ///< rear axle where the zone ends [m]

@@ -78,49 +78,55 @@ bool Surroundings::can_wait(std::int64_t k, const InertialState& state) const {
   return true;
 }
 
+std::optional<double> Surroundings::place_on_exit(const Other& other,
+                                                  const InertialState& state) const {
+  if (other.vehicle->exit_lane != vehicle_.exit_lane || state.s >= PathTrajectory::kGone) {
+    return std::nullopt;
+  }
+  return state.s - other.vehicle->s_exit_lane;
+}
+
 std::optional<double> Surroundings::place_on_next(const Other& other,
                                                   const InertialState& state) const {
   const RoadVehicle& v = *other.vehicle;
   const bool is_there = v.entry_lane >= 0 && v.entry_lane == vehicle_.exit_lane;
-  if (!is_there || (!v.stop_lines.empty() && state.s > v.stop_lines.front())) return std::nullopt;
+  if (!is_there) return std::nullopt;
+  // Until its tail has left it.
+  const bool has_left =
+      !v.stop_lines.empty() && state.s > v.stop_lines.front() + other.body->length();
+  if (has_left) return std::nullopt;
   return state.s - v.s_entry_lane;
 }
 
 bool Surroundings::keeps_headway(std::int64_t k, const InertialState& state) const {
   const double d = state.s - vehicle_.s_exit_lane;
   if (d <= 0.0 || vehicle_.exit_lane < 0) return true;
+  const OnExit self{.place = d, .v = state.v, .vehicle = &vehicle_, .body = &body_};
   for (const Other& other : others_) {
     const InertialState o = other.trajectory->at(k);
+    OnExit ahead{.place = d, .v = o.v, .vehicle = other.vehicle, .body = other.body};
     if (const std::optional<double> place = place_on_next(other, o); place && *place > d) {
-      const double gap = *place - d - other.body->length();
-      if (gap < headway(d, state.v, body_.max_decel, o.v, other.body->max_decel)) return false;
+      ahead.place = *place;
+      if (!is_behind_well(self, ahead)) return false;
     }
-    if (other.vehicle->exit_lane != vehicle_.exit_lane) continue;
-    const double d_other = o.s - other.vehicle->s_exit_lane;
-    if (o.s >= PathTrajectory::kGone || d_other <= 0.0) continue;
-    const bool behind = d <= d_other;
-    const double gap = behind ? d_other - d - other.body->length() : d - d_other - body_.length();
-    const double wanted =
-        behind ? headway(d, state.v, body_.max_decel, o.v, other.body->max_decel)
-               : headway(d_other, o.v, other.body->max_decel, state.v, body_.max_decel);
-    if (gap < wanted) return false;
+    ahead.place = place_on_exit(other, o).value_or(0.0);
+    if (ahead.place <= 0.0) continue;
+    if (d <= ahead.place ? !is_behind_well(self, ahead) : !is_behind_well(ahead, self)) return false;
   }
   return true;
 }
 
-bool Surroundings::leaves_forecasts_room(std::int64_t k, const InertialState& state) const {
+bool Surroundings::leaves_room(std::int64_t k, const InertialState& state) const {
   const double d = state.s - vehicle_.s_exit_lane;
   for (const Other& other : others_) {
     const InertialState o = (other.latest != nullptr ? other.latest : other.trajectory)->at(k);
-    const double ahead = o.s - other.vehicle->s_exit_lane - d;
-    if (!other.forecast || other.vehicle->exit_lane != vehicle_.exit_lane || ahead <= 0.0 ||
-        o.s >= PathTrajectory::kGone) {
-      continue;
+    for (const auto& place : {place_on_exit(other, o), place_on_next(other, o)}) {
+      if (!place || *place <= d) continue;
+      const double braking = stopping_distance(state.v, body_.max_decel) -
+                             stopping_distance(o.v, other.body->max_decel);
+      const double wanted = vehicle_.min_gap + vehicle_.tau * state.v + std::max(0.0, braking);
+      if (*place - d - other.body->length() < wanted) return false;
     }
-    const double braking =
-        stopping_distance(state.v, body_.max_decel) - stopping_distance(o.v, other.body->max_decel);
-    const double wanted = vehicle_.min_gap + vehicle_.tau * state.v + std::max(0.0, braking);
-    if (ahead - other.body->length() < wanted) return false;
   }
   return true;
 }
@@ -169,9 +175,14 @@ bool Surroundings::meets_anywhere(const Other& other, std::int64_t k, const Iner
   const auto is_there = [&](double s, double s_end, std::int64_t k_from, std::int64_t k_to) {
     return contacts.meets(s, s_end, other.hindmost(k_from), other.trajectory->at(k_to).s);
   };
-  // Wherever one goes that is in the way now, it is no worse.
-  if (k == now_ && is_there(from.s, from.s, k, k)) return false;
   const int n = grid_.steps_per_decision;
+  if (k == now_ && is_there(from.s, from.s, k, k)) {
+    // Who is within the margins may go wherever that is no nearer to the other one, should it
+    // hardly move.
+    const auto position = [&](int i) { return advance(from, a, i * grid_.dt).s; };
+    const auto hindmost = [&](int i) { return other.hindmost(k + i); };
+    return other.contact.touch(position, hindmost, n, /*lenient=*/true);
+  }
   for (int i = 0; i < n; ++i) {
     const double s = advance(from, a, i * grid_.dt).s;
     const double s_end = advance(from, a, (i + 1) * grid_.dt).s;
@@ -191,11 +202,16 @@ bool Surroundings::is_followed_by(const Other& other, const InertialState& state
   return other.yields && other.contact.contact->is_ahead(state, other_state);
 }
 
-double Surroundings::headway(double d_behind, double v, double b, double v_ahead,
-                             double b_ahead) const {
-  const double ramp = std::clamp(d_behind / options_.headway_ramp, 0.0, 1.0);
-  const double braking = v * v / (2.0 * b) - v_ahead * v_ahead / (2.0 * b_ahead);
-  return ramp * (options_.exit_gap + options_.exit_headway * v + std::max(0.0, braking));
+bool Surroundings::is_behind_well(const OnExit& behind, const OnExit& ahead) const {
+  const RoadVehicle& v = *behind.vehicle;
+  const double length =
+      std::clamp(v.s_handback - v.s_exit_lane, options_.least_ramp, options_.headway_ramp);
+  const double ramp = std::clamp(behind.place / length, 0.0, 1.0);
+  const double braking = stopping_distance(behind.v, behind.body->max_decel) -
+                         stopping_distance(ahead.v, ahead.body->max_decel);
+  const double wanted =
+      ramp * (options_.exit_gap + options_.exit_headway * behind.v + std::max(0.0, braking));
+  return ahead.place - behind.place - ahead.body->length() >= wanted;
 }
 
 }  // namespace mvtp

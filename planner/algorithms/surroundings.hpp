@@ -30,9 +30,9 @@ class Surroundings {
   /// this vehicle is? Both ways, since a vehicle planned later may slip in ahead.
   [[nodiscard]] bool keeps_headway(std::int64_t k, const InertialState& state) const;
 
-  /// Will the driver who takes over at step k in this state have his headway to those ahead who are
-  /// not ours? They may have slowed down since the plan was made.
-  [[nodiscard]] bool leaves_forecasts_room(std::int64_t k, const InertialState& state) const;
+  /// Will the driver who takes over at step k in this state have his headway to those ahead? They
+  /// may have slowed down, or go on otherwise, since the plan was made.
+  [[nodiscard]] bool leaves_room(std::int64_t k, const InertialState& state) const;
 
   /// What was asked so far, in looks at one other vehicle each.
   [[nodiscard]] std::int64_t work() const { return work_; }
@@ -53,8 +53,11 @@ class Surroundings {
     }
   };
 
-  /// How far behind the start of this vehicle's exit lane the other one is in this state [m], if
-  /// its path begins there.
+  /// How far behind the start of this vehicle's exit lane the other one is in this state [m]: on it
+  /// as its own exit lane,
+  [[nodiscard]] std::optional<double> place_on_exit(const Other& other,
+                                                    const InertialState& state) const;
+  /// or as the lane on which its path begins.
   [[nodiscard]] std::optional<double> place_on_next(const Other& other,
                                                     const InertialState& state) const;
   void add(const Other& other);
@@ -78,8 +81,16 @@ class Surroundings {
   [[nodiscard]] bool is_followed_by(const Other& other, const InertialState& state,
                                     const InertialState& other_state) const;
 
-  [[nodiscard]] double headway(double d_behind, double v, double b, double v_ahead,
-                               double b_ahead) const;
+  /// A vehicle on an exit lane, at `place` [m] from its start.
+  struct OnExit {
+    double place = 0.0;
+    double v = 0.0;
+    const RoadVehicle* vehicle = nullptr;
+    const Vehicle* body = nullptr;
+  };
+  /// Is the gap between the two what it has to be there? It builds up along the exit lane, until
+  /// the driver gets the vehicle back.
+  [[nodiscard]] bool is_behind_well(const OnExit& behind, const OnExit& ahead) const;
 
   DecisionGrid grid_;
   std::int64_t now_;

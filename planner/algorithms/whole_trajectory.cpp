@@ -241,7 +241,16 @@ bool still_fits(const RoadPairs& pairs, const RoadVehicle& vehicle,
   if (work) work->left -= around.work();
   if (!clear) return false;
   const std::int64_t k = arrival_step(trajectory, vehicle.s_handback);
-  return k >= trajectory.end() || around.leaves_forecasts_room(k, trajectory.at(k));
+  return k >= trajectory.end() || around.leaves_room(k, trajectory.at(k));
+}
+
+bool leaves_room(const RoadPairs& pairs, const RoadVehicle& vehicle,
+                 const PathTrajectory& trajectory, std::span<const JointPlan::Entry> others,
+                 const WholeTrajectoryOptions& options) {
+  const std::int64_t k = arrival_step(trajectory, vehicle.s_handback);
+  if (k >= trajectory.end()) return true;
+  const Surroundings around(pairs, vehicle, others, options, Surroundings::Forecasts::kIgnore);
+  return around.leaves_room(k, trajectory.at(k));
 }
 
 bool fits_beside(const RoadPairs& pairs, const RoadVehicle& vehicle,

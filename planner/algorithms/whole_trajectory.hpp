@@ -17,7 +17,8 @@ struct WholeTrajectoryOptions {
   double horizon = 100.0;      ///< [s] within which a plan must be complete
   double exit_gap = 3.0;       ///< [m] behind the vehicle ahead on the exit lane, and
   double exit_headway = 1.2;   ///< [s]; together they spare SUMO's drivers hard braking
-  double headway_ramp = 40.0;  ///< [m] of exit lane over which that distance builds up
+  double headway_ramp = 40.0;  ///< [m] of exit lane over which that distance builds up; less where
+  double least_ramp = 10.0;    ///< [m] the hand-back is nearer, but no less than this
 };
 
 inline constexpr std::int64_t kUnlimitedWork = std::numeric_limits<std::int64_t>::max();
@@ -59,6 +60,12 @@ struct PlanLimits {
                               const PathTrajectory& trajectory,
                               std::span<const JointPlan::Entry> before,
                               const WholeTrajectoryOptions& options, WorkBudget* work = nullptr);
+
+/// Has the driver who gets the vehicle back from `trajectory` his headway to the others?
+[[nodiscard]] bool leaves_room(const RoadPairs& pairs, const RoadVehicle& vehicle,
+                               const PathTrajectory& trajectory,
+                               std::span<const JointPlan::Entry> others,
+                               const WholeTrajectoryOptions& options);
 
 /// Is `trajectory` free of contact with the others, whatever the forecasts?
 [[nodiscard]] bool fits_beside(const RoadPairs& pairs, const RoadVehicle& vehicle,

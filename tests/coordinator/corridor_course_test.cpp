@@ -240,6 +240,34 @@ TEST(CourseFinder, HandsNobodyBackWithItsTailInTheJunction) {
   }
 }
 
+//   Behind the crossroads a road of two lanes ends in a turn from its left lane, where nobody is
+//   coordinated: on the right lane the driver still has to change.
+TEST(CourseFinder, HandsBackEarlyWhereTheDriverHasToChangeLanes) {
+  NetworkMaker maker;
+  maker.node("C", {0, 0});
+  for (const auto& [id, middle] : std::map<std::string, Point>{
+           {"W", {-120, 0}}, {"S", {0, -120}}, {"N", {0, 120}}, {"E", {140, 0}}, {"F", {140, 90}}}) {
+    maker.node(id, middle);
+  }
+  maker.road("W", "C");
+  maker.road("S", "C");
+  maker.road("N", "C");
+  maker.one_way("C", "E", 2);
+  maker.one_way("E", "F");
+  maker.connect("W-C_0", "C-E_0");
+  maker.connect("S-C_0", "C-E_1");
+  maker.connect("N-C_0", "C-S_0");
+  maker.connect("C-E_1", "E-F_0");
+  Walk walk(maker.make());
+  const auto ends = walk.finder.find(walk.at("W-C_0", 60.0, {"W-C", "C-E"}));
+  const auto goes_on = walk.finder.find(walk.at("W-C_0", 60.0, {"W-C", "C-E", "E-F"}));
+  ASSERT_TRUE(ends && goes_on);
+  ASSERT_EQ(walk.graph.lane(goes_on->pieces.back().lane).id, "C-E_0");
+  const double length = walk.graph.lane(walk.graph.find_lane("C-E_0")).length;
+  EXPECT_GE(length - goes_on->handback, 80.0);
+  EXPECT_GT(ends->handback, goes_on->handback + 10.0);
+}
+
 TEST(CourseFinder, ChangesToTheLaneThatLeadsOn) {
   const NetworkShape shape = two_lanes_shape();
   Walk walk(shape.network);

@@ -243,6 +243,23 @@ TEST_F(Forecasts, WhoHasUsInHisWayDoesNotBlockUs) {
   EXPECT_GT(plan->at(5).v, 1.0);
 }
 
+// A guest right ahead may drive off, or stay: whoever is within its margins comes no nearer.
+TEST_F(Forecasts, NobodyDrivesIntoAGuestThatMayStay) {
+  add(0, 60.0, 0.0);
+  RoadVehicle guest = add(2, 64.5 + 0.3, 0.0);
+  scene.vehicles.pop_back();
+  guest.key = -1;
+  PathTrajectory goes{.states = {guest.now}};
+  for (int k = 0; k < 150; ++k) goes.states.push_back(advance(goes.states.back(), 2.6, 0.1));
+  const PathTrajectory stays{.states = {guest.now}, .complete = false};
+  scene.forecasts.push_back({guest, goes, stays, /*yields=*/false});
+  const InertialState now = scene.vehicles[0].now;
+  const RoadPairs pairs(scene);
+  const WaitTest test(pairs, scene.vehicles[0], {}, {});
+  EXPECT_TRUE(test.clear_of_forecasts(now, 0.0, now));
+  EXPECT_FALSE(test.clear_of_forecasts(now, 2.6, advance(now, 2.6, scene.grid.decision())));
+}
+
 TEST_F(Forecasts, ALeaderAheadAlwaysCounts) {
   add_standing_forecast(2, 120.0);
   add(0, 60.0, 10.0);

@@ -190,6 +190,55 @@ TEST_F(Crossing, FollowersHaveTheirHeadwayAtHandBack) {
   }
 }
 
+//   The one ahead goes on over the next line, more slowly than its old plan said, which ended before.
+TEST_F(Crossing, AFollowerIsPlannedAnewIfItsLeaderGoesOnMoreSlowly) {
+  add(0, 145.0, 10.0);
+  RoadVehicle leader = add(2, 160.0, 6.0);
+  scene.vehicles.pop_back();
+  const auto alone = plan_crossing(scene, keys(), {}, {}, 0);
+
+  leader.exit_lane = -1;
+  leader.entry_lane = 0;
+  leader.s_entry_lane = 110.0;
+  leader.cruise_speed = 6.0;
+  leader.envelope = std::make_shared<SpeedEnvelope>(std::vector<double>(801, 6.0), 3.5);
+  scene.vehicles.push_back(leader);
+  const RoadPairs pairs(scene);
+  const RoadVehicle& follower = scene.vehicles[0];
+  const JointPlan::Entry slow = {1, std::make_shared<PathTrajectory>(
+                                        plan_alone(pairs, scene.vehicles[1], {}))};
+  EXPECT_FALSE(leaves_room(pairs, follower, *alone.plan.find(0), std::span(&slow, 1), {}));
+  EXPECT_TRUE(leaves_room(pairs, follower, *alone.plan.find(0), {}, {}));
+
+  JointPlan incumbent = alone.plan;
+  incumbent.entries.push_back(slow);
+  CrossingOptions options;
+  options.tries = 0;
+  const auto result = plan_crossing(pairs, keys(), incumbent, options, 0);
+  ASSERT_TRUE(result.unplanned.empty());
+  EXPECT_TRUE(leaves_room(pairs, follower, *result.plan.find(0), std::span(&slow, 1), {}));
+}
+
+// Its tail is over the line: it is in nobody's way any more.
+TEST_F(Crossing, ALeaderCountsUntilItsTailHasLeftTheLane) {
+  add(0, 150.0, 10.0);
+  RoadVehicle& leader = add(2, 160.0, 2.0);
+  leader.exit_lane = -1;
+  leader.entry_lane = 0;
+  leader.s_entry_lane = 110.0;
+  const auto keeps_room = [&](double line) {
+    scene.vehicles[1].stop_lines = {line};
+    const JointPlan::Entry ahead = {
+        1, std::make_shared<PathTrajectory>(PathTrajectory{.states = {{160.0, 2.0}}})};
+    const PathTrajectory handed_back{.states = {{170.0 - 14.0, 10.0}}};
+    scene.vehicles[0].s_handback = 150.0;
+    return leaves_room(RoadPairs(scene), scene.vehicles[0], handed_back, std::span(&ahead, 1), {});
+  };
+  EXPECT_FALSE(keeps_room(170.0));
+  EXPECT_FALSE(keeps_room(157.0));
+  EXPECT_TRUE(keeps_room(155.0));
+}
+
 TEST_F(Crossing, VehiclesWhosePathsNeverMeetAreInDifferentGroups) {
   add(0, 20.0, 10.0);
   add(3, 20.0, 10.0);
