@@ -53,10 +53,12 @@ RoadContact::RoadContact(const RoadScene& scene, const RoadVehicle& a, const Roa
   in_one_lane_ = follow_each_other(box_a, box_b);
   const BrakingMotion stop_a{a.now, library_->body(a.path).max_decel, reaction};
   const BrakingMotion stop_b{b.now, library_->body(b.path).max_decel};
-  least_gap_ = gap(a.now.s, b.now.s);
+  const double gap_now = gap(a.now.s, b.now.s);
+  least_gap_ = gap_now;
   for (int i = 1; i <= std::max(stop_a.looks(), stop_b.looks()); ++i) {
     least_gap_ = std::min(least_gap_, gap(stop_a.position(i), stop_b.position(i)));
   }
+  too_late_ = gap_now >= 0.0 && least_gap_ < 0.0;
   if (stuck_) least_gap_ = std::min(least_gap_, kBareGap);
   close_ = true;
 }
