@@ -208,6 +208,23 @@ TEST_F(TooClose, BehindALeaderWithItsOwnDriverItBrakesFully) {
   EXPECT_NEAR(decision.plan.find(0)->at(5).v, 9.0 - 4.5 * 0.5, 1e-9);
 }
 
+// A leader who is let through may go at once, or hardly: as near as this nobody counts on it.
+TEST_F(TooClose, BehindALeaderWhoIsLetThroughItBrakesFully) {
+  RoadVehicle leader = add(0, 74.5, 0.3);
+  scene.vehicles.pop_back();
+  leader.key = -1;
+  PathTrajectory early;
+  PathTrajectory late;
+  for (int k = 0; k < 400; ++k) {
+    early.states.push_back({74.5 + 0.01 * k * k, 0.2 * k});
+    late.states.push_back({74.5 + 0.0025 * k * k, 0.05 * k});
+  }
+  scene.forecasts.push_back({leader, early, late, false});
+  add(0, 69.5, 2.0);  // 0.5 m behind
+  const RoadDecision decision = decide_on_road(scene, {}, {0}, {});
+  EXPECT_EQ(decision.plan.find(0)->at(5).v, 0.0);
+}
+
 // Whatever it does, it ends up well within the other one, where only the front of a body goes
 // further: that is worse.
 TEST_F(TooClose, WhoIsTooFastBehindAnotherBrakes) {
