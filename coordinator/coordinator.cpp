@@ -143,12 +143,12 @@ void Coordinator::replan() {
 }
 
 /// The plan with all arrivals; with guests that go over junctions too, if that leaves nobody
-/// without a plan; without those arrivals that get no complete plan, or one that the referee
-/// refuses.
+/// without a plan; without those arrivals that come too late, that get no complete plan, or one
+/// that the referee refuses.
 Coordinator::Trial Coordinator::best_trial(const std::map<std::string, Driven>& arrivals,
                                            const std::vector<std::int64_t>& upset) {
   const std::vector<std::string> proposed = gate_.propose();
-  std::set<std::string> excluded;
+  std::set<std::string> excluded = too_late(arrivals);
   std::optional<Trial> with_guests;
   // All at once, or else the first of them.
   for (std::size_t n = proposed.size(); n > 0; n = n > 1 ? 1 : 0) {
@@ -158,16 +158,81 @@ Coordinator::Trial Coordinator::best_trial(const std::map<std::string, Driven>& 
   Trial trial = plan_trial(arrivals, excluded, upset, {});
   const bool worse = with_guests && (with_guests->decision.stepped > trial.decision.stepped ||
                                      with_guests->refused.size() > trial.refused.size());
-  if (with_guests && !worse) return *with_guests;
+  if (with_guests && !worse) trial = *std::move(with_guests);
+  for (const bool whole_groups : {false, true}) {
+    const std::set<std::string> more = better_later(trial, arrivals, whole_groups);
+    if (more.empty()) continue;
+    excluded.insert(more.begin(), more.end());
+    trial = plan_trial(arrivals, excluded, upset, std::vector<std::string>(trial.guests));
+  }
+  return trial;
+}
+
+/// Arrivals without a complete plan, and those that the referee finds in contact: of two of them
+/// the one further back.
+/// @param whole_groups  all of a group that it refuses.
+std::set<std::string> Coordinator::better_later(const Trial& trial,
+                                                const std::map<std::string, Driven>& arrivals,
+                                                bool whole_groups) const {
+  std::set<std::int64_t> keys;
   for (const auto& [id, arrival] : arrivals) {
+    if (!trial.excluded.contains(id)) keys.insert(arrival.key);
+  }
+  std::set<std::int64_t> touching;
+  for (const PlannedContact& c : trial.contacts) {
+    touching.insert(keys.contains(c.second) ? c.second : c.first);
+  }
+  std::set<std::string> later;
+  for (const auto& [id, arrival] : arrivals) {
+    if (!keys.contains(arrival.key)) continue;
     const bool refused = std::ranges::any_of(trial.refused, [&](std::size_t g) {
       return std::ranges::binary_search(trial.decision.members[g], arrival.key);
     });
     const bool has_plan = trial.decision.plan.find(arrival.key)->complete;
-    if (refused || (!has_plan && may_come_later(id, arrival))) excluded.insert(id);
+    if ((refused && (whole_groups || touching.contains(arrival.key))) ||
+        (!has_plan && may_come_later(id, arrival))) {
+      later.insert(id);
+    }
   }
-  if (excluded.empty()) return trial;
-  return plan_trial(arrivals, excluded, upset, {});
+  return later;
+}
+
+/// Arrivals whose new paths lead into somebody, however hard they brake: those are better off as
+/// they are. So are the others until they are admitted.
+std::set<std::string> Coordinator::too_late(const std::map<std::string, Driven>& arrivals) {
+  std::set<std::string> late;
+  if (arrivals.empty()) return late;
+  RoadScene now{.library = &corridors_.library(), .grid = grid_, .step = step_};
+  std::map<std::string, const Driven*> present;
+  for (const auto& [id, driven] : driven_) {
+    present[id] = &driven;
+    now.vehicles.push_back(driven.road);
+  }
+  std::map<std::int64_t, std::string> in_order;
+  std::map<std::string, std::vector<Forecast>> with_drivers;
+  for (const auto& [id, arrival] : arrivals) {
+    in_order.emplace(arrival.key, id);
+    if (!driven_.contains(id)) with_drivers[id] = predict_one(*find_state(id), {});
+    present[id] = &arrival;
+  }
+  now.forecasts = predict_others(present, {});
+  for (const auto& [key, id] : in_order) {
+    const RoadVehicle& road = arrivals.at(id).road;
+    const auto runs_into = [&](const RoadVehicle& other) {
+      return other.key != road.key && RoadContact(now, road, other, 0.0).braking_is_too_late();
+    };
+    bool hits = std::ranges::any_of(now.vehicles, runs_into) ||
+                std::ranges::any_of(now.forecasts, runs_into, &Forecast::vehicle);
+    for (const auto& [other, forecasts] : with_drivers) {
+      hits |= other != id && std::ranges::any_of(forecasts, runs_into, &Forecast::vehicle);
+    }
+    if (hits) {
+      late.insert(id);
+    } else {
+      now.vehicles.push_back(road);
+    }
+  }
+  return late;
 }
 
 /// A newcomer waits at its line; one that goes on from another corridor has to stop before it is
@@ -186,7 +251,11 @@ Coordinator::Trial Coordinator::plan_trial(const std::map<std::string, Driven>& 
                                            const std::vector<std::string>& guests) {
   Trial trial{.guests = guests, .excluded = excluded};
   std::map<std::string, const Driven*> present;
-  for (const auto& [id, driven] : driven_) present[id] = &driven;
+  for (const auto& [id, driven] : driven_) {
+    // Who is at the end of its corridor and does not go on is handed back there.
+    const bool ends = driven.road.now.s >= driven.road.s_end && excluded.contains(id);
+    if (!ends) present[id] = &driven;
+  }
   std::set<std::int64_t> arriving;
   for (const auto& [id, arrival] : arrivals) {
     if (excluded.contains(id)) continue;
@@ -206,8 +275,8 @@ Coordinator::Trial Coordinator::plan_trial(const std::map<std::string, Driven>& 
   });
   trial.decision =
       decide_on_road(now, incumbent, without_plan(now, incumbent, upset), options_.escot);
-  const auto contacts = find_planned_contacts(now, trial.decision.plan, plan_);
-  trial.refused = groups_in_contact(trial.decision.members, contacts);
+  trial.contacts = find_planned_contacts(now, trial.decision.plan, plan_);
+  trial.refused = groups_in_contact(trial.decision.members, trial.contacts);
   return trial;
 }
 
@@ -284,8 +353,10 @@ void Coordinator::accept(const Trial& trial, bool late,
 /// takes over.
 void Coordinator::stay(const std::string& id) {
   const Driven& driven = driven_.at(id);
-  const PathTrajectory& plan = *plan_.find(driven.key);
-  if (plan.complete && plan.end() <= step_ + grid_.steps_per_decision) hand_back(id);
+  const PathTrajectory* plan = plan_.find(driven.key);
+  const bool ends =
+      plan == nullptr || (plan->complete && plan->end() <= step_ + grid_.steps_per_decision);
+  if (ends) hand_back(id);
 }
 
 /// Of the groups of the last decision, those that have not moved since though nobody in them
@@ -552,8 +623,7 @@ void Coordinator::see_guest(const VehicleState& v, const CourseQuery& query) {
 /// Is nobody ahead of it on its lane but guests who are let through?
 bool Coordinator::is_first_on_lane(const VehicleState& v) const {
   return std::ranges::none_of(traffic_.vehicles(), [&](const VehicleState& other) {
-    return other.lane_position > v.lane_position && other.lane == v.lane &&
-           !gate_.passes(other.id);
+    return other.lane_position > v.lane_position && other.lane == v.lane && !gate_.passes(other.id);
   });
 }
 
@@ -639,15 +709,18 @@ std::vector<Forecast> Coordinator::predict_others(
       return std::abs(p.x - v.pose.x) < kSight && std::abs(p.y - v.pose.y) < kSight;
     });
     if (!near) continue;
-    const std::vector<int> route = route_of(v);
-    const bool passes = gate_.passes(v.id) || std::ranges::count(guests, v.id) > 0;
-    for (Forecast& forecast : predictor_.predict(v, query_for(v, route), type_of(v.type).body,
-                                                 passes ? Intent::kPasses : Intent::kWaits,
-                                                 time_at_stop(v), grid_, step_)) {
-      forecasts.push_back(std::move(forecast));
-    }
+    for (Forecast& forecast : predict_one(v, guests)) forecasts.push_back(std::move(forecast));
   }
   return forecasts;
+}
+
+std::vector<Forecast> Coordinator::predict_one(const VehicleState& v,
+                                               const std::vector<std::string>& guests) {
+  const std::vector<int> route = route_of(v);
+  const bool passes = gate_.passes(v.id) || std::ranges::count(guests, v.id) > 0;
+  return predictor_.predict(v, query_for(v, route), type_of(v.type).body,
+                            passes ? Intent::kPasses : Intent::kWaits, time_at_stop(v), grid_,
+                            step_);
 }
 
 /// How long a vehicle still stands at a scheduled stop [s].

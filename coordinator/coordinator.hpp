@@ -13,6 +13,7 @@
 #include "coordinator/gate.hpp"
 #include "coordinator/path_approach.hpp"
 #include "coordinator/prediction.hpp"
+#include "coordinator/referee.hpp"
 #include "planner/algorithms/road_escot.hpp"
 
 namespace mvtp {
@@ -83,6 +84,7 @@ class Coordinator : public Controller {
   struct Trial {
     RoadDecision decision;
     std::vector<Forecast> forecasts;
+    std::vector<PlannedContact> contacts;
     std::vector<std::size_t> refused;  ///< groups, ascending
     std::vector<std::string> guests;   ///< who go over junctions with their own drivers
     std::set<std::string> excluded;    ///< arrivals that stay as they are
@@ -115,8 +117,14 @@ class Coordinator : public Controller {
   [[nodiscard]] const VehicleType& type_of(const std::string& id);
   [[nodiscard]] std::vector<Forecast> predict_others(
       const std::map<std::string, const Driven*>& present, const std::vector<std::string>& guests);
+  [[nodiscard]] std::vector<Forecast> predict_one(const VehicleState& v,
+                                                  const std::vector<std::string>& guests);
   [[nodiscard]] Trial best_trial(const std::map<std::string, Driven>& arrivals,
                                  const std::vector<std::int64_t>& upset);
+  [[nodiscard]] std::set<std::string> better_later(const Trial& trial,
+                                                   const std::map<std::string, Driven>& arrivals,
+                                                   bool whole_groups) const;
+  [[nodiscard]] std::set<std::string> too_late(const std::map<std::string, Driven>& arrivals);
   [[nodiscard]] bool may_come_later(const std::string& id, const Driven& arrival) const;
   [[nodiscard]] Trial plan_trial(const std::map<std::string, Driven>& arrivals,
                                  const std::set<std::string>& excluded,

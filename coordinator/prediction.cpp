@@ -102,9 +102,11 @@ std::vector<Forecast> Predictor::predict(const VehicleState& v, const CourseQuer
                                          const DecisionGrid& grid, std::int64_t step) {
   const ExitRoot root = exit_roots_[std::size_t(query.lane)];
   const std::optional<double> to_line = finder_.distance_to_line(query);
+  const bool is_inside = graph_.edge_of(query.lane) == LaneGraph::kNone;
   // Whoever is further from the next line than those under control is not ahead of them there, but
   // may be in the lane beside them.
-  if (to_line && *to_line > takeover_ + kAlongside && root.lane == LaneGraph::kNone) return {};
+  const bool is_far = to_line && *to_line > takeover_ + kAlongside;
+  if (is_far && root.lane == LaneGraph::kNone && !is_inside) return {};
   double s = 0.0;
   const int number = path_of(v, query, body, s);
   if (number == LaneGraph::kNone) return {};
@@ -128,7 +130,6 @@ std::vector<Forecast> Predictor::predict(const VehicleState& v, const CourseQuer
     forecast.trajectory = predict_stop(road, stands, grid, step);
     return {forecast};
   }
-  const bool is_inside = graph_.edge_of(query.lane) == LaneGraph::kNone;
   const bool at_line = to_line && *to_line <= takeover_ && s + *to_line < road.s_end;
   if (intent == Intent::kPasses && (at_line || is_inside)) {
     // How quickly it goes nobody knows: it may speed up as it can, or slow down to a crawl.

@@ -7,7 +7,33 @@ namespace {
 
 constexpr double kBareGap = 0.2;  ///< [m] between two that are stuck
 constexpr double kClose = 1.0;    ///< [m]: longer than any margin, shorter than any vehicle
+constexpr double kGraze = 0.5;    ///< [m] by which two in one lane may overlap at their sides
 constexpr double kNotice = 2.0;   ///< [s] until a driver answers to who has come into his lane
+
+/// Half of what `b` covers along the axis of `a` [m].
+double half_depth(const OrientedBox& a, const OrientedBox& b) {
+  return b.half_length * std::abs(a.ux * b.ux + a.uy * b.uy) +
+         b.half_width * std::abs(a.ux * b.uy - a.uy * b.ux);
+}
+
+/// From `a` to `b` along the axis of `a` [m].
+double way_along(const OrientedBox& a, const OrientedBox& b) {
+  return (b.x - a.x) * a.ux + (b.y - a.y) * a.uy;
+}
+
+/// How far `b` is beyond the sides of `a` [m].
+double gap_across(const OrientedBox& a, const OrientedBox& b) {
+  return std::abs((b.y - a.y) * a.ux - (b.x - a.x) * a.uy) - a.half_width -
+         b.half_length * std::abs(a.ux * b.uy - a.uy * b.ux) -
+         b.half_width * std::abs(a.ux * b.ux + a.uy * b.uy);
+}
+
+/// Is one of them behind the other, rather than beside it or across its way?
+bool follow_each_other(const OrientedBox& a, const OrientedBox& b) {
+  constexpr double kAligned = 0.7;  // cosine
+  const double along = std::abs(way_along(a, b)) - a.half_length - half_depth(a, b);
+  return a.ux * b.ux + a.uy * b.uy > kAligned && along >= gap_across(a, b);
+}
 
 }  // namespace
 
@@ -21,14 +47,18 @@ RoadContact::RoadContact(const RoadScene& scene, const RoadVehicle& a, const Roa
       reaction_(reaction) {
   stuck_ = a.stuck && b.stuck;
   if (ab_->empty() || (!stuck_ && !touch_braking(a.now, b.now, false))) return;
-  const Pose pose = library_->path(a.path).at(a.now.s);
-  b_ahead_ = relative(pose, library_->path(b.path).at(b.now.s)).x > 0.0;
+  const OrientedBox box_a = footprint(library_->body(a.path), library_->path(a.path).at(a.now.s));
+  const OrientedBox box_b = footprint(library_->body(b.path), library_->path(b.path).at(b.now.s));
+  b_ahead_ = way_along(box_a, box_b) > 0.0;
+  in_one_lane_ = follow_each_other(box_a, box_b);
   const BrakingMotion stop_a{a.now, library_->body(a.path).max_decel, reaction};
   const BrakingMotion stop_b{b.now, library_->body(b.path).max_decel};
-  least_gap_ = gap(a.now.s, b.now.s);
+  const double gap_now = gap(a.now.s, b.now.s);
+  least_gap_ = gap_now;
   for (int i = 1; i <= std::max(stop_a.looks(), stop_b.looks()); ++i) {
     least_gap_ = std::min(least_gap_, gap(stop_a.position(i), stop_b.position(i)));
   }
+  too_late_ = gap_now >= 0.0 && least_gap_ < 0.0;
   if (stuck_) least_gap_ = std::min(least_gap_, kBareGap);
   close_ = true;
 }
@@ -68,12 +98,9 @@ bool RoadContact::cuts_off(const InertialState& a, const InertialState& b) const
 double RoadContact::gap(double s_a, double s_b) const {
   const OrientedBox a = footprint(library_->body(a_->path), library_->path(a_->path).at(s_a));
   const OrientedBox b = footprint(library_->body(b_->path), library_->path(b_->path).at(s_b));
-  const double c = std::abs(a.ux * b.ux + a.uy * b.uy);
-  const double s = std::abs(a.ux * b.uy - a.uy * b.ux);
-  const double ahead = (b.x - a.x) * a.ux + (b.y - a.y) * a.uy;
-  const double aside = std::abs((b.y - a.y) * a.ux - (b.x - a.x) * a.uy);
-  if (aside >= a.half_width + b.half_length * s + b.half_width * c) return separation(a, b);
-  return (b_ahead_ ? ahead : -ahead) - a.half_length - b.half_length * c - b.half_width * s;
+  const double across = std::max(gap_across(a, b), gap_across(b, a));
+  if (!in_one_lane_ || across > -kGraze) return separation(a, b);
+  return (b_ahead_ ? 1.0 : -1.0) * way_along(a, b) - a.half_length - half_depth(a, b);
 }
 
 namespace {

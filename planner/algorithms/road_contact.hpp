@@ -73,6 +73,8 @@ class RoadContact {
   [[nodiscard]] bool cuts_off(const InertialState& a, const InertialState& b) const;
 
   [[nodiscard]] bool is_close_now() const { return close_; }
+  /// Are the true bodies apart now, but not if both brake?
+  [[nodiscard]] bool braking_is_too_late() const { return too_late_; }
   /// Are they in these states within what braking now may save them from? Only if they are now.
   [[nodiscard]] bool is_close(const InertialState& a, const InertialState& b) const {
     return close_ && (stuck_ || touch_braking(a, b, false));
@@ -108,10 +110,12 @@ class RoadContact {
   const RoadVehicle* a_;
   const RoadVehicle* b_;
   double reaction_;
-  double least_gap_ = 0.0;  ///< [m] see gap(), if both brake now; only if close_
-  bool b_ahead_ = true;     ///< of `a` now; only if close_
-  bool close_ = false;      ///< braking now would bring them into their margins
-  bool stuck_ = false;      ///< both
+  double least_gap_ = 0.0;   ///< [m] see gap(), if both brake now; only if close_
+  bool b_ahead_ = true;      ///< of `a` now; only if close_
+  bool in_one_lane_ = true;  ///< now; only if close_
+  bool close_ = false;       ///< braking now would bring them into their margins
+  bool too_late_ = false;    ///< see braking_is_too_late()
+  bool stuck_ = false;       ///< both
 };
 
 /// A contact as one of its two vehicles sees it.

@@ -177,6 +177,8 @@ bool Surroundings::meets_anywhere(const Other& other, std::int64_t k, const Iner
   };
   const int n = grid_.steps_per_decision;
   if (k == now_ && is_there(from.s, from.s, k, k)) {
+    // As in meets(): behind a leader there is no choice but full braking.
+    if (other.contact.contact->is_behind(from, {other.hindmost(k), 0.0})) return true;
     // Who is within the margins may go wherever that is no nearer to the other one, should it
     // hardly move.
     const auto position = [&](int i) { return advance(from, a, i * grid_.dt).s; };

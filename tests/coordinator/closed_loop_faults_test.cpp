@@ -233,5 +233,21 @@ TEST(RefusedNewcomer, KeepsItsDriverAndIsTakenOverLater) {
   EXPECT_EQ(run.traffic.arrived(), 2);
 }
 
+//   =============== car -->            The car has to change to the right lane, where a bus stands.
+//   =============== [ bus ] =====|     Braking at once on the path of the change it would hit it.
+TEST(LateNewcomer, StaysInItsLaneBesideWhoStandsInTheOther) {
+  FakeTrip bus{.id = "bus", .from = "W-C", .to = "C-E", .type = "bus"};
+  bus.stop = FakeStop{"W-C_0", 92.0, 20.0};
+  bus.at = std::pair{92.0, 0.0};
+  FakeTrip car{.id = "car", .depart = 1.0, .from = "W-C", .to = "C-E", .lane = 1};
+  car.at = std::pair{66.0, 13.0};
+  ClosedLoop run(two_lanes_shape(), {bus, car});
+  run.run_until(1.6);
+  EXPECT_FALSE(run.coordinator.drives("car"));
+  run.run_until(120.0);
+  EXPECT_THAT(run.broken, IsEmpty());
+  EXPECT_EQ(run.traffic.arrived(), 2);
+}
+
 }  // namespace
 }  // namespace mvtp

@@ -79,6 +79,21 @@ TEST(Predictor, WhoPassesGoesQuicklyOrSlowlyAndYieldsToNobody) {
   EXPECT_GT(forecast.trajectory.at(60).s, forecast.latest->at(60).s + 3.0);
 }
 
+// However far its next line is.
+TEST(Predictor, WhoIsInsideAJunctionIsPredictedThere) {
+  Prediction p(chain_shape(7.2, 250.0));
+  const LaneGraph& graph = p.walk.graph;
+  for (const int k : graph.links_from(graph.find_lane("W-A_0"))) {
+    if (graph.link(k).to != graph.find_lane("A-B_0")) continue;
+    const std::string& inside = graph.lane(graph.link(k).via.front()).id;
+    for (const Intent intent : {Intent::kWaits, Intent::kPasses}) {
+      EXPECT_THAT(p.predict(inside, 2.0, 4.0, {"W-A", "A-B", "B-E"}, intent), SizeIs(1));
+    }
+    return;
+  }
+  FAIL() << "no way over A";
+}
+
 TEST(Predictor, NoForecastIsFasterThanTheBodyCan) {
   Prediction p(crossroads_shape());
   p.car.max_accel = 0.8;

@@ -404,18 +404,18 @@ NetworkShape roundabout_shape() {
   return shape;
 }
 
-NetworkShape chain_shape(double radius) {
+NetworkShape chain_shape(double radius, double apart) {
   NetworkShape shape{.name = "chain"};
   NetworkMaker maker;
   maker.node("A", {0, 0}, radius);
-  maker.node("B", {40, 0}, radius);
+  maker.node("B", {apart, 0}, radius);
   maker.road("A", "B");
   maker.node("W", {-110, 0}, 0.0);
-  maker.node("E", {150, 0}, 0.0);
+  maker.node("E", {apart + 110, 0}, 0.0);
   maker.node("NA", {0, 110}, 0.0);
   maker.node("SA", {0, -110}, 0.0);
-  maker.node("NB", {40, 110}, 0.0);
-  maker.node("SB", {40, -110}, 0.0);
+  maker.node("NB", {apart, 110}, 0.0);
+  maker.node("SB", {apart, -110}, 0.0);
   add_arms(maker, "A", {"W", "NA", "SA"}, 1, shape);
   add_arms(maker, "B", {"E", "NB", "SB"}, 1, shape);
   shape.network = maker.make();

@@ -81,8 +81,8 @@ struct NetworkShape {
 [[nodiscard]] NetworkShape five_arms_shape();
 /// Four arms around a one-way ring of edges of about 16 m.
 [[nodiscard]] NetworkShape roundabout_shape();
-/// Two crossroads, 40 m from middle to middle.
-[[nodiscard]] NetworkShape chain_shape(double radius = 7.2);
+/// Two crossroads, so far from middle to middle.
+[[nodiscard]] NetworkShape chain_shape(double radius = 7.2, double apart = 40.0);
 /// Crossroads with two lanes each way: the left one leads to the left only.
 [[nodiscard]] NetworkShape two_lanes_shape();
 [[nodiscard]] NetworkShape left_hand_shape();

@@ -134,6 +134,35 @@ TEST_F(TooClose, TwoInsideTheirMarginsComeApartAgain) {
   EXPECT_GE(decision.plan.find(1)->states.back().s, 190.0);
 }
 
+//  0 ------------->     The one on the left swings into the lane of the other. They are beside each
+//  4 --------.          other, so how far one is ahead is no measure of their distance.
+//             `--->
+TEST_F(TooClose, WhoSwingsIntoTheLaneBesideItKeepsToWhatBrakingLeaves) {
+  library.add(GuidePath(std::vector<Point>{{-100, 3}, {0, 3}, {30, -9}, {60, -30}}), kCar);
+  Draws draws(9);
+  int kept = 0;
+  for (int round = 0; round < 3000; ++round) {
+    scene.vehicles.clear();
+    const RoadVehicle a = add(0, 90.0 + 20.0 * draws.share(), 5.0 * draws.share());
+    const RoadVehicle b = add(4, 90.0 + 20.0 * draws.share(), 5.0 * draws.share());
+    const RoadContact contact(scene, a, b, 0.0);
+    double least = gap(a, a.now.s, b, b.now.s);
+    for (double tau = 0.0; tau < 2.0; tau += 0.01) {
+      least = std::min(
+          least, gap(a, braked_position(a.now, 4.5, tau), b, braked_position(b.now, 4.5, tau)));
+    }
+    if (!contact.is_close_now() || least < 0.0) continue;
+    const auto at_a = [&](int i) { return a.now.s + 0.1 * i * a.now.v; };
+    const auto at_b = [&](int i) { return b.now.s + 0.1 * i * b.now.v; };
+    if (contact.touch(at_a, at_b, 5, true)) continue;
+    ++kept;
+    for (int i = 0; i <= 5; ++i) {
+      ASSERT_GE(gap(a, at_a(i), b, at_b(i)), least - 0.1) << "round " << round << ", look " << i;
+    }
+  }
+  EXPECT_GT(kept, 30);
+}
+
 TEST_F(TooClose, NothingMakesADecisionFail) {
   Draws draws(8);
   for (int round = 0; round < 300; ++round) {
@@ -156,8 +185,8 @@ TEST_F(TooClose, NothingMakesADecisionFail) {
 }
 
 // The one behind cannot stop in time any more: it brakes, and the one ahead makes room.
-// With the time to notice, braking now ends 3.5 m within the other one, where only the front of a body
-// goes further: that is worse, and the vehicle has to brake as hard as it can.
+// With the time to notice, braking now ends 3.5 m within the other one, where only the front of a
+// body goes further: that is worse, and the vehicle has to brake as hard as it can.
 TEST_F(TooClose, WhoMayRunIntoSomebodyBrakes) {
   add_standing_forecast(0, 74.5);  // its rear is 10 m ahead of the front
   add(0, 60.0, 9.0);
@@ -165,8 +194,8 @@ TEST_F(TooClose, WhoMayRunIntoSomebodyBrakes) {
   EXPECT_NEAR(decision.plan.find(0)->at(5).v, 9.0 - 4.5 * 0.5, 1e-9);
 }
 
-// The leader is expected to drive on, so that half braking would be no worse than to brake now as it is
-// planned: with a moment to notice. At the next decision that would begin anew.
+// The leader is expected to drive on, so that half braking would be no worse than to brake now as
+// it is planned: with a moment to notice. At the next decision that would begin anew.
 TEST_F(TooClose, BehindALeaderWithItsOwnDriverItBrakesFully) {
   RoadVehicle leader = add(0, 74.5, 5.0);
   scene.vehicles.pop_back();
@@ -179,8 +208,25 @@ TEST_F(TooClose, BehindALeaderWithItsOwnDriverItBrakesFully) {
   EXPECT_NEAR(decision.plan.find(0)->at(5).v, 9.0 - 4.5 * 0.5, 1e-9);
 }
 
-// Whatever it does, it ends up well within the other one, where only the front of a body goes further:
-// that is worse.
+// A leader who is let through may go at once, or hardly: as near as this nobody counts on it.
+TEST_F(TooClose, BehindALeaderWhoIsLetThroughItBrakesFully) {
+  RoadVehicle leader = add(0, 74.5, 0.3);
+  scene.vehicles.pop_back();
+  leader.key = -1;
+  PathTrajectory early;
+  PathTrajectory late;
+  for (int k = 0; k < 400; ++k) {
+    early.states.push_back({74.5 + 0.01 * k * k, 0.2 * k});
+    late.states.push_back({74.5 + 0.0025 * k * k, 0.05 * k});
+  }
+  scene.forecasts.push_back({leader, early, late, false});
+  add(0, 69.5, 2.0);  // 0.5 m behind
+  const RoadDecision decision = decide_on_road(scene, {}, {0}, {});
+  EXPECT_EQ(decision.plan.find(0)->at(5).v, 0.0);
+}
+
+// Whatever it does, it ends up well within the other one, where only the front of a body goes
+// further: that is worse.
 TEST_F(TooClose, WhoIsTooFastBehindAnotherBrakes) {
   add(0, 74.5, 0.0);
   add(2, 68.0, 9.0);  // 2 m behind
