@@ -435,13 +435,41 @@ std::map<std::string, Driven> Coordinator::leave_corridors(bool may_go_on) {
     const std::optional<Newcomer> next =
         planner_is_dead() ? std::nullopt : next_corridor(driven, *find_state(id));
     if (!next) {
-      finished.push_back(id);
+      if (driver_has_room(driven) || ends_soon(driven)) finished.push_back(id);
     } else if (may_go_on) {
       going_on.emplace(id, admit(*next, driven.key));
     }
   }
   for (const std::string& id : finished) hand_back(id);
   return going_on;
+}
+
+/// Is there no time left until the end of its plan?
+bool Coordinator::ends_soon(const Driven& driven) const {
+  const InertialState& now = driven.road.now;
+  return planner_is_dead() || now.s + now.v * grid_.decision() >= driven.road.s_end;
+}
+
+/// Would the driver who gets it back have his headway to whoever is ahead? Else it is driven on
+/// for a while, and slows down as gently as its plan can.
+bool Coordinator::driver_has_room(const Driven& driven) {
+  constexpr double kSight = 60.0;  // [m]
+  const Corridor& corridor = corridors_[driven.corridor];
+  const InertialState& now = driven.road.now;
+  const double b = corridors_.library().body(driven.road.path).max_decel;
+  const Pose here = path_of(driven).at(now.s);
+  return std::ranges::none_of(traffic_.vehicles(), [&](const VehicleState& v) {
+    const int lane = graph_.find_lane(v.lane);
+    if (lane == LaneGraph::kNone || distance(here, v.pose) > kSight) return false;
+    const std::optional<double> s = corridor.station(lane, v.lane_position, now.s);
+    if (!s || *s <= now.s) return false;
+    const Vehicle& ahead = type_of(v.type).body;
+    const double braking =
+        stopping_distance(now.v, b) - stopping_distance(v.speed, ahead.max_decel);
+    const double wanted =
+        driven.road.min_gap + driven.road.tau * now.v + std::max(0.0, braking);
+    return *s - now.s - ahead.length() < wanted;
+  });
 }
 
 void Coordinator::hand_back(const std::string& id) {

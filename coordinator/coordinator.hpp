@@ -95,6 +95,8 @@ class Coordinator : public Controller {
   void forget_the_vanished();
   [[nodiscard]] std::map<std::string, Driven> leave_corridors(bool may_go_on);
   void stay(const std::string& id);
+  [[nodiscard]] bool ends_soon(const Driven& driven) const;
+  [[nodiscard]] bool driver_has_room(const Driven& driven);
   void hand_back(const std::string& id);
   [[nodiscard]] std::optional<Newcomer> next_corridor(const Driven& driven,
                                                       const VehicleState& state);
