@@ -288,11 +288,10 @@ void Coordinator::admit_guests_freely() {
 /// Contact tables of all paths in use, before threads look into them.
 void Coordinator::prepare_tables(const RoadScene& now) {
   std::vector<int> paths;
+  std::vector<int> others;
   for (const RoadVehicle& v : now.vehicles) paths.push_back(v.path);
-  for (const Forecast& f : now.forecasts) paths.push_back(f.vehicle.path);
-  std::ranges::sort(paths);
-  paths.erase(std::unique(paths.begin(), paths.end()), paths.end());
-  corridors_.library().prepare(paths);
+  for (const Forecast& f : now.forecasts) others.push_back(f.vehicle.path);
+  corridors_.library().prepare(paths, others);
 }
 
 /// Makes a trial's plan what is executed, but for groups that the referee refuses and for all if it

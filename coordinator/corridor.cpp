@@ -173,12 +173,23 @@ std::size_t Corridor::piece_at(double s) const {
 }
 
 int CorridorMap::corridor_for(const CorridorCourse& course, const Vehicle& body) {
-  // Bodies of one shape and strength share corridors, whatever their types are called.
-  const std::array<double, 6> shape = {
-      body.front, body.rear, body.width, body.min_turning_radius, body.max_accel, body.max_decel};
-  const auto [entry, is_new] = known_.try_emplace({course, shape}, size());
-  if (is_new) corridors_.push_back(build(course, body));
-  return entry->second;
+  // Bodies of one shape and strength share corridors, whatever their types are called; those that
+  // differ in strength alone share the path.
+  const std::array<double, 4> shape = {body.front, body.rear, body.width, body.min_turning_radius};
+  std::vector<int>& alike = known_[{course, shape}];
+  for (const int c : alike) {
+    const Vehicle& other = library_.body((*this)[c].path);
+    if (other.max_accel == body.max_accel && other.max_decel == body.max_decel) return c;
+  }
+  if (alike.empty()) {
+    corridors_.push_back(build(course, body));
+  } else {
+    Corridor corridor = (*this)[alike.front()];
+    corridor.path = library_.add_like(corridor.path, body);
+    corridors_.push_back(std::move(corridor));
+  }
+  alike.push_back(size() - 1);
+  return alike.back();
 }
 
 /// How the traffic itself moves a body: its front is on the line, and it points there from where

@@ -87,7 +87,7 @@ class CorridorMap {
   CorridorLimits limits_;
   PathLibrary library_;
   std::deque<Corridor> corridors_;  ///< references stay valid
-  std::map<std::pair<CorridorCourse, std::array<double, 6>>, int> known_;
+  std::map<std::pair<CorridorCourse, std::array<double, 4>>, std::vector<int>> known_;
 };
 
 }  // namespace mvtp

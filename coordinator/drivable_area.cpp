@@ -11,18 +11,22 @@ namespace {
 constexpr double kCell = 8.0;          ///< [m] of the look-up grid
 constexpr double kMaxTolerance = 1.0;  ///< [m] that queries may ask for
 
-double distance_to_segment(const Point& p, const Point& a, const Point& b) {
+/// Is `p` at most `reach` away from the segment? Without a root: this is what footprints are tested
+/// with.
+bool is_near(const Point& p, const Point& a, const Point& b, double reach) {
   const double dx = b.x - a.x;
   const double dy = b.y - a.y;
   const double squared = dx * dx + dy * dy;
   const double f =
       squared > 0.0 ? std::clamp(((p.x - a.x) * dx + (p.y - a.y) * dy) / squared, 0.0, 1.0) : 0.0;
-  return std::hypot(p.x - a.x - f * dx, p.y - a.y - f * dy);
+  const double x = p.x - a.x - f * dx;
+  const double y = p.y - a.y - f * dy;
+  return x * x + y * y <= reach * reach;
 }
 
 bool near_border(const Point& p, const Polygon& polygon, double tolerance) {
   for (std::size_t i = 0, j = polygon.size() - 1; i < polygon.size(); j = i++) {
-    if (distance_to_segment(p, polygon[i], polygon[j]) <= tolerance) return true;
+    if (is_near(p, polygon[i], polygon[j], tolerance)) return true;
   }
   return false;
 }
@@ -76,17 +80,30 @@ void DrivableArea::register_box(Point low, Point high, std::int32_t item) {
 }
 
 bool DrivableArea::contains(const Point& p, double tolerance) const {
+  std::int32_t item = 0;
+  return contains(p, tolerance, item);
+}
+
+bool DrivableArea::is_in(std::int32_t item, const Point& p, double tolerance) const {
+  if (item >= 0) {
+    const Strip& s = strips_[std::size_t(item)];
+    return is_near(p, s.a, s.b, s.half_width + tolerance);
+  }
+  const Polygon& polygon = polygons_[std::size_t(-1 - item)];
+  return referee::contains(polygon, p) || near_border(p, polygon, tolerance);
+}
+
+bool DrivableArea::contains(const Point& p, double tolerance, std::int32_t& item) const {
+  if (item >= 0 && std::size_t(item) < strips_.size() && is_in(item, p, tolerance)) return true;
   const auto cell = cells_.find(
       cell_key(std::int64_t(std::floor(p.x / kCell)), std::int64_t(std::floor(p.y / kCell))));
   if (cell == cells_.end()) return false;
-  return std::ranges::any_of(cell->second, [&](std::int32_t item) {
-    if (item >= 0) {
-      const Strip& s = strips_[std::size_t(item)];
-      return distance_to_segment(p, s.a, s.b) <= s.half_width + tolerance;
-    }
-    const Polygon& polygon = polygons_[std::size_t(-1 - item)];
-    return referee::contains(polygon, p) || near_border(p, polygon, tolerance);
-  });
+  for (const std::int32_t there : cell->second) {
+    if (!is_in(there, p, tolerance)) continue;
+    item = there;
+    return true;
+  }
+  return false;
 }
 
 bool DrivableArea::hits_solid(const Pose& rear_axle, const Vehicle& body) const {
@@ -125,15 +142,16 @@ double DrivableArea::share_outside(const Pose& rear_axle, const Vehicle& body,
   const int along = std::max(2, int(std::ceil(body.length())));
   const double c = std::cos(rear_axle.theta);
   const double s = std::sin(rear_axle.theta);
+  std::int32_t item = 0;  // neighbours on the border are mostly on one strip
   const auto outside = [&](double x, double y) {
-    return contains({rear_axle.x + c * x - s * y, rear_axle.y + s * x + c * y}, tolerance) ? 0 : 1;
+    const Point p{rear_axle.x + c * x - s * y, rear_axle.y + s * x + c * y};
+    return contains(p, tolerance, item) ? 0 : 1;
   };
-  int count = 0;
-  for (int i = 0; i <= along; ++i) {
-    const double x = -body.rear + body.length() * i / along;
-    count += outside(x, half) + outside(x, -half);
+  int count = outside(-body.rear, 0.0);
+  for (const double y : {half, -half}) {
+    for (int i = 0; i <= along; ++i) count += outside(-body.rear + body.length() * i / along, y);
   }
-  count += outside(body.front, 0.0) + outside(-body.rear, 0.0);
+  count += outside(body.front, 0.0);
   return double(count) / double(2 * (along + 1) + 2);
 }
 

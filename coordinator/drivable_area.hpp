@@ -32,6 +32,9 @@ class DrivableArea {
   };
 
   void add_polygon(const Polygon& polygon);
+  [[nodiscard]] bool is_in(std::int32_t item, const Point& p, double tolerance) const;
+  /// @param item  a strip to look at first; the one that `p` is on, if there is any.
+  [[nodiscard]] bool contains(const Point& p, double tolerance, std::int32_t& item) const;
   [[nodiscard]] bool hits_solid(const Pose& rear_axle, const Vehicle& body) const;
   void register_box(Point low, Point high, std::int32_t item);
   [[nodiscard]] static std::int64_t cell_key(std::int64_t column, std::int64_t row);

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <vector>
 
+#include "coordinator/audit.hpp"
+
 namespace mvtp {
 namespace {
 
@@ -68,39 +70,71 @@ std::vector<Turn> turns_of(const GuidePath& path) {
 double bump(double x, double width) { return std::exp(-0.5 * x * x / (width * width)); }
 
 /// The curve of a point that is drawn along behind `leader` at the distance `d`: how the rear axle
-/// moves if a point ahead of it keeps to a line (a tractrix).
-std::vector<Point> drawn_behind(std::span<const Point> leader, double d) {
+/// moves if a point ahead of it keeps to a line (a tractrix). The points are `spacing` apart.
+std::vector<Point> drawn_behind(std::span<const Point> leader, double spacing, double d) {
+  // Straightened by exp(-spacing / d) per step, as the true curve is.
+  const double rope = spacing / std::expm1(spacing / d);
   const double first = std::hypot(leader[1].x - leader[0].x, leader[1].y - leader[0].y);
-  Point rear{leader[0].x - d * (leader[1].x - leader[0].x) / first,
-             leader[0].y - d * (leader[1].y - leader[0].y) / first};
+  Point tail{leader[0].x - rope * (leader[1].x - leader[0].x) / first,
+             leader[0].y - rope * (leader[1].y - leader[0].y) / first};
   std::vector<Point> points;
+  points.reserve(leader.size());
   for (const Point& p : leader) {
-    const double pull = std::hypot(p.x - rear.x, p.y - rear.y);
-    rear = {p.x + d * (rear.x - p.x) / pull, p.y + d * (rear.y - p.y) / pull};
-    points.push_back(rear);
+    const Point ahead{p.x - tail.x, p.y - tail.y};
+    const double pull = 1.0 / std::sqrt(ahead.x * ahead.x + ahead.y * ahead.y);
+    tail = {p.x - rope * pull * ahead.x, p.y - rope * pull * ahead.y};
+    points.push_back({p.x - d * pull * ahead.x, p.y - d * pull * ahead.y});
   }
   return points;
 }
 
-/// The base path pushed to the outside of its turns before and behind them, and smoothed again.
-GuidePath shaped(const GuidePath& base, std::span<const Turn> turns, const Shape& shape) {
-  std::vector<Point> points;
-  points.reserve(base.samples());
-  for (std::size_t i = 0; i < base.samples(); ++i) {
-    const double s = double(i) * GuidePath::kSpacing;
-    double aside = 0.0;  // to the right
-    for (std::size_t t = 0; t < turns.size(); ++t) {
-      const Swing& swing = shape.swings[t];
-      if (swing.in == 0.0 && swing.out == 0.0) continue;
-      aside += turns[t].side *
-               (swing.in * bump(s - (turns[t].s - swing.lead_in), 0.6 * swing.lead_in) +
-                swing.out * bump(s - (turns[t].s + swing.lead_out), 0.6 * swing.lead_out));
+/// The lanes' centre line, sampled evenly: where a shape departs from it to the right.
+struct Base {
+  struct Place {
+    Point at;
+    Point right;
+  };
+  double spacing;  ///< [m]
+  std::vector<Place> places;
+
+  Base(const GuidePath& path, double apart) : spacing(apart) {
+    const auto n = std::size_t(path.length() / apart) + 1;
+    places.reserve(n);
+    for (std::size_t i = 0; i < n; ++i) {
+      const Pose p = path.at(double(i) * apart);
+      places.push_back({{p.x, p.y}, {std::sin(p.theta), -std::cos(p.theta)}});
     }
-    const Pose p = compose(base.sample(i), {0.0, -aside, 0.0});
-    points.push_back({p.x, p.y});
   }
-  points = smooth(points, shape.sigma);
-  return GuidePath(shape.follow > 0.1 ? drawn_behind(points, shape.follow) : points);
+};
+
+/// The base pushed to the outside of its turns before and behind them, smoothed, and followed.
+std::vector<Point> shaped(const Base& base, std::span<const Turn> turns, const Shape& shape) {
+  constexpr double kWidths = 4.0;  // beyond that a bump is below a millimetre
+  std::vector<double> aside(base.places.size(), 0.0);
+  const auto push = [&](double top, double width, double by) {
+    if (by == 0.0) return;
+    const double last = double(base.places.size() - 1);
+    const auto index = [&](double s) {
+      return std::size_t(std::clamp(s / base.spacing, 0.0, last));
+    };
+    const std::size_t behind = index(top + kWidths * width) + 1;
+    for (std::size_t i = index(top - kWidths * width); i < behind; ++i) {
+      aside[i] += by * bump(double(i) * base.spacing - top, width);
+    }
+  };
+  for (std::size_t t = 0; t < turns.size(); ++t) {
+    const Swing& swing = shape.swings[t];
+    push(turns[t].s - swing.lead_in, 0.6 * swing.lead_in, turns[t].side * swing.in);
+    push(turns[t].s + swing.lead_out, 0.6 * swing.lead_out, turns[t].side * swing.out);
+  }
+  std::vector<Point> points;
+  points.reserve(base.places.size());
+  for (std::size_t i = 0; i < base.places.size(); ++i) {
+    const Base::Place& p = base.places[i];
+    points.push_back({p.at.x + aside[i] * p.right.x, p.at.y + aside[i] * p.right.y});
+  }
+  points = smooth_even(points, base.spacing, shape.sigma);
+  return shape.follow > 0.1 ? drawn_behind(points, base.spacing, shape.follow) : points;
 }
 
 /// What the rear axle drives of a path [m].
@@ -109,33 +143,48 @@ struct Stretch {
   double to = 0.0;
 };
 
-/// How much of the footprint leaves the road around the turns; 0 if it never does.
-double off_road(const GuidePath& path, const Stretch& driven, std::span<const Turn> turns,
-                const Vehicle& body, const DrivableArea& area) {
-  constexpr double kReach = 30.0;
-  double sum = 0.0;
-  double looked_at = driven.from;
-  for (const Turn& turn : turns) {
-    const double last = std::min(turn.s + kReach, driven.to);
-    for (double s = std::max(turn.s - kReach, looked_at); s <= last; s += 1.0) {
-      sum += area.share_outside(path.at(s), body, 0.0);
-      looked_at = s + 1.0;
-    }
+/// A shape with the rear axle's path that it gives, coarsely: one entry per place of the base.
+struct Candidate {
+  Shape shape;
+  std::vector<Pose> poses;
+  std::vector<double> bends;    ///< curvature [1/m]
+  std::vector<double> outside;  ///< how much the footprint sticks out, where it matters
+  double badness = 1e300;
+};
+
+/// Headings and curvatures along points.
+void set_poses(std::span<const Point> points, Candidate& candidate) {
+  const std::size_t n = points.size();
+  candidate.poses.resize(n);
+  candidate.bends.assign(n, 0.0);
+  for (std::size_t i = 0; i < n; ++i) {
+    const Point& a = points[i == 0 ? 0 : i - 1];
+    const Point& b = points[std::min(i + 1, n - 1)];
+    candidate.poses[i] = {points[i].x, points[i].y, std::atan2(b.y - a.y, b.x - a.x)};
+    if (i == 0 || i + 1 == n) continue;
+    const Point u{points[i].x - a.x, points[i].y - a.y};
+    const Point v{b.x - points[i].x, b.y - points[i].y};
+    const double lengths = std::sqrt((u.x * u.x + u.y * u.y) * (v.x * v.x + v.y * v.y));
+    const double sine = (u.x * v.y - u.y * v.x) / std::max(lengths, 1e-12);
+    candidate.bends[i] =
+        std::asin(std::clamp(sine, -1.0, 1.0)) / std::sqrt(std::max(lengths, 1e-12));
   }
-  return sum;
 }
 
 /// Searches the shape of a path that can be steered and keeps the footprint on the road.
+///
+/// Candidates are looked at coarsely, and only where they differ from the best one so far.
 class ShapeSearch {
  public:
   ShapeSearch(std::span<const Point> centre_line, const Stretch& driven, const Vehicle& body,
-              const DrivableArea& area)
-      : base_(smooth(centre_line, 1.0)),
+              const DrivableArea& own, const DrivableArea& area)
+      : line_(smooth(centre_line, 1.0)),
+        base_(line_, kCoarse),
         driven_(driven),
-        turns_(turns_of(base_)),
+        turns_(turns_of(line_)),
         body_(body),
+        own_(own),
         area_(area) {
-    best_.swings.resize(turns_.size());
     evaluations_left_ = 40 + 40 * int(turns_.size());
   }
 
@@ -145,28 +194,27 @@ class ShapeSearch {
       for (const double sigma : {2.5, 1.5, 4.0}) {
         Shape shape{.sigma = sigma, .follow = share * body_.front, .swings = {}};
         shape.swings.resize(turns_.size());
-        if (improve_to(shape) && good_enough()) return shaped(base_, turns_, best_);
+        if (!done()) improve_to(shape);
       }
     }
     for (double scale = 1.0; scale > 0.1 && !done(); scale *= 0.5) {
       while (!done() && improve_once(scale)) {
       }
     }
-    return shaped(base_, turns_, best_);
+    return GuidePath(shaped(Base(line_, kFine), turns_, best_.shape));
   }
 
-  /// Can the best path be steered, with the footprint where it should be?
-  [[nodiscard]] bool good_enough() const { return badness_ < kTolerable; }
-
  private:
-  [[nodiscard]] bool done() const { return good_enough() || evaluations_left_ <= 0; }
+  /// Can the best path be steered, with the footprint where it should be; or is it time to end?
+  [[nodiscard]] bool done() const { return best_.badness < kTolerable || evaluations_left_ <= 0; }
 
   bool improve_once(double scale) {
     bool better = false;
     for (std::size_t t = 0; t < turns_.size(); ++t) {
+      if (!is_bad(t)) continue;
       for (const Knob& knob : kKnobs) {
         for (const double sign : {1.0, -1.0}) {
-          Shape shape = best_;
+          Shape shape = best_.shape;
           double& value = shape.swings[t].*knob.value;
           value = std::clamp(value + sign * scale * knob.step, knob.low, knob.high);
           better = improve_to(shape) || better;
@@ -175,10 +223,10 @@ class ShapeSearch {
       }
     }
     for (const double sign : {1.0, -1.0}) {
-      Shape shape = best_;
+      Shape shape = best_.shape;
       shape.sigma = std::clamp(shape.sigma + sign * scale, 1.5, 6.0);
       better = improve_to(shape) || better;
-      shape = best_;
+      shape = best_.shape;
       shape.follow = std::clamp(shape.follow + sign * scale * 3.0, 0.0, 12.0);
       better = improve_to(shape) || better;
       if (done()) return better;
@@ -186,31 +234,103 @@ class ShapeSearch {
     return better;
   }
 
+  /// The place of the base that the rear axle is abreast of at entry i [m].
+  [[nodiscard]] double place_of(std::size_t i, const Shape& shape) const {
+    return double(i) * kCoarse - shape.follow;
+  }
+
+  [[nodiscard]] bool is_driven(double place) const {
+    return place >= driven_.from && place <= driven_.to;
+  }
+
+  [[nodiscard]] bool is_near_turn(double place) const {
+    return std::ranges::any_of(
+        turns_, [&](const Turn& turn) { return std::abs(place - turn.s) <= kReach; });
+  }
+
+  /// Does the best path fail near this turn?
+  [[nodiscard]] bool is_bad(std::size_t t) const {
+    for (std::size_t i = 0; i < best_.poses.size(); ++i) {
+      const double place = place_of(i, best_.shape);
+      if (std::abs(place - turns_[t].s) > kReach) continue;
+      if (best_.outside[i] > 0.0 || std::abs(best_.bends[i]) > sharpest()) return true;
+    }
+    return false;
+  }
+
+  [[nodiscard]] double sharpest() const { return kReserve * body_.max_curvature(); }
+
+  /// How much a footprint sticks out: of its own side of the road, and, much worse, of the road.
+  [[nodiscard]] double sticks_out(const Pose& pose) const {
+    const double aside = own_.share_outside(pose, body_, 0.0);
+    if (aside == 0.0) return 0.0;
+    return aside + kOffRoad * area_.share_outside(pose, body_, kRoadTolerance);
+  }
+
+  /// Adds what sticks out around the turns, as far as the sum stays below that of the best.
+  void add_outside(Candidate& candidate) const {
+    constexpr double kUnknown = -1.0;
+    candidate.outside.assign(candidate.poses.size(), 0.0);
+    for (std::size_t i = 0; i < candidate.poses.size(); ++i) {
+      const double place = place_of(i, candidate.shape);
+      if (!is_driven(place) || !is_near_turn(place)) continue;
+      const double before = place_of(i, best_.shape);
+      const bool known = i < best_.poses.size() && is_same(candidate.poses[i], best_.poses[i]) &&
+                         is_driven(before) && is_near_turn(before);
+      candidate.outside[i] = known ? best_.outside[i] : kUnknown;
+      if (known) candidate.badness += candidate.outside[i];
+    }
+    for (std::size_t i = 0; i < candidate.poses.size(); ++i) {
+      if (candidate.outside[i] != kUnknown) continue;
+      candidate.outside[i] = sticks_out(candidate.poses[i]);
+      candidate.badness += candidate.outside[i];
+      if (candidate.badness >= best_.badness) return;
+    }
+  }
+
+  static bool is_same(const Pose& a, const Pose& b) {
+    constexpr double kSame = 1e-5;  // [m], [rad]
+    return std::abs(a.x - b.x) < kSame && std::abs(a.y - b.y) < kSame &&
+           std::abs(a.theta - b.theta) < kSame;
+  }
+
   bool improve_to(const Shape& shape) {
     --evaluations_left_;
-    const GuidePath path = shaped(base_, turns_, shape);
-    const double sharp = path.max_abs_curvature() / (kReserve * body_.max_curvature()) - 1.0;
-    // A bend that cannot be steered is worse than anything that sticks out.
-    double badness = std::max(0.0, sharp) * 1000.0 + off_road(path, driven_, turns_, body_, area_);
-    for (const Swing& swing : shape.swings) {
-      badness += 1e-6 * (std::abs(swing.in) + std::abs(swing.out));
+    Candidate candidate{.shape = shape};
+    set_poses(shaped(base_, turns_, shape), candidate);
+    double bend = 0.0;
+    for (std::size_t i = 0; i < candidate.bends.size(); ++i) {
+      if (is_driven(place_of(i, shape))) bend = std::max(bend, std::abs(candidate.bends[i]));
     }
-    if (badness >= badness_) return false;
-    badness_ = badness;
-    best_ = shape;
+    // A bend that cannot be steered is worse than anything that sticks out.
+    candidate.badness = std::max(0.0, bend / sharpest() - 1.0) * 1000.0;
+    for (const Swing& swing : shape.swings) {
+      candidate.badness += 1e-6 * (std::abs(swing.in) + std::abs(swing.out));
+    }
+    if (candidate.badness >= best_.badness) return false;
+    add_outside(candidate);
+    if (candidate.badness >= best_.badness) return false;
+    best_ = std::move(candidate);
     return true;
   }
 
+  static constexpr double kCoarse = 0.5;    ///< [m] between places of a candidate
+  static constexpr double kFine = 0.1;      ///< [m] likewise, of the path made of the best
+  static constexpr double kOffRoad = 20.0;  ///< badness beside that of the own side
+  /// [m] beside the road: a little less than what the audit lets pass.
+  static constexpr double kRoadTolerance = 0.8 * Audit::kRoadTolerance;
+  static constexpr double kReach = 30.0;      ///< [m] from a turn to what it has a part in
   static constexpr double kReserve = 0.98;    ///< share of the largest curvature that is used
   static constexpr double kTolerable = 1e-4;  ///< badness of swings alone
 
-  GuidePath base_;
+  GuidePath line_;
+  Base base_;
   Stretch driven_;
   std::vector<Turn> turns_;
   const Vehicle& body_;
+  const DrivableArea& own_;
   const DrivableArea& area_;
-  Shape best_;
-  double badness_ = 1e300;
+  Candidate best_;
   int evaluations_left_ = 0;
 };
 
@@ -219,9 +339,7 @@ class ShapeSearch {
 GuidePath make_reference_path(std::span<const Point> centre_line, double from, double to,
                               const Vehicle& body, const DrivableArea& own,
                               const DrivableArea& area) {
-  ShapeSearch on_its_side(centre_line, {from, to}, body, own);
-  GuidePath path = on_its_side.best();
-  return on_its_side.good_enough() ? path : ShapeSearch(centre_line, {from, to}, body, area).best();
+  return ShapeSearch(centre_line, {from, to}, body, own, area).best();
 }
 
 }  // namespace mvtp

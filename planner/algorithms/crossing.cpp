@@ -444,32 +444,40 @@ class CrossingPlanner {
   }
 
   [[nodiscard]] double cost_of(const std::vector<Entry>& entries) const {
+    std::vector<OnExit> all;
+    for (const Entry& e : entries) all.push_back({&scene_.vehicle(e.key), e.trajectory.get()});
+    for (const Forecast& f : scene_.forecasts) all.push_back({&f.vehicle, &f.trajectory});
     double cost = 0.0;
-    for (const Entry& e : entries) {
-      cost += handback_cost(e) + options_.headway_weight * missing_headway(e, entries);
+    for (std::size_t i = 0; i < entries.size(); ++i) {
+      cost += handback_cost(entries[i]) + options_.headway_weight * missing_headway(all[i], all);
     }
     return cost;
   }
 
+  struct OnExit {
+    const RoadVehicle* vehicle;
+    const PathTrajectory* trajectory;
+  };
+
   /// Time headway that the driver who takes over will miss [s].
-  [[nodiscard]] double missing_headway(const Entry& e, const std::vector<Entry>& entries) const {
-    const RoadVehicle& v = scene_.vehicle(e.key);
-    const std::int64_t k = arrival_step(*e.trajectory, v.s_handback);
-    if (k >= e.trajectory->end()) return 0.0;
-    const InertialState state = e.trajectory->at(k);
+  [[nodiscard]] double missing_headway(const OnExit& own, const std::vector<OnExit>& all) const {
+    const RoadVehicle& v = *own.vehicle;
+    if (v.exit_lane < 0) return 0.0;
+    const std::int64_t k = arrival_step(*own.trajectory, v.s_handback);
+    if (k >= own.trajectory->end()) return 0.0;
+    const InertialState state = own.trajectory->at(k);
     double missing = 0.0;
-    const auto look = [&](const RoadVehicle& o, const PathTrajectory& trajectory) {
-      const InertialState ahead = trajectory.at(k);
-      if (o.exit_lane != v.exit_lane || o.exit_lane < 0 || ahead.s >= PathTrajectory::kGone) return;
+    for (const auto& [vehicle, trajectory] : all) {
+      const RoadVehicle& o = *vehicle;
+      if (o.exit_lane != v.exit_lane) continue;
+      const InertialState ahead = trajectory->at(k);
       const double gap = (ahead.s - o.s_exit_lane) - (state.s - v.s_exit_lane);
-      if (gap <= 0.0) return;
+      if (gap <= 0.0 || ahead.s >= PathTrajectory::kGone) continue;
       const double braking = stopping_distance(state.v, scene_.body(v).max_decel) -
                              stopping_distance(ahead.v, scene_.body(o).max_decel);
       const double wanted = v.min_gap + v.tau * state.v + std::max(0.0, braking);
       missing += std::max(0.0, wanted - (gap - scene_.body(o).length())) / std::max(1.0, state.v);
-    };
-    for (const Entry& other : entries) look(scene_.vehicle(other.key), *other.trajectory);
-    for (const Forecast& f : scene_.forecasts) look(f.vehicle, f.trajectory);
+    }
     return missing;
   }
 

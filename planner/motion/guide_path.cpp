@@ -72,7 +72,10 @@ std::vector<Point> smooth(std::span<const Point> polyline, double sigma) {
     length += distance(polyline[i - 1], polyline[i]);
   constexpr double kFine = 0.1;  // [m]: well below the spacing of a path
   const double spacing = length / std::ceil(length / kFine) * (1.0 - 1e-12);
-  const std::vector<Point> in = resample(polyline, spacing);
+  return smooth_even(resample(polyline, spacing), spacing, sigma);
+}
+
+std::vector<Point> smooth_even(std::span<const Point> in, double spacing, double sigma) {
   const int reach = int(std::ceil(3.0 * sigma / spacing));
   std::vector<double> weights;
   double sum = 0.0;

@@ -48,4 +48,8 @@ class GuidePath {
 /// is continued straight beyond both ends, so that straight ends stay where they are.
 [[nodiscard]] std::vector<Point> smooth(std::span<const Point> polyline, double sigma);
 
+/// The same for points that are `spacing` apart: one point for each.
+[[nodiscard]] std::vector<Point> smooth_even(std::span<const Point> points, double spacing,
+                                             double sigma);
+
 }  // namespace mvtp

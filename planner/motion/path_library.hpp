@@ -22,35 +22,46 @@ class PathLibrary {
 
   /// Returns the number of the new path.
   int add(GuidePath path, const Vehicle& body);
+  /// The path numbered `like`, for a body of the same shape that moves otherwise: the two share
+  /// their contacts. Returns its number.
+  int add_like(int like, const Vehicle& body);
 
   [[nodiscard]] int size() const { return int(entries_.size()); }
-  [[nodiscard]] const GuidePath& path(int p) const { return entry(p).path; }
-  [[nodiscard]] const Vehicle& body(int p) const { return entry(p).body; }
+  [[nodiscard]] const GuidePath& path(int p) const { return ground(p).path; }
+  [[nodiscard]] const Vehicle& body(int p) const { return entries_[std::size_t(p)].body; }
 
   /// Where a body on path `a` meets one on path `b`. A look-up in what prepare() has built; the
   /// table of any other pair is built at its first use, one thread after the other.
   [[nodiscard]] const ContactTable& contacts(int a, int b) const;
 
-  /// Builds the tables that are missing among these paths, on all cores.
-  void prepare(std::span<const int> paths);
+  /// Builds the tables that are missing among `paths`, and between them and the `others`, on all
+  /// cores. What the others have among themselves nobody asks for.
+  void prepare(std::span<const int> paths, std::span<const int> others = {});
 
   /// Tables held [pairs], for one who looks after the memory.
   [[nodiscard]] std::size_t tables() const { return tables_.size(); }
 
  private:
-  struct Entry {
+  /// A path with the ground that a body covers along it.
+  struct Ground {
     GuidePath path;
-    Vehicle body;
     SweptPath swept;
-    std::vector<int> near;  ///< paths added before this one, and itself, whose bounds overlap
+    std::vector<int> near;  ///< those added before this one, and itself, whose bounds overlap
   };
+  struct Entry {
+    int ground;
+    Vehicle body;
+  };
+  /// By the grounds of both.
   using Tables = std::unordered_map<std::uint64_t, std::unique_ptr<const ContactTable>>;
 
-  [[nodiscard]] const Entry& entry(int p) const { return *entries_[std::size_t(p)]; }
+  [[nodiscard]] int ground_of(int p) const { return entries_[std::size_t(p)].ground; }
+  [[nodiscard]] const Ground& ground(int p) const { return *grounds_[std::size_t(ground_of(p))]; }
   [[nodiscard]] const ContactTable& build_late(int a, int b) const;
 
   Margins margins_;
-  std::vector<std::unique_ptr<const Entry>> entries_;
+  std::vector<Entry> entries_;
+  std::vector<std::unique_ptr<const Ground>> grounds_;
   Tables tables_;
   mutable std::mutex late_guard_;
   mutable Tables late_;  ///< built by contacts(); guarded by late_guard_

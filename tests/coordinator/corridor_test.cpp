@@ -92,6 +92,14 @@ TEST(CorridorMap, BodiesOfOneShapeShareACorridor) {
   EXPECT_EQ(map.corridor_for(*course, body), first);
   body.max_speed += 1.0;
   EXPECT_EQ(map.corridor_for(*course, body), first);
+  // One that is weaker drives the same path in its own way.
+  Vehicle weak = body;
+  weak.max_accel *= 0.5;
+  const int slow = map.corridor_for(*course, weak);
+  EXPECT_NE(slow, first);
+  EXPECT_EQ(map.corridor_for(*course, weak), slow);
+  EXPECT_EQ(map.library().body(map[slow].path).max_accel, weak.max_accel);
+  EXPECT_EQ(&map.library().path(map[slow].path), &map.library().path(map[first].path));
   body.width += 0.1;
   EXPECT_NE(map.corridor_for(*course, body), first);
 }

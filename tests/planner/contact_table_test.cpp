@@ -209,6 +209,24 @@ TEST_F(PathLibraryTest, WhatIsNotPreparedIsBuiltAtItsFirstUse) {
   }
 }
 
+TEST_F(PathLibraryTest, MakesNoTablesForForecastsAmongThemselves) {
+  library.prepare(std::vector{3}, std::vector{0, 1});
+  EXPECT_EQ(library.tables(), 5U);  // 3 with itself, and with 0 and 1 both ways
+}
+
+TEST_F(PathLibraryTest, BodiesThatMoveOtherwiseShareTheirContacts) {
+  Vehicle weak = kCar;
+  weak.max_accel *= 0.5;
+  const int like = library.add_like(3, weak);
+  EXPECT_EQ(library.body(like).max_accel, weak.max_accel);
+  EXPECT_EQ(library.body(3).max_accel, kCar.max_accel);
+  EXPECT_EQ(&library.path(like), &library.path(3));
+  library.prepare(std::vector{0, 3, like});
+  EXPECT_EQ(library.tables(), 4U);
+  EXPECT_EQ(&library.contacts(like, 0), &library.contacts(3, 0));
+  EXPECT_EQ(&library.contacts(0, like), &library.contacts(0, 3));
+}
+
 TEST_F(PathLibraryTest, ManyThreadsMayAskForTheSameTables) {
   std::vector<const ContactTable*> seen(8);
   std::vector<std::thread> threads;
