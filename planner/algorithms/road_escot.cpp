@@ -239,6 +239,7 @@ std::vector<RoadStepWorld::Motion> RoadStepWorld::candidates(int i, const State&
   const Vehicle& body = scene().body(v);
   const double h = scene().grid.decision();
   const WaitTest wait(pairs_, v, complete_.entries, options_);
+  const std::int64_t then = scene().step + scene().grid.steps_per_decision;
   std::vector<Motion> clear;
   std::vector<Motion> blocking;
   for (const double a :
@@ -247,7 +248,9 @@ std::vector<RoadStepWorld::Motion> RoadStepWorld::candidates(int i, const State&
     if (a > -body.max_decel && m.to.v > v.envelope->at(m.to.s)) continue;
     if (a > -body.max_decel && runs_over_a_line(v, body, state, m.to)) continue;
     if (a > -body.max_decel && !wait.clear_of_forecasts(state, a, m.to)) continue;
-    const bool keeps_clear = wait.can_wait(scene().step + scene().grid.steps_per_decision, m.to);
+    // Who stands where somebody passes who does not yield is run into.
+    if (a > -body.max_decel && !wait.leaves_passages_free(then, m.to)) continue;
+    const bool keeps_clear = wait.can_wait(then, m.to);
     (keeps_clear ? clear : blocking).push_back(m);
   }
   clear.insert(clear.end(), blocking.begin(), blocking.end());

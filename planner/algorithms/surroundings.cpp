@@ -78,6 +78,17 @@ bool Surroundings::can_wait(std::int64_t k, const InertialState& state) const {
   return true;
 }
 
+bool Surroundings::leaves_passages_free(std::int64_t k, const InertialState& state) const {
+  count_work();
+  const double rest = state.s + stopping_distance(state.v, body_.max_decel);
+  return std::ranges::none_of(others_, [&](const Other& other) {
+    if (!other.forecast || other.yields) return false;
+    const double from = other.hindmost(k);
+    const double end = other.trajectory->states.back().s;
+    return from <= end && other.contact.table().blocks(rest, from, end);
+  });
+}
+
 std::optional<double> Surroundings::place_on_exit(const Other& other,
                                                   const InertialState& state) const {
   if (other.vehicle->exit_lane != vehicle_.exit_lane || state.s >= PathTrajectory::kGone) {

@@ -26,6 +26,9 @@ class Surroundings {
   /// Could the vehicle brake from `state` at step k and then stand clear of all planned futures?
   [[nodiscard]] bool can_wait(std::int64_t k, const InertialState& state) const;
 
+  /// The same with nobody but drivers who do not yield: where it stands they would run into it.
+  [[nodiscard]] bool leaves_passages_free(std::int64_t k, const InertialState& state) const;
+
   /// On a common exit lane: is the one behind far enough from the one ahead, whichever of the two
   /// this vehicle is? Both ways, since a vehicle planned later may slip in ahead.
   [[nodiscard]] bool keeps_headway(std::int64_t k, const InertialState& state) const;

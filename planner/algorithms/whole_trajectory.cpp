@@ -302,6 +302,10 @@ bool WaitTest::can_wait(std::int64_t k, const InertialState& state) const {
   return impl_->all.can_wait(k, state);
 }
 
+bool WaitTest::leaves_passages_free(std::int64_t k, const InertialState& state) const {
+  return impl_->forecasts.leaves_passages_free(k, state);
+}
+
 bool WaitTest::clear_of_forecasts(const InertialState& from, double a,
                                   const InertialState& to) const {
   return impl_->forecasts.step_is_clear(impl_->step, from, a, to);

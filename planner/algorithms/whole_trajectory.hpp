@@ -82,6 +82,8 @@ class WaitTest {
 
   /// Could the vehicle brake from `state` at step k and then stand clear of all planned futures?
   [[nodiscard]] bool can_wait(std::int64_t k, const InertialState& state) const;
+  /// The same with nobody but drivers who do not yield.
+  [[nodiscard]] bool leaves_passages_free(std::int64_t k, const InertialState& state) const;
   /// Is the decision of now, and braking after it, free of contact with all forecasts?
   [[nodiscard]] bool clear_of_forecasts(const InertialState& from, double a,
                                         const InertialState& to) const;

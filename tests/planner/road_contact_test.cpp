@@ -242,6 +242,28 @@ TEST_F(TooClose, WhoWillBeRunIntoDrivesOn) {
   EXPECT_LT(decision.plan.find(1)->at(5).v, 12.0);
 }
 
+//      |            A guest is let over the crossing and yields to nobody. Whoever has no plan must
+//      not
+//  us -|-   X       halt in its way, even if the guest is still far.
+//      f
+TEST_F(Forecasts, WhoHasNoPlanStaysOutOfThePassageOfAGuest) {
+  RoadVehicle guest = add(1, 70.0, 4.0);
+  scene.vehicles.pop_back();
+  guest.key = -1;
+  PathTrajectory early;
+  PathTrajectory late;
+  for (int k = 0; k < 400; ++k) {
+    early.states.push_back({70.0 + 0.4 * k + 0.01 * k * k, 4.0 + 0.2 * k});
+    late.states.push_back({70.0 + 0.4 * k, 4.0});
+  }
+  scene.forecasts.push_back({guest, early, late, false});
+  add_standing_forecast(0, 106.5);  // for ever
+  add(0, 95.05, 0.0);
+  RoadDecision decision = decide_on_road(scene, {}, {0}, {});
+  ASSERT_EQ(decision.stepped, 1);
+  EXPECT_EQ(decision.plan.find(0)->at(5), scene.vehicles[0].now);
+}
+
 //   f --> us --->     The driver behind sees us; if we waited for him, both would wait for ever.
 TEST_F(Forecasts, WhoHasUsInHisWayDoesNotBlockUs) {
   RoadVehicle& own = add(0, 60.0, 0.0);
