@@ -437,7 +437,9 @@ std::map<std::string, Driven> Coordinator::leave_corridors(bool may_go_on) {
     if (!next) {
       if (driver_has_room(driven) || ends_soon(driven)) finished.push_back(id);
     } else if (may_go_on) {
-      going_on.emplace(id, admit(*next, driven.key));
+      Driven& arrival = going_on.emplace(id, admit(*next, driven.key)).first->second;
+      // The traffic's speed is that along the lanes, which the two corridors may scale otherwise.
+      arrival.road.now.v = driven.road.now.v;
     }
   }
   for (const std::string& id : finished) hand_back(id);
@@ -500,7 +502,12 @@ std::optional<Coordinator::Newcomer> Coordinator::next_corridor(const Driven& dr
   CourseQuery query = query_for(state, route);
   query.lane = piece.last_lane();
   query.position = (driven.road.now.s - corridor.stations[here]) / corridor.scales[here];
-  return newcomer_at(state, query, route);
+  std::optional<Newcomer> next = newcomer_at(state, query, route);
+  if (!next) return std::nullopt;
+  // What its body cannot drive is its driver's: it is taken over again behind that.
+  const Corridor& ahead = corridors_[next->corridor];
+  if (ahead.lines.front() - next->to_line < ahead.s_drivable) return std::nullopt;
+  return next;
 }
 
 std::optional<Coordinator::Newcomer> Coordinator::newcomer_at(const VehicleState& state,
