@@ -207,7 +207,10 @@ bool Surroundings::meets_anywhere(const Other& other, std::int64_t k, const Iner
     const double s_end = braked_position(to, body_.max_decel, (i + 1) * grid_.dt);
     if (is_there(s, s_end, k + n + i, k + n + i + 1)) return true;
   }
-  return false;
+  // Who follows it on its lane must be able to stop should it brake; later on, that is seen later.
+  const InertialState hindmost = other.hindmost_state(k + n);
+  return k == now_ && hindmost.s < PathTrajectory::kGone && other.contact.contact->is_behind(to, hindmost) &&
+         other.contact.touch_braking(to, hindmost, /*lenient=*/false);
 }
 
 bool Surroundings::is_followed_by(const Other& other, const InertialState& state,

@@ -50,10 +50,11 @@ class Surroundings {
     bool forecast;
     bool yields;  ///< a forecast whose driver keeps clear of whoever is in his way
 
-    /// Where it is at least at step k [m].
-    [[nodiscard]] double hindmost(std::int64_t k) const {
-      return (latest != nullptr ? latest : trajectory)->at(k).s;
+    /// Where it is at least at step k, and how fast then.
+    [[nodiscard]] InertialState hindmost_state(std::int64_t k) const {
+      return (latest != nullptr ? latest : trajectory)->at(k);
     }
+    [[nodiscard]] double hindmost(std::int64_t k) const { return hindmost_state(k).s; }
   };
 
   /// How far behind the start of this vehicle's exit lane the other one is in this state [m]: on it

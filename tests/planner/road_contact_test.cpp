@@ -299,6 +299,27 @@ TEST_F(Forecasts, NobodyDrivesIntoAGuestThatMayStay) {
   EXPECT_FALSE(test.clear_of_forecasts(now, 2.6, advance(now, 2.6, scene.grid.decision())));
 }
 
+// It may brake though it is expected to crawl on at least.
+TEST_F(Forecasts, BehindAGuestThatPassesThereIsRoomToStop) {
+  add(0, 50.0, 12.0);
+  RoadVehicle guest = add(2, 72.0, 12.0);
+  scene.vehicles.pop_back();
+  guest.key = -1;
+  PathTrajectory goes{.states = {guest.now}};
+  PathTrajectory crawls = goes;
+  for (int k = 0; k < 150; ++k) {
+    goes.states.push_back(advance(goes.states.back(), 0.5, 0.1));
+    crawls.states.push_back(advance(crawls.states.back(), k < 80 ? -1.0 : 0.0, 0.1));
+  }
+  scene.forecasts.push_back({guest, goes, crawls, /*yields=*/false});
+  const RoadPairs pairs(scene);
+  const WaitTest test(pairs, scene.vehicles[0], {}, {});
+  const InertialState now = scene.vehicles[0].now;
+  EXPECT_TRUE(test.clear_of_forecasts(now, 0.0, advance(now, 0.0, scene.grid.decision())));
+  const InertialState fast{50.0, 13.9};
+  EXPECT_FALSE(test.clear_of_forecasts(fast, 2.6, advance(fast, 2.6, scene.grid.decision())));
+}
+
 TEST_F(Forecasts, ALeaderAheadAlwaysCounts) {
   add_standing_forecast(2, 120.0);
   add(0, 60.0, 10.0);
