@@ -264,7 +264,8 @@ bool CourseFinder::lay_pieces(const CourseQuery& query, const Start& start, std:
   double covered = length(query.edges[exit]);
   for (; covered < reach && last + 1 < query.edges.size(); ++last) {
     const int junction = graph_.junction_behind(query.edges[last]);
-    if (junction == kNone || is_coordinated(junction) || graph_.junction(junction).has_conflicts) {
+    if (junction == kNone || is_coordinated(junction) || graph_.junction(junction).has_conflicts ||
+        turns_round(query.edges[last], query.edges[last + 1])) {
       break;
     }
     covered +=
@@ -315,8 +316,19 @@ bool CourseFinder::lay_pieces(const CourseQuery& query, const Start& start, std:
   }
 }
 
+/// Does the route turn round between two edges, as at the end of a road? No driver takes a vehicle
+/// back well there.
+bool CourseFinder::turns_round(int from_edge, int to_edge) const {
+  constexpr double kRound = 2.0;  // [rad]
+  const std::vector<Point>& a = graph_.lane(graph_.lanes_of(from_edge).front()).shape;
+  const std::vector<Point>& b = graph_.lane(graph_.lanes_of(to_edge).front()).shape;
+  const Point u{a.back().x - a[a.size() - 2].x, a.back().y - a[a.size() - 2].y};
+  const Point v{b[1].x - b[0].x, b[1].y - b[0].y};
+  return std::abs(std::atan2(u.x * v.y - u.y * v.x, u.x * v.x + u.y * v.y)) > kRound;
+}
+
 /// Does the last lane lead on along the route, or to a line before which it is taken over again?
-/// Else its driver has to change lanes behind the hand-back.
+/// Else its driver has to change lanes, or to turn round, behind the hand-back.
 bool CourseFinder::leads_on(const CourseQuery& query, const Start& start,
                             const CorridorCourse& course) const {
   const auto edges = std::ranges::count_if(
@@ -325,6 +337,7 @@ bool CourseFinder::leads_on(const CourseQuery& query, const Start& start,
   if (last + 1 >= query.edges.size()) return true;
   const int junction = graph_.junction_behind(query.edges[last]);
   if (is_coordinated(junction)) return true;
+  if (turns_round(query.edges[last], query.edges[last + 1])) return false;
   return std::ranges::any_of(
       links_between(query.edges[last], query.edges[last + 1]),
       [&](int k) { return graph_.link(k).from == course.pieces.back().last_lane(); });

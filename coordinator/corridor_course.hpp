@@ -102,6 +102,7 @@ class CourseFinder {
                                                              double room) const;
   [[nodiscard]] bool lay_pieces(const CourseQuery& query, const Start& start, std::size_t exit,
                                 double reach, CorridorCourse& course) const;
+  [[nodiscard]] bool turns_round(int from_edge, int to_edge) const;
   [[nodiscard]] bool leads_on(const CourseQuery& query, const Start& start,
                               const CorridorCourse& course) const;
   void lay_lead_in(const CourseQuery& query, CorridorCourse& course) const;

@@ -268,6 +268,24 @@ TEST(CourseFinder, HandsBackEarlyWhereTheDriverHasToChangeLanes) {
   EXPECT_GT(ends->handback, goes_on->handback + 10.0);
 }
 
+//   The road behind the crossroads is a dead end: vehicles turn round there, with their drivers.
+TEST(CourseFinder, HandsBackBeforeTheRouteTurnsRound) {
+  NetworkMaker maker;
+  maker.node("C", {0, 0});
+  for (const auto& [id, middle] : std::map<std::string, Point>{
+           {"W", {-120, 0}}, {"S", {0, -120}}, {"N", {0, 120}}, {"E", {90, 0}}}) {
+    maker.node(id, middle);
+    maker.road(id, "C");
+  }
+  maker.connect("C-E_0", "E-C_0");
+  Walk walk(maker.make());
+  const auto course = walk.finder.find(walk.at("W-C_0", 60.0, {"W-C", "C-E", "E-C", "C-N"}));
+  ASSERT_TRUE(course);
+  const int lane = walk.graph.find_lane("C-E_0");
+  EXPECT_EQ(course->pieces.back().lane, lane);
+  EXPECT_LT(course->handback, 12.0);
+}
+
 TEST(CourseFinder, ChangesToTheLaneThatLeadsOn) {
   const NetworkShape shape = two_lanes_shape();
   Walk walk(shape.network);
