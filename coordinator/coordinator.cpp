@@ -20,7 +20,8 @@ namespace {
 constexpr int kMostRefusals = 6;
 constexpr double kSpareRoom = 10.0;  ///< [m] before a line, beside what it takes to stop there
 constexpr double kPatience = 5.0;    ///< [s] without a complete plan until one that stands is stuck
-constexpr double kApproachReserve = 0.9;  ///< share of its acceleration used off its path
+constexpr double kApproachReserve = 0.9;  ///< share of its acceleration used off its path,
+constexpr double kLeastShare = 0.5;       ///< and where the path bends besides
 
 /// Comfortable braking towards lower speed limits.
 double envelope_braking(const Vehicle& body) { return std::min(3.5, 0.8 * body.max_decel); }
@@ -446,10 +447,11 @@ std::map<std::string, Driven> Coordinator::leave_corridors(bool may_go_on) {
   return going_on;
 }
 
-/// Is there no time left until the end of its plan?
+/// Is there no place left for a later hand-back?
 bool Coordinator::ends_soon(const Driven& driven) const {
   const InertialState& now = driven.road.now;
-  return planner_is_dead() || now.s + now.v * grid_.decision() >= driven.road.s_end;
+  return planner_is_dead() || now.s + now.v * grid_.dt >= corridors_[driven.corridor].s_latest ||
+         now.s + now.v * grid_.decision() >= driven.road.s_end;
 }
 
 /// Would the driver who gets it back have his headway to whoever is ahead? Else it is driven on
@@ -685,8 +687,13 @@ Driven Coordinator::admit(const Newcomer& newcomer, std::int64_t key) {
   if (driven.approach.is_notable()) {
     // Beside its path the vehicle drives a little faster or slower than along it.
     Vehicle body = type.body;
-    body.max_accel *= kApproachReserve;
-    body.max_decel *= kApproachReserve;
+    const double beside = driven.approach.ground_acceleration(
+        corridors_.library().path(corridors_[driven.corridor].path), v.speed);
+    const double left = 1.0 - beside / std::min(body.max_accel, body.max_decel);
+    // In steps, so that vehicles share corridors.
+    const double share = std::clamp(std::floor(left * 10.0) / 10.0, kLeastShare, kApproachReserve);
+    body.max_accel *= share;
+    body.max_decel *= share;
     driven.corridor = corridors_.corridor_for(course, body);
   }
   const Corridor& c = corridors_[driven.corridor];

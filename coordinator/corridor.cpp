@@ -333,6 +333,7 @@ void CorridorMap::set_stations(const Line& line, const GuidePath& path, const Ve
   corridor.s_end = corridor.s_exit + course.end;
   corridor.s_handback =
       straight_from(line, path, body, corridor.s_exit + course.handback, corridor.s_end);
+  corridor.s_latest = straight_until(line, path, body, corridor.s_handback, corridor.s_end);
 }
 
 /// How far the ends of the body are off the lanes' centre line [m].
@@ -342,11 +343,12 @@ double CorridorMap::aside(const Line& line, const GuidePath& path, const Vehicle
                   distance_to(line.points, compose(pose, {-body.rear, 0.0, 0.0})));
 }
 
+constexpr double kAside = 0.05;  ///< [m] of either end of a body that lies along its lane
+
 /// The first place from `from` to `to` where the body lies along its lane; else the one where it
 /// does so best.
 double CorridorMap::straight_from(const Line& line, const GuidePath& path, const Vehicle& body,
                                   double from, double to) {
-  constexpr double kAside = 0.05;  // [m] of either end
   double best = from;
   double least = aside(line, path, body, from);
   for (double s = from; s < to && least > kAside; s += 1.0) {
@@ -358,12 +360,22 @@ double CorridorMap::straight_from(const Line& line, const GuidePath& path, const
   return best;
 }
 
+/// How far on from `from` the body goes on lying along its lane, or no worse than there.
+double CorridorMap::straight_until(const Line& line, const GuidePath& path, const Vehicle& body,
+                                   double from, double to) {
+  constexpr double kStep = 0.5;  // [m]
+  const double most = std::max(kAside, aside(line, path, body, from));
+  double s = from;
+  while (s + kStep <= to && aside(line, path, body, s + kStep) <= most) s += kStep;
+  return s;
+}
+
 /// Where a body that swings aside before a turn, ahead of `to`, is still in its lane.
 double CorridorMap::last_in_lane(const Line& line, const GuidePath& path, const Vehicle& body,
                                  double from, double to) {
-  constexpr double kAside = 0.5;  // [m] of either end
+  constexpr double kInLane = 0.5;  // [m] of either end
   double s = to;
-  while (s > from && aside(line, path, body, s) > kAside) s -= 0.5;
+  while (s > from && aside(line, path, body, s) > kInLane) s -= 0.5;
   return std::max(s, from);
 }
 

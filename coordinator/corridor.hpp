@@ -30,7 +30,8 @@ struct Corridor {
   double s_drivable = 0.0;    ///< from here on the body can drive the path
   double s_exit = 0.0;        ///< when the front bumper enters the exit lane
   double s_handback = 0.0;
-  double s_end = 0.0;    ///< where a plan is complete
+  double s_latest = 0.0;  ///< until here the body lies along its lane as it does there
+  double s_end = 0.0;     ///< where a plan is complete
   std::string undriven;  ///< why this body cannot drive here; empty: it can
 
   /// The station of a front bumper at `position` on `lane`, nearest to `expected`; nullopt if the
@@ -77,6 +78,8 @@ class CorridorMap {
                                            const Vehicle& body, double from, double to);
   [[nodiscard]] static double straight_from(const Line& line, const GuidePath& path,
                                             const Vehicle& body, double from, double to);
+  [[nodiscard]] static double straight_until(const Line& line, const GuidePath& path,
+                                             const Vehicle& body, double from, double to);
   void set_limits(const GuidePath& path, const Vehicle& body, Corridor& corridor) const;
   [[nodiscard]] double lateral_limit(const GuidePath& path, double s, bool changes_lane) const;
   void set_drivable(const GuidePath& path, const Vehicle& body, Corridor& corridor) const;

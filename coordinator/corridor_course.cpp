@@ -411,12 +411,15 @@ std::optional<CorridorCourse> CourseFinder::find(const CourseQuery& query) const
     room += graph_.lane(course.pieces[i].lane).length;
   }
   room = std::min(room, exit.room);
-  if (!leads_on(query, *start, course)) {
+  const bool is_early = !leads_on(query, *start, course);
+  if (is_early) {
     wanted = std::max(query.length + 1.0, std::min(wanted, room - kDriverChanges));
   }
   const double latest = std::max(std::min(query.length + 1.0, room - 1.6), room - kBeforeEnd);
   course.handback = std::max(0.1, std::min(wanted, latest));
   course.end = std::max(course.handback, std::min(course.handback + kRunOut, room - 1.0));
+  // Where it bends at first there is room for a hand-back further on.
+  if (is_early) course.end = std::max(course.end, room - kDriverBrakes);
   course.reach = std::min(room, course.end + kSight);
   course.start = query.position + distance - options_.takeover - kLeadIn;
   if (course.start <= 0.0) lay_lead_in(query, course);

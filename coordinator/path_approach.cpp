@@ -30,6 +30,18 @@ bool PathApproach::is_notable() const {
   return std::abs(aside_) > kNotable || std::abs(slope_) > kNotable;
 }
 
+double PathApproach::ground_acceleration(const GuidePath& path, double speed) const {
+  constexpr double kStep = 0.5;  // [m]
+  double most = 0.0;
+  double before = 0.0;  // metres on the ground per step
+  for (double s = begin_; s < begin_ + length_ + kStep; s += kStep) {
+    const double step = distance(pose(path, s), pose(path, s + kStep));
+    if (s > begin_) most = std::max(most, std::abs(step - before));
+    before = step;
+  }
+  return most / (kStep * kStep) * speed * speed;
+}
+
 bool PathApproach::is_drivable(const GuidePath& path, const Vehicle& body,
                                const DrivableArea& area) const {
   if (!is_notable()) return true;

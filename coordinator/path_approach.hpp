@@ -21,6 +21,8 @@ class PathApproach {
   [[nodiscard]] Pose pose(const GuidePath& path, double s) const;
   /// Does it begin so far off the path that driving it differs from driving the path?
   [[nodiscard]] bool is_notable() const;
+  /// What the speed over the ground changes at most, beside what it changes along the path [m/s^2].
+  [[nodiscard]] double ground_acceleration(const GuidePath& path, double speed) const;
   /// Can the body drive it: within its turning circle, and with its footprint where `area` allows?
   [[nodiscard]] bool is_drivable(const GuidePath& path, const Vehicle& body,
                                  const DrivableArea& area) const;
