@@ -249,5 +249,48 @@ TEST(LateNewcomer, StaysInItsLaneBesideWhoStandsInTheOther) {
   EXPECT_EQ(run.traffic.arrived(), 2);
 }
 
+/// What a driver who gets his vehicle back sees ahead.
+struct HandBack {
+  double time = 0.0;
+  double position = 0.0;  ///< [m] on its lane
+  double missing = 0.0;   ///< [m] of room to the one ahead
+};
+
+/// The first hand-back of "car".
+HandBack first_hand_back(const std::vector<FakeTrip>& trips) {
+  ClosedLoop run(crossroads_shape(), trips);
+  while (run.traffic.running() && run.traffic.time() < 60.0) {
+    run.step();
+    if (std::ranges::count(run.coordinator.handed_back(), "car") == 0) continue;
+    const auto state = [&](const std::string& id) {
+      return std::ranges::find(run.traffic.vehicles(), id, &VehicleState::id);
+    };
+    const auto car = state("car");
+    HandBack seen{.time = run.traffic.time(), .position = car->lane_position};
+    const auto other = state("other");
+    if (other == run.traffic.vehicles().end() || other->lane != car->lane) return seen;
+    const VehicleType type = fake_type("car");
+    const double gap = other->lane_position - car->lane_position - fake_type("bike").body.length();
+    const double braking = stopping_distance(car->speed, type.body.max_decel) -
+                           stopping_distance(other->speed, fake_type("bike").body.max_decel);
+    seen.missing = type.min_gap + type.tau * car->speed + std::max(0.0, braking) - gap;
+    return seen;
+  }
+  return {};
+}
+
+// A slow one turns up ahead just before the hand-back: the car is driven on until there is room.
+TEST(HandBacks, WaitUntilTheDriverHasRoom) {
+  const FakeTrip car{"car", 0.0, "W-C", "C-E"};
+  const HandBack alone = first_hand_back({car});
+  ASSERT_GT(alone.time, 1.0);
+  FakeTrip slow{"other", alone.time - 0.3, "C-E", "C-E", "bike"};
+  slow.at = {alone.position + 16.0, 4.0};
+  const HandBack behind = first_hand_back({car, slow});
+  ASSERT_GT(behind.time, 1.0);
+  EXPECT_GT(behind.time, alone.time + 0.25);
+  EXPECT_LT(behind.missing, 1.0);
+}
+
 }  // namespace
 }  // namespace mvtp

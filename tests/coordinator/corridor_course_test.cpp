@@ -148,7 +148,8 @@ TEST_P(EveryCorridor, GrowsFromStationToStation) {
       ASSERT_LT(scale, 5.0) << name;
     }
     for (const double ratio : c.ratios) ASSERT_NEAR(ratio, 1.0, 1e-6) << name;
-    EXPECT_LE(c.s_handback, c.s_end);
+    EXPECT_LE(c.s_handback, c.s_latest);
+    EXPECT_LE(c.s_latest, c.s_end);
     EXPECT_LE(c.s_end, map.library().path(c.path).length()) << name;
     EXPECT_GT(c.s_handback, c.s_exit) << name;
   });
