@@ -215,6 +215,12 @@ bool is_clear(const Surroundings& around, const RoadScene& scene,
   return true;
 }
 
+/// When the driver gets the vehicle back: not before now, if it is driven on beyond that place.
+std::int64_t handback_step(const RoadPairs& pairs, const RoadVehicle& vehicle,
+                           const PathTrajectory& trajectory) {
+  return std::max(pairs.scene().step, arrival_step(trajectory, vehicle.s_handback));
+}
+
 }  // namespace
 
 std::optional<PathTrajectory> plan_vehicle(const RoadPairs& pairs, const RoadVehicle& vehicle,
@@ -240,14 +246,14 @@ bool still_fits(const RoadPairs& pairs, const RoadVehicle& vehicle,
   const bool clear = is_clear(around, pairs.scene(), trajectory);
   if (work) work->left -= around.work();
   if (!clear) return false;
-  const std::int64_t k = arrival_step(trajectory, vehicle.s_handback);
+  const std::int64_t k = handback_step(pairs, vehicle, trajectory);
   return k >= trajectory.end() || around.leaves_room(k, trajectory.at(k));
 }
 
 bool leaves_room(const RoadPairs& pairs, const RoadVehicle& vehicle,
                  const PathTrajectory& trajectory, std::span<const JointPlan::Entry> others,
                  const WholeTrajectoryOptions& options) {
-  const std::int64_t k = arrival_step(trajectory, vehicle.s_handback);
+  const std::int64_t k = handback_step(pairs, vehicle, trajectory);
   if (k >= trajectory.end()) return true;
   const Surroundings around(pairs, vehicle, others, options, Surroundings::Forecasts::kIgnore);
   return around.leaves_room(k, trajectory.at(k));

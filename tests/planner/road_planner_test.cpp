@@ -219,6 +219,20 @@ TEST_F(Crossing, AFollowerIsPlannedAnewIfItsLeaderGoesOnMoreSlowly) {
   EXPECT_TRUE(leaves_room(pairs, follower, *result.plan.find(0), std::span(&slow, 1), {}));
 }
 
+//   It is driven on behind the place of its hand-back: what counts is the room that it has now.
+TEST_F(Crossing, BehindItsHandBackTheRoomOfNowCounts) {
+  add(0, 172.0, 10.0);
+  add(2, 184.0, 10.0);
+  scene.step = 5;
+  PathTrajectory own{.begin = 0, .states = {}};
+  for (int k = 0; k < 40; ++k) own.states.push_back({160.0 + 2.4 * k, 24.0});
+  const JointPlan::Entry ahead = {
+      1, std::make_shared<PathTrajectory>(PathTrajectory{.begin = 5, .states = {{184.0, 10.0}}})};
+  EXPECT_FALSE(leaves_room(RoadPairs(scene), scene.vehicles[0], own, std::span(&ahead, 1), {}));
+  own.states = {{150.0, 0.0}, {172.0, 0.5}, {172.0, 0.5}, {172.0, 0.5}, {172.0, 0.5}, {172.0, 0.5}};
+  EXPECT_TRUE(leaves_room(RoadPairs(scene), scene.vehicles[0], own, std::span(&ahead, 1), {}));
+}
+
 // Its tail is over the line: it is in nobody's way any more.
 TEST_F(Crossing, ALeaderCountsUntilItsTailHasLeftTheLane) {
   add(0, 150.0, 10.0);
