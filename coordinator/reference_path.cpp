@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
+#include <utility>
 #include <vector>
 
 #include "coordinator/audit.hpp"
@@ -177,9 +179,10 @@ void set_poses(std::span<const Point> points, Candidate& candidate) {
 class ShapeSearch {
  public:
   ShapeSearch(std::span<const Point> centre_line, const Stretch& driven, const Vehicle& body,
-              const DrivableArea& own, const DrivableArea& area)
-      : line_(smooth(centre_line, 1.0)),
-        base_(line_, kCoarse),
+              const DrivableArea& own, const DrivableArea& area, double spacing)
+      : spacing_(spacing),
+        line_(smooth(centre_line, 1.0)),
+        base_(line_, spacing),
         driven_(driven),
         turns_(turns_of(line_)),
         body_(body),
@@ -202,6 +205,17 @@ class ShapeSearch {
       }
     }
     return GuidePath(shaped(Base(line_, kFine), turns_, best_.shape));
+  }
+
+  /// Can the path that best() gave not be steered, or does it leave the road? It is judged as it is
+  /// driven: between the places that the search looked at, too.
+  [[nodiscard]] bool fails(const GuidePath& path) const {
+    const double last = std::min(driven_.to + best_.shape.follow, path.length());
+    for (double s = driven_.from + best_.shape.follow; s <= last; s += kJudged) {
+      if (std::abs(path.curvature(s)) > body_.max_curvature()) return true;
+      if (area_.share_outside(path.at(s), body_, Audit::kRoadTolerance) > 0.0) return true;
+    }
+    return false;
   }
 
  private:
@@ -236,7 +250,7 @@ class ShapeSearch {
 
   /// The place of the base that the rear axle is abreast of at entry i [m].
   [[nodiscard]] double place_of(std::size_t i, const Shape& shape) const {
-    return double(i) * kCoarse - shape.follow;
+    return double(i) * spacing_ - shape.follow;
   }
 
   [[nodiscard]] bool is_driven(double place) const {
@@ -314,7 +328,7 @@ class ShapeSearch {
     return true;
   }
 
-  static constexpr double kCoarse = 0.5;    ///< [m] between places of a candidate
+  static constexpr double kJudged = 0.5;    ///< [m] between places of the path made of the best
   static constexpr double kFine = 0.1;      ///< [m] likewise, of the path made of the best
   static constexpr double kOffRoad = 20.0;  ///< badness beside that of the own side
   /// [m] beside the road: a little less than what the audit lets pass.
@@ -323,6 +337,7 @@ class ShapeSearch {
   static constexpr double kReserve = 0.98;    ///< share of the largest curvature that is used
   static constexpr double kTolerable = 1e-4;  ///< badness of swings alone
 
+  double spacing_;  ///< [m] between places of a candidate
   GuidePath line_;
   Base base_;
   Stretch driven_;
@@ -339,7 +354,15 @@ class ShapeSearch {
 GuidePath make_reference_path(std::span<const Point> centre_line, double from, double to,
                               const Vehicle& body, const DrivableArea& own,
                               const DrivableArea& area) {
-  return ShapeSearch(centre_line, {from, to}, body, own, area).best();
+  // Where the search ends depends on where it looks: one that fails looks again, more finely.
+  std::optional<GuidePath> first;
+  for (const double spacing : {0.5, 0.25}) {
+    ShapeSearch search(centre_line, {from, to}, body, own, area, spacing);
+    GuidePath path = search.best();
+    if (!search.fails(path)) return path;
+    if (!first) first = std::move(path);
+  }
+  return *std::move(first);
 }
 
 }  // namespace mvtp
