@@ -50,8 +50,7 @@ CoordinatorOptions coordinator_options(const CoordinateOptions& options,
   coordinator.escot.seed = options.seed;
   coordinator.escot.crossing.tries = options.tries;
   coordinator.escot.threads = options.threads;
-  coordinator.replan_budget_ms =
-      options.replan_budget_ms >= 0.0 ? options.replan_budget_ms : 1000.0 * coordinator.decision;
+  if (options.replan_budget_ms >= 0.0) coordinator.replan_budget_ms = options.replan_budget_ms;
   coordinator.budget_from = options.replan_budget_from;
   return coordinator;
 }

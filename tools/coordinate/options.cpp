@@ -39,7 +39,7 @@ void declare_planning(CLI::App& app, CoordinateOptions& o) {
       ->group("Control");
   app.add_option("--replan-budget-ms", o.replan_budget_ms,
                  "Drop plans that take longer [ms]; 0: no planning, as if the planner were dead "
-                 "(default: the time between two decisions, 500)")
+                 "(default: no limit)")
       ->check(number_between(0.0, 1e9))
       ->group("Control");
   app.add_option("--replan-budget-from", o.replan_budget_from,
