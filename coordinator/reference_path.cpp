@@ -356,7 +356,7 @@ GuidePath make_reference_path(std::span<const Point> centre_line, double from, d
                               const DrivableArea& area) {
   // Where the search ends depends on where it looks: one that fails looks again, more finely.
   std::optional<GuidePath> first;
-  for (const double spacing : {0.5, 0.25}) {
+  for (const double spacing : {0.5, 0.3}) {
     ShapeSearch search(centre_line, {from, to}, body, own, area, spacing);
     GuidePath path = search.best();
     if (!search.fails(path)) return path;
