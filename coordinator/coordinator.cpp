@@ -468,10 +468,7 @@ bool Coordinator::driver_has_room(const Driven& driven) {
     const std::optional<double> s = corridor.station(lane, v.lane_position, now.s);
     if (!s || *s <= now.s) return false;
     const Vehicle& ahead = type_of(v.type).body;
-    const double braking =
-        stopping_distance(now.v, b) - stopping_distance(v.speed, ahead.max_decel);
-    const double wanted =
-        driven.road.min_gap + driven.road.tau * now.v + std::max(0.0, braking);
+    const double wanted = drivers_gap(driven.road, now.v, b, v.speed, ahead.max_decel);
     return *s - now.s - ahead.length() < wanted;
   });
 }

@@ -473,9 +473,8 @@ class CrossingPlanner {
       const InertialState ahead = trajectory->at(k);
       const double gap = (ahead.s - o.s_exit_lane) - (state.s - v.s_exit_lane);
       if (gap <= 0.0 || ahead.s >= PathTrajectory::kGone) continue;
-      const double braking = stopping_distance(state.v, scene_.body(v).max_decel) -
-                             stopping_distance(ahead.v, scene_.body(o).max_decel);
-      const double wanted = v.min_gap + v.tau * state.v + std::max(0.0, braking);
+      const double wanted = drivers_gap(v, state.v, scene_.body(v).max_decel, ahead.v,
+                                        scene_.body(o).max_decel);
       missing += std::max(0.0, wanted - (gap - scene_.body(o).length())) / std::max(1.0, state.v);
     }
     return missing;

@@ -61,6 +61,15 @@ struct RoadVehicle {
   bool stuck = false;
 };
 
+/// The gap that the driver of a vehicle wants to the one ahead [m]: what he keeps at rest, his
+/// headway, and what he needs more than that one to stop.
+[[nodiscard]] inline double drivers_gap(const RoadVehicle& vehicle, double speed, double decel,
+                                        double speed_ahead, double decel_ahead) {
+  const double braking =
+      stopping_distance(speed, decel) - stopping_distance(speed_ahead, decel_ahead);
+  return vehicle.min_gap + vehicle.tau * speed + std::max(0.0, braking);
+}
+
 /// A vehicle that is not ours, with the motion that is expected of it; or, with `latest`, with all
 /// motions between that and the earliest: at each time it may be anywhere between the two.
 struct Forecast {

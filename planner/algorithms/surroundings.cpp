@@ -133,9 +133,8 @@ bool Surroundings::leaves_room(std::int64_t k, const InertialState& state) const
     const InertialState o = (other.latest != nullptr ? other.latest : other.trajectory)->at(k);
     for (const auto& place : {place_on_exit(other, o), place_on_next(other, o)}) {
       if (!place || *place <= d) continue;
-      const double braking = stopping_distance(state.v, body_.max_decel) -
-                             stopping_distance(o.v, other.body->max_decel);
-      const double wanted = vehicle_.min_gap + vehicle_.tau * state.v + std::max(0.0, braking);
+      const double wanted =
+          drivers_gap(vehicle_, state.v, body_.max_decel, o.v, other.body->max_decel);
       if (*place - d - other.body->length() < wanted) return false;
     }
   }
