@@ -113,8 +113,8 @@ class VehiclePlanner {
                              bool must_wait) const {
     const InertialState to = advance(from, a, grid_.decision());
     const std::int64_t k_to = k + grid_.steps_per_decision;
-    // Firm braking is never refused for the sake of headway: it is what restores it.
-    const bool brakes = a < -0.4 * body_.max_decel;
+    // Firm braking is never refused for the sake of headway, nor is standing: that restores it.
+    const bool brakes = a < -0.4 * body_.max_decel || (from.v == 0.0 && to.v == 0.0);
     if (!brakes && !around_.keeps_headway(k_to, to)) return false;
     if (!around_.step_is_clear(k, from, a, to)) return false;
     return !must_wait || around_.can_wait(k_to, to);
