@@ -193,8 +193,9 @@ class NetworkReader {
     return junction->second;
   }
 
+  /// By anybody with a motor: a bus that comes out of its own lane meets all others.
   bool drivable(const Connection& c) const {
-    return network_.lanes.at(c.from_lane).drivable && network_.lanes.at(c.to_lane).drivable;
+    return network_.lanes.at(c.from_lane).road && network_.lanes.at(c.to_lane).road;
   }
 
   /// The centre line inside the junction.

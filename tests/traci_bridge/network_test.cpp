@@ -173,12 +173,17 @@ TEST(ReadNetwork, WaysThatCrossAreInConflictEvenWhereNobodyYields) {
   EXPECT_FALSE(parse(crossing(kOpenLane, "")).junctions.at("J").has_conflicts);
 }
 
-TEST(ReadNetwork, WaysClosedToPassengersAreNotInConflict) {
+TEST(ReadNetwork, WaysOfBusesAloneAreInConflictThoseOfTramsAndBicyclesAreNot) {
   const RoadNetwork network = parse(crossing(kBusLane, kStraightOn));
   EXPECT_FALSE(network.lanes.at("sJ_0").drivable);
   EXPECT_TRUE(network.lanes.at("sJ_0").road);
   EXPECT_TRUE(network.lanes.at("sJ_0").allows("bus"));
-  EXPECT_FALSE(network.junctions.at("J").has_conflicts);
+  EXPECT_TRUE(network.junctions.at("J").has_conflicts);
+  for (const std::string allowed : {"tram", "bicycle"}) {
+    std::string lane = kBusLane;
+    lane.replace(lane.find("bus tram"), 8, allowed);
+    EXPECT_FALSE(parse(crossing(lane, kStraightOn)).junctions.at("J").has_conflicts) << allowed;
+  }
 }
 
 TEST(ReadNetwork, HeightsAndTheClosingPointOfAPolygonAreDropped) {
