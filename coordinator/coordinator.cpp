@@ -9,7 +9,7 @@
 
 #include "coordinator/audit.hpp"
 #include "coordinator/referee.hpp"
-#include "planner/algorithms/emergency_braking.hpp"
+#include "planner/road/emergency_braking.hpp"
 #include "planner/search/draws.hpp"
 
 namespace mvtp {

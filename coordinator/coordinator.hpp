@@ -14,7 +14,7 @@
 #include "coordinator/path_approach.hpp"
 #include "coordinator/prediction.hpp"
 #include "coordinator/referee.hpp"
-#include "planner/algorithms/road_escot.hpp"
+#include "planner/road/road_escot.hpp"
 
 namespace mvtp {
 

@@ -10,7 +10,7 @@
 #include "coordinator/corridor_course.hpp"
 #include "coordinator/drivable_area.hpp"
 #include "coordinator/traffic.hpp"
-#include "planner/motion/path_library.hpp"
+#include "planner/road/path_library.hpp"
 
 namespace mvtp {
 
@@ -32,7 +32,7 @@ struct Corridor {
   double s_handback = 0.0;
   double s_latest = 0.0;  ///< until here the body lies along its lane as it does there
   double s_end = 0.0;     ///< where a plan is complete
-  std::string undriven;  ///< why this body cannot drive here; empty: it can
+  std::string undriven;   ///< why this body cannot drive here; empty: it can
 
   /// The station of a front bumper at `position` on `lane`, nearest to `expected`; nullopt if the
   /// lane is not part of the corridor. A lane may be part of it more than once.

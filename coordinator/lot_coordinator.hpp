@@ -10,7 +10,7 @@
 
 #include "coordinator/controller.hpp"
 #include "coordinator/lot_lookout.hpp"
-#include "planner/algorithms/lot_planner.hpp"
+#include "planner/lot/lot_planner.hpp"
 #include "planner/problem/parking_lot.hpp"
 
 namespace mvtp {

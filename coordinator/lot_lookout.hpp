@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "coordinator/traffic.hpp"
-#include "planner/algorithms/lot_motion.hpp"
-#include "planner/algorithms/lot_planner.hpp"
+#include "planner/lot/lot_motion.hpp"
+#include "planner/lot/lot_planner.hpp"
 
 namespace mvtp {
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "coordinator/corridor.hpp"
-#include "planner/algorithms/road_scene.hpp"
+#include "planner/road/road_scene.hpp"
 
 namespace mvtp {
 

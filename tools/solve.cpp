@@ -1,4 +1,4 @@
-#include "planner/algorithms/solve.hpp"
+#include "planner/solve.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

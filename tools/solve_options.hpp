@@ -2,7 +2,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include "planner/algorithms/solve.hpp"
+#include "planner/solve.hpp"
 
 namespace mvtp {
 

@@ -10,8 +10,8 @@
 #include <ranges>
 #include <utility>
 
+#include "planner/geometry/oriented_box.hpp"
 #include "planner/motion/obstacles.hpp"
-#include "planner/motion/oriented_box.hpp"
 #include "planner/problem/input_error.hpp"
 #include "traci_bridge/xml.hpp"
 

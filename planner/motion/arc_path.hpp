@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "planner/motion/arc.hpp"
+#include "planner/geometry/arc.hpp"
 
 namespace mvtp {
 

@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "planner/motion/sweep.hpp"
+#include "planner/geometry/sweep.hpp"
 #include "planner/problem/instance.hpp"
 
 namespace mvtp {

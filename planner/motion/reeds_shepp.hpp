@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "planner/motion/arc.hpp"
+#include "planner/geometry/arc.hpp"
 
 namespace mvtp {
 

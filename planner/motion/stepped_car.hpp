@@ -4,10 +4,10 @@
 #include <memory>
 #include <vector>
 
-#include "planner/motion/arc.hpp"
+#include "planner/geometry/arc.hpp"
+#include "planner/geometry/sweep.hpp"
 #include "planner/motion/exemptions.hpp"
 #include "planner/motion/obstacles.hpp"
-#include "planner/motion/sweep.hpp"
 #include "planner/problem/instance.hpp"
 #include "planner/problem/plan.hpp"
 

@@ -1,6 +1,6 @@
 #include "planner/motion/timed_track.hpp"
 
-#include "planner/motion/frame.hpp"
+#include "planner/geometry/frame.hpp"
 
 namespace mvtp {
 namespace {

@@ -4,8 +4,8 @@
 #include <limits>
 #include <vector>
 
-#include "planner/motion/arc.hpp"
-#include "planner/motion/moving_box.hpp"
+#include "planner/geometry/arc.hpp"
+#include "planner/geometry/moving_box.hpp"
 
 namespace mvtp {
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "planner/motion/frame.hpp"
+#include "planner/geometry/frame.hpp"
 
 namespace mvtp {
 namespace {

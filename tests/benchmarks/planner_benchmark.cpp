@@ -14,11 +14,11 @@
 #include <string>
 #include <vector>
 
-#include "planner/algorithms/escot.hpp"
-#include "planner/algorithms/fleet.hpp"
-#include "planner/algorithms/generate_config.hpp"
-#include "planner/algorithms/stepped_world.hpp"
-#include "planner/motion/oriented_box.hpp"
+#include "planner/escot/escot.hpp"
+#include "planner/escot/fleet.hpp"
+#include "planner/escot/generate_config.hpp"
+#include "planner/escot/stepped_world.hpp"
+#include "planner/geometry/oriented_box.hpp"
 #include "planner/search/spacetime_hybrid_astar.hpp"
 #include "planner/search/timed_obstacles.hpp"
 #include "tools/generate/random_instance.hpp"

@@ -7,10 +7,10 @@
 
 #include "coordinator/footprint_motion.hpp"
 #include "coordinator/simulation.hpp"
-#include "planner/algorithms/solve.hpp"
 #include "planner/problem/check_instance.hpp"
 #include "planner/problem/instance_file.hpp"
 #include "planner/problem/validate.hpp"
+#include "planner/solve.hpp"
 #include "tests/coordinator/fake_traffic.hpp"
 #include "tests/temporary_directory.hpp"
 

@@ -6,8 +6,8 @@
 #include <cstddef>
 #include <string>
 
-#include "planner/algorithms/solve.hpp"
 #include "planner/problem/plan_file.hpp"
+#include "planner/solve.hpp"
 #include "tests/planner/scenes.hpp"
 #include "tests/temporary_directory.hpp"
 

@@ -1,11 +1,11 @@
-#include "planner/algorithms/conflict_based_search.hpp"
+#include "planner/escot/conflict_based_search.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <vector>
 
-#include "planner/algorithms/fleet.hpp"
+#include "planner/escot/fleet.hpp"
 #include "planner/search/conflict.hpp"
 #include "tests/planner/scenes.hpp"
 

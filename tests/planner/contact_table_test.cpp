@@ -1,4 +1,4 @@
-#include "planner/motion/contact_table.hpp"
+#include "planner/road/contact_table.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <thread>
 
 #include "planner/motion/inertial_car.hpp"
-#include "planner/motion/path_library.hpp"
+#include "planner/road/path_library.hpp"
 #include "planner/search/draws.hpp"
 
 namespace mvtp {

@@ -7,8 +7,8 @@
 #include <numeric>
 #include <vector>
 
-#include "planner/algorithms/road_scene.hpp"
-#include "planner/motion/oriented_box.hpp"
+#include "planner/geometry/oriented_box.hpp"
+#include "planner/road/road_scene.hpp"
 
 namespace mvtp {
 

@@ -1,9 +1,9 @@
-#include "planner/algorithms/emergency_braking.hpp"
+#include "planner/road/emergency_braking.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "planner/algorithms/crossing.hpp"
+#include "planner/road/crossing.hpp"
 #include "tests/planner/crossing_fixture.hpp"
 
 namespace mvtp {

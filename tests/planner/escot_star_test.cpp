@@ -1,11 +1,11 @@
-#include "planner/algorithms/escot_star.hpp"
+#include "planner/anytime/escot_star.hpp"
 
 #include <gtest/gtest.h>
 
-#include "planner/algorithms/exchange.hpp"
-#include "planner/algorithms/repair.hpp"
-#include "planner/algorithms/solve.hpp"
+#include "planner/anytime/exchange.hpp"
+#include "planner/anytime/repair.hpp"
 #include "planner/problem/validate.hpp"
+#include "planner/solve.hpp"
 #include "tests/planner/joint_scene.hpp"
 #include "tests/planner/scenes.hpp"
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "planner/motion/oriented_box.hpp"
+#include "planner/geometry/oriented_box.hpp"
 
 namespace mvtp {
 

@@ -1,8 +1,8 @@
-#include "planner/algorithms/first_plan.hpp"
+#include "planner/anytime/first_plan.hpp"
 
 #include <gtest/gtest.h>
 
-#include "planner/algorithms/windows.hpp"
+#include "planner/anytime/windows.hpp"
 #include "tests/planner/joint_scene.hpp"
 #include "tests/planner/scenes.hpp"
 

@@ -3,9 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "planner/algorithms/solve.hpp"
 #include "planner/problem/check_instance.hpp"
 #include "planner/problem/validate.hpp"
+#include "planner/solve.hpp"
 #include "tests/planner/scenes.hpp"
 
 namespace mvtp {

@@ -1,4 +1,4 @@
-#include "planner/algorithms/joint_motion.hpp"
+#include "planner/search/joint_motion.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -6,11 +6,11 @@
 #include <utility>
 #include <vector>
 
-#include "planner/algorithms/fleet.hpp"
-#include "planner/algorithms/joint_motion.hpp"
-#include "planner/algorithms/single_agent_tracks.hpp"
+#include "planner/anytime/single_agent_tracks.hpp"
+#include "planner/escot/fleet.hpp"
 #include "planner/problem/plan.hpp"
 #include "planner/problem/validate.hpp"
+#include "planner/search/joint_motion.hpp"
 
 namespace mvtp {
 

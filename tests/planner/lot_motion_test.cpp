@@ -1,4 +1,4 @@
-#include "planner/algorithms/lot_motion.hpp"
+#include "planner/lot/lot_motion.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

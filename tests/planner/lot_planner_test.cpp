@@ -1,4 +1,4 @@
-#include "planner/algorithms/lot_planner.hpp"
+#include "planner/lot/lot_planner.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,11 +1,11 @@
-#include "planner/motion/moving_box.hpp"
+#include "planner/geometry/moving_box.hpp"
 
 #include <gtest/gtest.h>
 
 #include <random>
 
-#include "planner/motion/frame.hpp"
-#include "planner/motion/oriented_box.hpp"
+#include "planner/geometry/frame.hpp"
+#include "planner/geometry/oriented_box.hpp"
 #include "planner/motion/timed_track.hpp"
 
 namespace mvtp {

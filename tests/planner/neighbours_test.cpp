@@ -1,4 +1,4 @@
-#include "planner/algorithms/neighbours.hpp"
+#include "planner/escot/neighbours.hpp"
 
 #include <gtest/gtest.h>
 

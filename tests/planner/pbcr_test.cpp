@@ -1,4 +1,4 @@
-#include "planner/algorithms/pbcr.hpp"
+#include "planner/escot/pbcr.hpp"
 
 #include <gtest/gtest.h>
 

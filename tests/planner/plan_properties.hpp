@@ -3,9 +3,9 @@
 #include <string>
 #include <vector>
 
-#include "planner/algorithms/solve.hpp"
 #include "planner/problem/instance.hpp"
 #include "planner/problem/plan.hpp"
+#include "planner/solve.hpp"
 
 namespace mvtp {
 

@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "planner/algorithms/solve.hpp"
 #include "planner/problem/check_instance.hpp"
 #include "planner/problem/validate.hpp"
+#include "planner/solve.hpp"
 #include "tests/planner/plan_properties.hpp"
 #include "tests/planner/small_instances.hpp"
 

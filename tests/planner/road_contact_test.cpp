@@ -1,8 +1,8 @@
-#include "planner/algorithms/road_contact.hpp"
+#include "planner/road/road_contact.hpp"
 
 #include <gtest/gtest.h>
 
-#include "planner/algorithms/road_escot.hpp"
+#include "planner/road/road_escot.hpp"
 #include "planner/search/draws.hpp"
 #include "tests/planner/crossing_fixture.hpp"
 

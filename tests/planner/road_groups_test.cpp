@@ -1,7 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "planner/algorithms/road_escot.hpp"
+#include "planner/road/road_escot.hpp"
 #include "tests/planner/crossing_fixture.hpp"
 
 namespace mvtp {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "planner/algorithms/road_escot.hpp"
+#include "planner/road/road_escot.hpp"
 #include "tests/planner/crossing_fixture.hpp"
 
 namespace mvtp {
@@ -190,7 +190,8 @@ TEST_F(Crossing, FollowersHaveTheirHeadwayAtHandBack) {
   }
 }
 
-//   The one ahead goes on over the next line, more slowly than its old plan said, which ended before.
+//   The one ahead goes on over the next line, more slowly than its old plan said, which ended
+//   before.
 TEST_F(Crossing, AFollowerIsPlannedAnewIfItsLeaderGoesOnMoreSlowly) {
   add(0, 145.0, 10.0);
   RoadVehicle leader = add(2, 160.0, 6.0);
@@ -205,8 +206,8 @@ TEST_F(Crossing, AFollowerIsPlannedAnewIfItsLeaderGoesOnMoreSlowly) {
   scene.vehicles.push_back(leader);
   const RoadPairs pairs(scene);
   const RoadVehicle& follower = scene.vehicles[0];
-  const JointPlan::Entry slow = {1, std::make_shared<PathTrajectory>(
-                                        plan_alone(pairs, scene.vehicles[1], {}))};
+  const JointPlan::Entry slow = {
+      1, std::make_shared<PathTrajectory>(plan_alone(pairs, scene.vehicles[1], {}))};
   EXPECT_FALSE(leaves_room(pairs, follower, *alone.plan.find(0), std::span(&slow, 1), {}));
   EXPECT_TRUE(leaves_room(pairs, follower, *alone.plan.find(0), {}, {}));
 

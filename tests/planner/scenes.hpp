@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "planner/motion/sweep.hpp"
+#include "planner/geometry/sweep.hpp"
 #include "planner/problem/instance.hpp"
 
 namespace mvtp {

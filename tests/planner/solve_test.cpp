@@ -1,11 +1,11 @@
-#include "planner/algorithms/solve.hpp"
+#include "planner/solve.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <numeric>
 
-#include "planner/algorithms/escot.hpp"
+#include "planner/escot/escot.hpp"
 #include "planner/problem/input_error.hpp"
 #include "planner/problem/metrics.hpp"
 #include "planner/problem/validate.hpp"

@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
-#include "planner/algorithms/solve.hpp"
 #include "planner/problem/validate.hpp"
+#include "planner/solve.hpp"
 #include "tests/planner/plan_properties.hpp"
 #include "tests/planner/scenes.hpp"
 #include "tests/planner/small_instances.hpp"

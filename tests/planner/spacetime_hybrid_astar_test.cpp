@@ -4,7 +4,7 @@
 
 #include <numbers>
 
-#include "planner/algorithms/fleet.hpp"
+#include "planner/escot/fleet.hpp"
 #include "tests/planner/scenes.hpp"
 
 namespace mvtp {

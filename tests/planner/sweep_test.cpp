@@ -1,4 +1,4 @@
-#include "planner/motion/sweep.hpp"
+#include "planner/geometry/sweep.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "planner/algorithms/taking_turns.hpp"
+#include "planner/anytime/taking_turns.hpp"
 
 #include <gtest/gtest.h>
 

@@ -8,7 +8,7 @@
 #include <numeric>
 #include <set>
 
-#include "planner/algorithms/single_agent_path.hpp"
+#include "planner/escot/single_agent_path.hpp"
 #include "planner/problem/check_instance.hpp"
 #include "planner/problem/input_error.hpp"
 #include "planner/problem/instance_file.hpp"

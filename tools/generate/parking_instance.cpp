@@ -9,7 +9,7 @@
 #include <span>
 #include <vector>
 
-#include "planner/algorithms/single_agent_path.hpp"
+#include "planner/escot/single_agent_path.hpp"
 #include "planner/problem/input_error.hpp"
 #include "tools/generate/dice.hpp"
 #include "tools/generate/open_lot.hpp"

@@ -11,8 +11,8 @@
 #include <utility>
 #include <vector>
 
-#include "planner/algorithms/single_agent_path.hpp"
-#include "planner/motion/oriented_box.hpp"
+#include "planner/escot/single_agent_path.hpp"
+#include "planner/geometry/oriented_box.hpp"
 #include "planner/problem/input_error.hpp"
 #include "tools/generate/dice.hpp"
 

@@ -3,9 +3,9 @@
 #include <numbers>
 #include <random>
 
-#include "planner/algorithms/solve.hpp"
-#include "planner/motion/oriented_box.hpp"
+#include "planner/geometry/oriented_box.hpp"
 #include "planner/problem/validate.hpp"
+#include "planner/solve.hpp"
 #include "tools/toio/path.hpp"
 
 namespace mvtp {

@@ -1,0 +1,299 @@
+#include "planner/anytime/escot_star.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <memory>
+#include <numeric>
+#include <thread>
+
+#include "planner/anytime/exchange.hpp"
+#include "planner/anytime/first_plan.hpp"
+#include "planner/anytime/repair.hpp"
+#include "planner/anytime/single_agent_tracks.hpp"
+#include "planner/search/joint_motion.hpp"
+
+namespace mvtp {
+namespace {
+
+constexpr double kInstant = 0.106;   ///< the fastest robot drives no further between instants [m]
+constexpr double kSoloWeight = 1.1;  ///< the longest ways alone are looked for again, better
+constexpr int kSoloExpansions = 20'000;
+constexpr std::int64_t kPatience =
+    50'000;  ///< expansions without progress of attempts to lower ...
+constexpr std::int64_t kPatiencePerRobot = 1'500;  ///< ... and so many more for each robot
+constexpr double kFar = 1.2;           ///< times the lower bound: too far to try the bound at once
+constexpr int kLateExpansions = 5000;  ///< of one search for a robot that is to arrive earlier
+constexpr std::int64_t kExchangeEvery = 20'000;  ///< expansions between two meetings
+constexpr int kMaxDoublings = 6;  ///< of the efforts, before nothing more is expected
+constexpr int kShortenExpansions = 300;
+constexpr int kShortenRounds = 2;
+
+/// Instants so fine that arcs shorter than one cost little, and actions of half a car's length.
+TimeGrid time_grid(const Instance& instance) {
+  double speed = 0.0;
+  double action = std::numeric_limits<double>::infinity();
+  for (const Agent& agent : instance.agents) {
+    const Vehicle& vehicle = agent.vehicle;
+    speed = std::max(speed, vehicle.max_speed);
+    action = std::min({action, vehicle.min_turning_radius / 2, vehicle.length() / 2});
+  }
+  TimeGrid time;
+  time.dt = instance.dt / std::max(1.0, std::ceil(instance.dt * speed / kInstant - 1e-9));
+  time.bucket = std::clamp(int(action / (speed * time.dt)), 2, 60);
+  return time;
+}
+
+/// Radius of the circle around the longest action.
+double reach_of_actions(const Instance& instance) {
+  double reach = 1.0;
+  for (const Agent& agent : instance.agents) reach = std::max(reach, 1.5 * agent.vehicle.length());
+  return reach;
+}
+
+/// The instance as all searchers see it; they change nothing in it.
+struct Scene {
+  Scene(const Fleet& fleet, const Deadline& deadline)
+      : time(time_grid(fleet.instance())),
+        obstacles(fleet.instance().map, reach_of_actions(fleet.instance())),
+        clearance(fleet.instance().map, obstacles, deadline) {
+    const Instance& instance = fleet.instance();
+    cars.reserve(instance.agents.size());
+    for (int i = 0; i < fleet.size(); ++i) {
+      const Agent& agent = instance.agents[std::size_t(i)];
+      cars.emplace_back(agent.vehicle, time, instance.map, obstacles, clearance,
+                        fleet.exemptions(i));
+      robots.push_back({&cars.back(), &fleet.cost_to_go(i), agent.start});
+    }
+    lower_bound = int(std::ceil(fleet.lower_bound() / time.dt - 1e-6));
+  }
+  Scene(const Scene&) = delete;
+  Scene& operator=(const Scene&) = delete;
+
+  TimeGrid time;
+  Obstacles obstacles;
+  Clearance clearance;
+  std::vector<MacroCar> cars;
+  std::vector<MacroRobot> robots;
+  std::vector<TimedTrack> alone;
+  int lower_bound = 0;  ///< [instants]
+  int goal = 0;         ///< good enough [instants]
+};
+
+/// One thread's search for plans.
+class Searcher {
+ public:
+  Searcher(const Scene& scene, std::uint64_t seed, int number, Exchange& exchange,
+           const Deadline& deadline)
+      : scene_(scene),
+        number_(number),
+        seed_(seed + 0x9e3779b97f4a7c15U * std::uint64_t(number)),
+        deadline_(deadline),
+        alone_(scene.alone),
+        motion_(scene.robots, scene.time),
+        repair_(motion_, alone_, {}, seed_, deadline),
+        exchange_(exchange),
+        begin_(std::chrono::steady_clock::now()) {}
+
+  /// Until the goal, the deadline, or nothing more to try.
+  void run() {
+    find_first_plan();
+    improve();
+    while (!ended_) meet(true);
+  }
+
+  [[nodiscard]] const Incumbent& best() const { return best_; }
+  [[nodiscard]] double first_solution() const { return first_solution_; }
+  /// Nothing was left to try.
+  [[nodiscard]] bool exhausted() const { return exhausted_; }
+
+  /// The longest way alone [s]; what the plan does, a robot can do alone.
+  [[nodiscard]] double solo_makespan() const;
+
+  /// Robots arrive earlier one by one, nobody later than the makespan.
+  void shorten();
+
+ private:
+  void find_first_plan();
+  void improve();
+  void straighten_longest_ways();
+  void keep();
+
+  void meet(bool finished) {
+    const int makespan = best_.makespan;
+    ended_ = exchange_.meet(number_, best_, finished);
+    adopted_ = adopted_ || best_.makespan < makespan;
+    next_meeting_ += kExchangeEvery;
+  }
+  /// Meets the others when it is time. @return true if the work under way has become pointless
+  bool interrupted() {
+    while (repair_.expansions() >= next_meeting_ && !ended_) meet(false);
+    return ended_ || adopted_;
+  }
+
+  const Scene& scene_;
+  int number_;
+  std::uint64_t seed_;
+  const Deadline& deadline_;
+  std::vector<TimedTrack> alone_;  ///< as in the scene, the longest of them better
+  JointMotion motion_;
+  Repair repair_;
+  Exchange& exchange_;
+  std::chrono::steady_clock::time_point begin_;
+  Incumbent best_;
+  double first_solution_ = std::numeric_limits<double>::infinity();
+  std::int64_t next_meeting_ = kExchangeEvery;
+  bool adopted_ = false;  ///< the best plan is someone else's, and not worked on yet
+  bool ended_ = false;
+  bool exhausted_ = false;
+};
+
+/// The plan under way is free of conflicts: keeps it.
+void Searcher::keep() {
+  if (best_.tracks.empty()) {
+    first_solution_ =
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_).count();
+  }
+  Incumbent plan{motion_.tracks(), motion_.makespan(), motion_.flowtime()};
+  if (plan.better_than(best_)) best_ = std::move(plan);
+}
+
+void Searcher::find_first_plan() {
+  FirstPlan first(motion_, repair_, alone_, deadline_, [this] { return interrupted(); });
+  if (first.find()) keep();
+}
+
+/// Looks for better ways alone for the robots that would be too late even so.
+void Searcher::straighten_longest_ways() {
+  for (std::size_t i = 0; i < alone_.size(); ++i) {
+    if (alone_[i].arrival() <= scene_.goal || deadline_.expired()) continue;
+    std::optional<TimedTrack> better = find_single_agent_track(
+        repair_.search(), scene_.robots[i], kSoloWeight, kSoloExpansions, 0, deadline_);
+    if (better && better->arrival() < alone_[i].arrival()) alone_[i] = *std::move(better);
+  }
+}
+
+/// Lowers the deadline of all robots: boldly first, unless it is far from the bound, less so after
+/// each failure, and again with twice the effort when nothing was too much to ask for.
+void Searcher::improve() {
+  if (best_.tracks.empty()) return;
+  straighten_longest_ways();
+  int floor = scene_.lower_bound;
+  const bool far = best_.makespan > kFar * floor;
+  double part = far ? 0.5 : 0.0;  // of the way from floor to best makespan that is not dared
+  const std::int64_t patience = kPatience + kPatiencePerRobot * motion_.size();
+  int doublings = 0;
+  while (best_.makespan > scene_.goal && !ended_ && !deadline_.expired()) {
+    adopted_ = false;
+    const int best = best_.makespan;
+    const int lowest = std::min(floor, best - 1);
+    const int limit = lowest + int(part * (best - 1 - lowest));
+    bool unreachable = false;
+    motion_.place_all(best_.tracks);
+    if (repair_.lower(
+            limit, patience << doublings, kLateExpansions << doublings,
+            [this] { return interrupted(); }, unreachable)) {
+      keep();
+      part /= 2;
+    } else if (!adopted_ && limit < best - 1) {
+      if (unreachable) floor = limit + 1;
+      part = (1.0 + part) / 2;
+    } else if (!adopted_) {
+      if (++doublings > kMaxDoublings) {
+        exhausted_ = true;
+        return;
+      }
+      floor = scene_.lower_bound;
+      part = 0.0;
+    }
+  }
+}
+
+void Searcher::shorten() {
+  motion_.place_all(best_.tracks);
+  repair_.set_limit(best_.makespan);
+  for (int round = 0; round < kShortenRounds; ++round) {
+    bool shortened = false;
+    for (int i = 0; i < motion_.size() && !deadline_.expired(); ++i) {
+      const int driven = alone_[std::size_t(i)].arrival();
+      if (motion_.track(i).arrival() <= driven) continue;
+      shortened = repair_.shorten(i, kShortenExpansions) || shortened;
+    }
+    if (!shortened) break;
+  }
+  keep();
+}
+
+double Searcher::solo_makespan() const {
+  int longest = 0;
+  for (std::size_t i = 0; i < alone_.size(); ++i) {
+    longest = std::max(longest, std::min(alone_[i].arrival(), best_.tracks[i].arrival()));
+  }
+  return longest * scene_.time.dt;
+}
+
+std::vector<Trajectory> trajectories(const Fleet& fleet, const Scene& scene,
+                                     const Incumbent& plan) {
+  std::vector<Trajectory> result;
+  for (int i = 0; i < fleet.size(); ++i) {
+    const TimedTrack& track = plan.tracks[std::size_t(i)];
+    const Vehicle& vehicle = scene.cars[std::size_t(i)].vehicle();
+    Trajectory trajectory(track.start());
+    Pose pose = track.start();
+    for (const Arc& arc : track.steps()) {
+      pose = fleet.after(i, pose, arc);
+      trajectory.push_back(
+          {pose, arc.length / scene.time.dt, std::atan(arc.curvature * vehicle.wheelbase)});
+    }
+    result.push_back(std::move(trajectory));
+  }
+  return result;
+}
+
+}  // namespace
+
+StepPlan solve_escot_star(const Fleet& fleet, const EscotStarOptions& options,
+                          const Deadline& deadline) {
+  const auto begin = std::chrono::steady_clock::now();
+  StepPlan plan{Status::kExhausted, {}};
+  if (fleet.size() == 0) return {Status::kSolved, {}};
+  Scene scene(fleet, deadline);
+  scene.goal =
+      std::max(scene.lower_bound, int(fleet.lower_bound() * (1.0 + options.gap) / scene.time.dt));
+  scene.alone = find_single_agent_tracks(fleet, scene.robots, deadline);
+  if (scene.alone.empty()) {
+    if (deadline.expired()) plan.status = Status::kTimeout;
+    return plan;
+  }
+  const auto searching = std::chrono::steady_clock::now();
+
+  Exchange exchange(options.threads, scene.goal);
+  std::vector<std::unique_ptr<Searcher>> searchers;
+  for (int n = 0; n < options.threads; ++n) {
+    searchers.push_back(std::make_unique<Searcher>(scene, options.seed, n, exchange, deadline));
+  }
+  {
+    std::vector<std::jthread> threads;
+    for (std::size_t n = 1; n < searchers.size(); ++n) {
+      threads.emplace_back([&searchers, n] { searchers[n]->run(); });
+    }
+    searchers.front()->run();
+  }
+
+  Searcher& first = *searchers.front();  // has adopted the best of all
+  if (first.best().tracks.empty()) {
+    plan.status = first.exhausted() ? Status::kExhausted : Status::kTimeout;
+    return plan;
+  }
+  first.shorten();
+  double soonest = std::numeric_limits<double>::infinity();
+  for (const auto& searcher : searchers) soonest = std::min(soonest, searcher->first_solution());
+  plan.status = Status::kSolved;
+  plan.trajectories = trajectories(fleet, scene, first.best());
+  plan.dt = scene.time.dt;
+  plan.first_solution = soonest + std::chrono::duration<double>(searching - begin).count();
+  plan.solo_makespan = first.solo_makespan();
+  return plan;
+}
+
+}  // namespace mvtp

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <cstdint>
+
+#include "planner/escot/fleet.hpp"
+#include "planner/escot/step_plan.hpp"
+#include "planner/problem/deadline.hpp"
+
+namespace mvtp {
+
+struct EscotStarOptions {
+  std::uint64_t seed = 0;
+  double gap = 0.01;  ///< good enough is a makespan of (1 + gap) * lower bound, >= 0
+  int threads = 1;    ///< searchers side by side, >= 1
+};
+
+/// ESCoT*: near-optimal plans, improved until the deadline or the gap.
+///
+/// 1. Every robot alone (find_single_agent_tracks), by a search that could drive through others at
+/// a price
+///    (SoftAstar).
+/// 2. From these a plan for all, by repair of what overlaps, one robot at a time (Repair), under
+///    a deadline for all from the start; where that halts, in turn (FirstPlan, TakingTurns).
+/// 3. A deadline for all robots is lowered towards the lower bound; whoever is late is planned anew
+///    and the rest repaired.
+/// 4. At the makespan found, robots arrive earlier where they can: the sum of costs.
+///
+/// Always continuous in its collision rule. Steps are shorter than the instance's: see
+/// StepPlan::dt. Budgets are in expansions: equal seeds and threads give equal plans, unless the
+/// deadline ends the search. Source of the repair: LNS2, Li et al. 2022.
+[[nodiscard]] StepPlan solve_escot_star(const Fleet& fleet, const EscotStarOptions& options,
+                                        const Deadline& deadline);
+
+}  // namespace mvtp

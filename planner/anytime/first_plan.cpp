@@ -1,0 +1,126 @@
+#include "planner/anytime/first_plan.hpp"
+
+#include <algorithm>
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <numeric>
+#include <utility>
+
+#include "planner/anytime/taking_turns.hpp"
+#include "planner/anytime/windows.hpp"
+
+namespace mvtp {
+namespace {
+
+constexpr int kExpansions = 500;  ///< of the first search for a robot
+constexpr int kDelays = 4;        ///< ways alone begin at multiples of so many buckets
+constexpr double kNoLimit = 1e9;  ///< [instants]
+constexpr std::int64_t kPatienceWithTurns = 1500;  ///< expansions per robot without progress
+
+}  // namespace
+
+FirstPlan::FirstPlan(JointMotion& motion, Repair& repair, const std::vector<TimedTrack>& alone,
+                     const Deadline& deadline, Repair::Interrupt interrupt)
+    : motion_(motion),
+      repair_(repair),
+      alone_(alone),
+      deadline_(deadline),
+      interrupt_(std::move(interrupt)) {}
+
+bool FirstPlan::find() {
+  if (!motion_.place_all(alone_, deadline_)) return false;
+  const bool crowd = needs_windows(motion_);
+  motion_.clear();
+  temper_ = crowd ? kCrowded : kCalm;
+  set_limit(temper_.limit * alone_[std::size_t(longest_way_first().front())].arrival());
+  if (!crowd) return place_one_by_one() && resolve();
+  return spread_out() && resolve_by_windows(motion_, [this] { return resolve(); });
+}
+
+void FirstPlan::set_limit(double limit) {
+  limit_ = std::min(limit, kNoLimit);
+  repair_.set_limit(int(limit_));
+}
+
+std::vector<int> FirstPlan::longest_way_first() const {
+  std::vector<int> order(alone_.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::ranges::stable_sort(order, std::greater<>(),
+                           [&](int i) { return alone_[std::size_t(i)].arrival(); });
+  return order;
+}
+
+/// False if the time ran out before everyone was placed.
+bool FirstPlan::place_one_by_one() {
+  for (const int i : longest_way_first()) {
+    if (deadline_.expired()) return false;
+    plan_softly(i);
+  }
+  return true;
+}
+
+/// Everyone drives the way alone, begun when it meets fewest of those placed so far. All the time
+/// there is gets used, so that far fewer are under way at once. False if the time ran out.
+bool FirstPlan::spread_out() {
+  const int bucket = motion_.time().bucket;
+  for (const int i : longest_way_first()) {
+    if (deadline_.expired()) return false;
+    const TimedTrack& way = alone_[std::size_t(i)];
+    int best = 0;
+    int fewest = std::numeric_limits<int>::max();
+    for (int wait = 0; fewest > 0; wait += kDelays) {
+      if (wait > 0 && wait * bucket + way.arrival() > limit_) break;
+      const int met = motion_.overlaps(i, way, fewest, wait);
+      if (met < fewest) {
+        fewest = met;
+        best = wait;
+      }
+    }
+    motion_.place(i, motion_.track_after(i, best, way.steps()));
+  }
+  return true;
+}
+
+/// Places robot i, absent so far, so that it overlaps few.
+void FirstPlan::plan_softly(int i) {
+  if (!repair_.plan(i, repair_.soft_options(kExpansions))) {
+    motion_.place(i, alone_[std::size_t(i)]);
+  }
+}
+
+/// Until nobody overlaps before the horizon.
+bool FirstPlan::resolve() {
+  const std::int64_t patience = temper_.patience * motion_.size();
+  const int halts_before_turns = temper_.halts + motion_.size() / temper_.robots_per_halt;
+  for (int halts = 1; !repair_.run(patience, interrupt_); ++halts) {
+    if (over()) return false;
+    const bool turns = halts >= halts_before_turns && !std::exchange(turns_taken_, true);
+    if (turns && take_turns()) return true;
+    if (over()) return false;
+    set_limit(temper_.relax * limit_);
+  }
+  return true;
+}
+
+/// True if nobody overlaps any more, with no horizon; if not, nothing has changed.
+bool FirstPlan::take_turns() {
+  const JointMotion::State before = motion_.state();
+  const double limit = limit_;
+  set_limit(kNoLimit);
+  TakingTurns turns(motion_, alone_, deadline_);
+  const std::int64_t patience = kPatienceWithTurns * motion_.size();
+  turns.run(patience);
+  const bool most = turns.gone() > motion_.size() / 2;
+  for (int i = 0; i < motion_.size() && most; ++i) {
+    if (turns.has_gone(i)) continue;
+    (void)motion_.remove(i);
+    plan_softly(i);
+  }
+  if (most && repair_.run(patience, interrupt_)) return true;
+  motion_.restore(before);
+  set_limit(limit);
+  return false;
+}
+
+}  // namespace mvtp

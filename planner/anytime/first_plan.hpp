@@ -1,0 +1,62 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "planner/anytime/repair.hpp"
+#include "planner/problem/deadline.hpp"
+#include "planner/search/joint_motion.hpp"
+
+namespace mvtp {
+
+/// A plan for all robots from their ways alone, whatever its makespan.
+///
+/// 1. One after the other, those with the longest way first, robots are placed by a search that may
+///    drive through others at a price. In a crowd, where very many ways alone overlap, they drive
+///    these instead, begun when they meet fewest, and what follows is done window by window of
+///    time.
+/// 2. What overlaps is repaired, within a deadline for all.
+/// 3. When that comes to a halt, robots take turns (TakingTurns), and those left without a way are
+///    placed as in 1 and repaired. If this fails too, the deadline is put off, again and again; in
+///    a crowd it is so first, and by little.
+class FirstPlan {
+ public:
+  /// All parameters outlive this object. @param alone  the robots' ways if they were alone
+  FirstPlan(JointMotion& motion, Repair& repair, const std::vector<TimedTrack>& alone,
+            const Deadline& deadline, Repair::Interrupt interrupt);
+
+  /// True if all robots have a motion and nobody overlaps; false when interrupted or out of time.
+  [[nodiscard]] bool find();
+
+ private:
+  /// What differs in a crowd.
+  struct Temper {
+    double limit;           ///< of all arrivals at first, in longest ways alone
+    double relax;           ///< the limit becomes so much later at every halt ...
+    std::int64_t patience;  ///< ... after so many expansions per robot without progress
+    int halts;              ///< so many on end before robots take turns ...
+    int robots_per_halt;    ///< ... and one more for so many: turns take time with their square
+  };
+  static constexpr Temper kCalm{1.2, 1.25, 750, 1, 100};
+  static constexpr Temper kCrowded{1.25, 1.05, 150, 4, 50};
+
+  [[nodiscard]] bool place_one_by_one();
+  [[nodiscard]] bool spread_out();
+  [[nodiscard]] bool resolve();
+  [[nodiscard]] bool take_turns();
+  [[nodiscard]] std::vector<int> longest_way_first() const;
+  void plan_softly(int i);
+  void set_limit(double limit);
+  [[nodiscard]] bool over() const { return deadline_.expired() || interrupt_(); }
+
+  JointMotion& motion_;
+  Repair& repair_;
+  const std::vector<TimedTrack>& alone_;
+  const Deadline& deadline_;
+  Repair::Interrupt interrupt_;
+  Temper temper_ = kCalm;
+  double limit_ = 0.0;  ///< of all arrivals [instants]
+  bool turns_taken_ = false;
+};
+
+}  // namespace mvtp

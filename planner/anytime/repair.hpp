@@ -1,0 +1,115 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <random>
+#include <vector>
+
+#include "planner/problem/deadline.hpp"
+#include "planner/search/joint_motion.hpp"
+#include "planner/search/soft_astar.hpp"
+
+namespace mvtp {
+
+/// Reproducible on every platform, unlike the distributions of the standard library.
+class RandomNumbers {
+ public:
+  explicit RandomNumbers(std::uint64_t seed) : engine_(seed) {}
+
+  /// Uniform in 0 ... n - 1. @pre n > 0
+  [[nodiscard]] int below(int n) { return int((engine_() >> 32U) * std::uint64_t(n) >> 32U); }
+  template <class T>
+  void shuffle(std::vector<T>& values) {
+    for (int k = int(values.size()) - 1; k > 0; --k) {
+      std::swap(values[std::size_t(k)], values[std::size_t(below(k + 1))]);
+    }
+  }
+
+ private:
+  std::mt19937_64 engine_;
+};
+
+/// What the repair does; the effect of each value was measured on random instances of all
+/// densities.
+struct RepairOptions {
+  double price = 10.0;       ///< of overlapping a robot for one bucket [s]; 5 is clearly worse
+  double weight = 2.0;       ///< of the cost-to-go; 1.5 is slower at density, 3 fails more often
+  int expansions = 300;      ///< of one search; the rarer larger ones get through tight places
+  int larger_every = 8;      ///< one search in so many may expand ...
+  int larger_factor = 8;     ///< ... so many times more
+  int tail_percent = 90;     ///< so often only what follows shortly before a conflict is planned
+  int tail_buckets = 8;      ///< so many buckets before it at most
+  float weight_step = 0.5F;  ///< a pair that stays in conflict becomes so much heavier
+  int stall = 120;           ///< expansions per robot without progress: some searches are finer
+};
+
+/// Plans robots anew, one at a time, until nobody overlaps anybody.
+///
+/// LNS2 (Li et al. 2022) with neighbourhoods of one robot and the weights of guided local search: a
+/// new way is accepted if the weighted number of pairs in conflict does not rise, and pairs that
+/// stay in conflict get heavier. Of a pair it is the turn of the robot that was left alone for
+/// longer. Which searches are larger is drawn by lot: counted off, they would always fall to the
+/// same robot of a last pair. All budgets are in expansions, so that equal seeds give equal
+/// results.
+class Repair {
+ public:
+  /// Called now and then; true ends the work under way.
+  using Interrupt = std::function<bool()>;
+
+  /// @param motion, alone, deadline  outlive this object
+  /// @param alone  the robots' ways if they were alone: of those that find no other
+  Repair(JointMotion& motion, const std::vector<TimedTrack>& alone, const RepairOptions& options,
+         std::uint64_t seed, const Deadline& deadline);
+
+  /// Nobody may arrive later than at this instant.
+  void set_limit(int instant) { limit_ = instant; }
+  [[nodiscard]] std::int64_t expansions() const { return search_.expansions(); }
+  [[nodiscard]] SoftAstar& search() { return search_; }
+
+  /// For a search among the others.
+  /// @param finely  with smaller cells and slow actions, for tight places
+  [[nodiscard]] SoftOptions soft_options(int expansions, bool finely = false) const;
+  /// Plans robot i, absent so far, among the others and places it; or leaves it absent.
+  /// @param old   nullptr, or the motion that is kept until bucket `from`
+  [[nodiscard]] bool plan(int i, const SoftOptions& options, const TimedTrack* old = nullptr,
+                          int from = 0);
+
+  /// Until no pair is in conflict: true; false when interrupted, out of time, or when so many
+  /// expansions have not brought the number of conflicts to a new minimum.
+  [[nodiscard]] bool run(std::int64_t patience, const Interrupt& interrupt);
+  /// Everyone at the goal by `limit`, starting from a plan that takes longer. If false, robots may
+  /// be absent or in conflict.
+  /// @param expansions   of the search for each robot that would be late
+  /// @param unreachable  set if a robot has no way in that time at all, as far as searched
+  [[nodiscard]] bool lower(int limit, std::int64_t patience, int expansions,
+                           const Interrupt& interrupt, bool& unreachable);
+  /// Robot i arrives earlier, if it can without any conflict. @pre no conflicts
+  bool shorten(int i, int expansions);
+
+ private:
+  struct Choice {
+    int robot;
+    int from;  ///< the bucket from which it is planned anew
+  };
+
+  [[nodiscard]] SoftProblem problem(int i);
+  [[nodiscard]] Choice choose();
+  void try_one();
+  [[nodiscard]] bool plan_anew(const Choice& choice, const TimedTrack& old);
+  [[nodiscard]] bool drive_alone(int i);
+  void put_back(int i, TimedTrack old);
+
+  JointMotion& motion_;
+  const std::vector<TimedTrack>& alone_;
+  RepairOptions options_;
+  const Deadline& deadline_;
+  SoftAstar search_;
+  RandomNumbers random_;
+  int limit_ = std::numeric_limits<int>::max();
+  int tried_ = 0;
+  std::vector<int> last_tried_;  ///< by robot, the value of tried_
+  bool stalled_ = false;
+};
+
+}  // namespace mvtp

@@ -1,0 +1,82 @@
+#include "planner/anytime/single_agent_tracks.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "planner/escot/single_agent_path.hpp"
+
+namespace mvtp {
+namespace {
+
+constexpr double kWeight = 2.0;  ///< they need only be good guides
+constexpr int kExpansions = 500;
+constexpr int kFinerLevels = 3;  ///< of searches with smaller cells where that finds none
+constexpr int kFactor = 8;       ///< each has so many times the expansions of the one before
+
+/// Arcs of any length, cut into pieces of an instant at most.
+std::vector<Arc> by_instants(const std::vector<Arc>& arcs, double step_length) {
+  std::vector<Arc> steps;
+  for (const Arc& arc : arcs) {
+    const int pieces = std::max(1, int(std::ceil(std::abs(arc.length) / step_length - 1e-9)));
+    steps.insert(steps.end(), std::size_t(pieces), Arc{arc.length / pieces, arc.curvature});
+  }
+  return steps;
+}
+
+std::optional<TimedTrack> find_way(SoftAstar& search, const Fleet& fleet, int i,
+                                   const MacroRobot& robot, const Deadline& deadline) {
+  std::optional<TimedTrack> way =
+      find_single_agent_track(search, robot, kWeight, kExpansions, 0, deadline);
+  if (way) return way;
+  if (const std::optional<std::vector<Arc>> arcs = find_single_agent_path(fleet, i, deadline)) {
+    return TimedTrack(robot.car->vehicle(), robot.start,
+                      by_instants(*arcs, robot.car->step_length()), robot.car->time().bucket);
+  }
+  int expansions = kExpansions;
+  for (int finer = 1; finer <= kFinerLevels && !way && !deadline.expired(); ++finer) {
+    expansions *= kFactor;
+    way = find_single_agent_track(search, robot, kWeight, expansions, finer, deadline);
+  }
+  return way;
+}
+
+}  // namespace
+
+std::optional<TimedTrack> find_single_agent_track(SoftAstar& search, const MacroRobot& robot,
+                                                  double weight, int expansions, int finer,
+                                                  const Deadline& deadline) {
+  const TimeGrid& time = robot.car->time();
+  const Occupancy nobody(1, time);
+  SoftProblem alone;
+  alone.car = robot.car;
+  alone.cost_to_go = robot.cost_to_go;
+  alone.others.occupancy = &nobody;
+  alone.start = robot.start;
+  SoftOptions options;
+  options.weight = weight;
+  options.max_expansions = expansions;
+  options.leave_out_time();
+  options.slowly = finer > 0;
+  for (int level = 0; level < finer; ++level) options.refine();
+  std::optional<SoftPath> path = search.search(alone, options, deadline);
+  if (!path) return std::nullopt;
+  return TimedTrack(robot.car->vehicle(), robot.start, std::move(path->steps), time.bucket);
+}
+
+std::vector<TimedTrack> find_single_agent_tracks(const Fleet& fleet,
+                                                 const std::vector<MacroRobot>& robots,
+                                                 const Deadline& deadline) {
+  SoftAstar search(1);
+  std::vector<TimedTrack> ways;
+  for (int i = 0; i < fleet.size(); ++i) {
+    std::optional<TimedTrack> way =
+        deadline.expired() ? std::nullopt
+                           : find_way(search, fleet, i, robots[std::size_t(i)], deadline);
+    if (!way) return {};
+    ways.push_back(*std::move(way));
+  }
+  return ways;
+}
+
+}  // namespace mvtp

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "planner/escot/fleet.hpp"
+#include "planner/problem/deadline.hpp"
+#include "planner/search/joint_motion.hpp"
+#include "planner/search/soft_astar.hpp"
+
+namespace mvtp {
+
+/// A robot's way to its goal as if it were alone.
+/// @param weight  of the cost-to-go, >= 1
+/// @param finer   so many times smaller are the cells of the search; slow actions are used if > 0
+/// @return nullopt if none was found in so many expansions or until the deadline
+[[nodiscard]] std::optional<TimedTrack> find_single_agent_track(SoftAstar& search,
+                                                                const MacroRobot& robot,
+                                                                double weight, int expansions,
+                                                                int finer,
+                                                                const Deadline& deadline);
+
+/// Every robot's way alone: by a quick search, by hybrid A* with steps of several lengths, or by
+/// ever finer searches; empty if one was not found.
+/// @param robots  those of the fleet, in its order
+[[nodiscard]] std::vector<TimedTrack> find_single_agent_tracks(
+    const Fleet& fleet, const std::vector<MacroRobot>& robots, const Deadline& deadline);
+
+}  // namespace mvtp

@@ -1,0 +1,121 @@
+#include "planner/anytime/taking_turns.hpp"
+
+#include <algorithm>
+#include <span>
+#include <tuple>
+#include <utility>
+
+namespace mvtp {
+namespace {
+
+constexpr int kExpansions = 1000;      ///< of the search for a way in time
+constexpr int kRestExpansions = 4000;  ///< of that for a way among robots at rest ...
+constexpr int kMostFailures = 2;       ///< ... and, after each failure, of a larger and finer one
+constexpr int kFactor = 3;
+
+}  // namespace
+
+TakingTurns::TakingTurns(JointMotion& motion, const std::vector<TimedTrack>& alone,
+                         const Deadline& deadline)
+    : motion_(motion),
+      alone_(alone),
+      deadline_(deadline),
+      repair_(motion, alone, {}, 0, deadline),
+      robots_(alone.size()) {}
+
+void TakingTurns::run(std::int64_t patience) {
+  find_who_blocks_whom();
+  std::int64_t end = patience;
+  for (int i = next(); i >= 0 && repair_.expansions() < end; i = next()) {
+    if (deadline_.expired()) return;
+    if (let_go(i)) {
+      leaves(i);
+      end = repair_.expansions() + patience;
+    } else {
+      ++robots_[std::size_t(i)].failures;
+    }
+  }
+}
+
+void TakingTurns::find_who_blocks_whom() {
+  std::vector<TimedTrack> goals;
+  std::vector<TimedTrack> starts;
+  for (int i = 0; i < motion_.size(); ++i) {
+    const MacroRobot& robot = motion_.robot(i);
+    goals.emplace_back(robot.car->vehicle(), robot.cost_to_go->goal(), std::vector<Arc>{},
+                       motion_.time().bucket);
+    starts.push_back(motion_.track_after(i, 0, {}));
+  }
+  const auto on_the_way_of = [&](int i) {
+    TimedTrack rest = motion_.remove(i);
+    motion_.place(i, alone_[std::size_t(i)]);
+    std::vector<int> met = motion_.conflicts_of(i);
+    motion_.remove(i);
+    motion_.place(i, std::move(rest));
+    return met;
+  };
+  motion_.place_all(goals);
+  for (int i = 0; i < motion_.size(); ++i) {
+    Robot& robot = robots_[std::size_t(i)];
+    robot.has_on_its_way = on_the_way_of(i);
+    for (const int j : robot.has_on_its_way) ++robots_[std::size_t(j)].would_block;
+  }
+  motion_.place_all(starts);
+  for (int i = 0; i < motion_.size(); ++i) {
+    const std::vector<int> met = on_the_way_of(i);
+    robots_[std::size_t(i)].starts_on_its_way = int(met.size());
+    for (const int j : met) robots_[std::size_t(j)].is_in_the_way_of.push_back(i);
+  }
+}
+
+/// Whose turn it is: those who would block nobody if possible, with a free way, and the longest;
+/// -1 if no one is left to ask.
+int TakingTurns::next() const {
+  const auto urgency = [&](int i) {
+    const Robot& robot = robots_[std::size_t(i)];
+    return std::tuple(robot.would_block > 0, robot.failures, robot.starts_on_its_way,
+                      robot.would_block, -alone_[std::size_t(i)].arrival());
+  };
+  int best = -1;
+  for (int i = 0; i < motion_.size(); ++i) {
+    const Robot& robot = robots_[std::size_t(i)];
+    if (robot.gone || robot.failures > kMostFailures) continue;
+    if (best < 0 || urgency(i) < urgency(best)) best = i;
+  }
+  return best;
+}
+
+void TakingTurns::leaves(int i) {
+  Robot& robot = robots_[std::size_t(i)];
+  robot.gone = true;
+  for (const int j : robot.has_on_its_way) --robots_[std::size_t(j)].would_block;
+  for (const int j : robot.is_in_the_way_of) {
+    --robots_[std::size_t(j)].starts_on_its_way;
+    robots_[std::size_t(j)].failures = 0;
+  }
+}
+
+bool TakingTurns::let_go(int i) {
+  TimedTrack standing = motion_.remove(i);
+  const Robot& robot = robots_[std::size_t(i)];
+  SoftOptions options = repair_.soft_options(kExpansions);
+  options.hard = true;
+  if (repair_.plan(i, options)) return true;
+  const int latest = motion_.makespan() + 2 * motion_.time().bucket;  // all rest
+  if (motion_.place_later(i, alone_[std::size_t(i)].steps(), latest)) return true;
+
+  options = repair_.soft_options(kRestExpansions, robot.failures > 0);
+  for (int n = 0; n < robot.failures; ++n) options.max_expansions *= kFactor;
+  options.hard = true;
+  options.leave_out_time();
+  const int all_rest = latest / motion_.time().bucket;
+  if (repair_.plan(i, options, &standing, all_rest)) {
+    const TimedTrack last = motion_.remove(i);
+    const std::size_t wait = std::size_t(all_rest * motion_.time().bucket);
+    if (motion_.place_later(i, std::span(last.steps()).subspan(wait), latest)) return true;
+  }
+  motion_.place(i, std::move(standing));
+  return false;
+}
+
+}  // namespace mvtp

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <vector>
+
+#include "planner/anytime/repair.hpp"
+#include "planner/problem/deadline.hpp"
+#include "planner/search/joint_motion.hpp"
+
+namespace mvtp {
+
+/// Plans robots in turn, each without touching anybody: who had a turn drives, all others still
+/// stand at their starts.
+///
+/// Slow but sure plans for places where hardly two can pass. As far as possible, robots go after
+/// those whose start lies on their way, and before those whose goal does. Each needs a way among
+/// the others at rest; it drives it as early as it can, or another way earlier still.
+/// Source: revised prioritised planning, Cap et al. 2015, Algorithm 2; the order is ours.
+class TakingTurns {
+ public:
+  /// @param motion, alone, deadline  outlive this object
+  /// @param alone  the robots' ways if they were alone
+  TakingTurns(JointMotion& motion, const std::vector<TimedTrack>& alone, const Deadline& deadline);
+
+  /// Replaces all motions by those found in turn, without a horizon. Who found no way, or had no
+  /// turn before the time ran out or so many expansions let nobody go, stands at its start.
+  void run(std::int64_t patience);
+  [[nodiscard]] bool has_gone(int i) const { return robots_[std::size_t(i)].gone; }
+  /// How many have.
+  [[nodiscard]] int gone() const { return int(std::ranges::count(robots_, true, &Robot::gone)); }
+
+ private:
+  struct Robot {
+    std::vector<int> is_in_the_way_of;  ///< with its start
+    std::vector<int> has_on_its_way;    ///< their goals
+    int starts_on_its_way = 0;          ///< of robots that have not gone
+    int would_block = 0;                ///< robots that have not gone, with its goal
+    int failures = 0;                   ///< since anybody on its way has gone
+    bool gone = false;
+  };
+
+  void find_who_blocks_whom();
+  [[nodiscard]] int next() const;
+  [[nodiscard]] bool let_go(int i);
+  void leaves(int i);
+
+  JointMotion& motion_;
+  const std::vector<TimedTrack>& alone_;
+  const Deadline& deadline_;
+  Repair repair_;
+  std::vector<Robot> robots_;
+};
+
+}  // namespace mvtp

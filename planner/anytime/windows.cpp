@@ -1,0 +1,29 @@
+#include "planner/anytime/windows.hpp"
+
+namespace mvtp {
+namespace {
+
+constexpr double kConflictsPerRobot = 1.0;
+constexpr int kWindow = 12;  ///< [buckets]
+constexpr int kSight = 20;   ///< searches see so much further than the window [buckets]
+
+}  // namespace
+
+bool needs_windows(const JointMotion& motion) {
+  return double(motion.conflicts().size()) > kConflictsPerRobot * motion.size();
+}
+
+bool resolve_by_windows(JointMotion& motion, const std::function<bool()>& resolve) {
+  motion.restore({motion.tracks(), kWindow, kWindow + kSight});
+  for (int end = kWindow; resolve(); end += kWindow) {
+    if (!motion.has_horizon()) return true;
+    if (end * motion.time().bucket > motion.makespan()) {
+      motion.set_horizon(JointMotion::kNoHorizon, JointMotion::kNoHorizon);
+      return true;
+    }
+    motion.set_horizon(end + kWindow, end + kWindow + kSight);
+  }
+  return false;
+}
+
+}  // namespace mvtp

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "planner/escot/fleet.hpp"
+
+namespace mvtp {
+
+/// A motion that takes robot i from its start to its goal among the obstacles, the other robots
+/// absent: arcs of a step or less, free all along under either collision rule.
+///
+/// @return nullopt if hybrid A* found none within its budget, with steps of any of three lengths,
+///         or until the deadline
+[[nodiscard]] std::optional<std::vector<Arc>> find_single_agent_path(const Fleet& fleet, int i,
+                                                                     const Deadline& deadline);
+
+/// Was one found? True is a proof; false is none. The clock plays no part.
+[[nodiscard]] bool solvable_alone(const Fleet& fleet, int i);
+
+}  // namespace mvtp

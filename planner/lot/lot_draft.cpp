@@ -1,0 +1,375 @@
+#include "planner/lot/lot_draft.hpp"
+
+#include <cmath>
+
+namespace mvtp {
+namespace {
+
+constexpr double kAnyPrice = 1.0;  ///< [s] per bucket: the searches are hard
+constexpr double kNever = 1e9;
+constexpr float kNow = -1.0F;        ///< when a car is where it is: before all that is planned
+constexpr int kMoreAlone = 8;        ///< times the expansions of a thorough search alone,
+constexpr int kMoreAmongOthers = 4;  ///< and among others
+constexpr int kLatest = 200;         ///< instants that a way alone may begin later
+constexpr double kTail = 12.0;       ///< [m] before a slot that are driven as if alone
+
+SoftOptions soft_options(const LotPlannerOptions& options) {
+  SoftOptions soft;
+  soft.weight = options.weight;
+  soft.max_expansions = options.expansions;
+  soft.cell = 0.8;
+  soft.cell_heading = 0.25;
+  soft.waits = false;  // who finds no way waits where it stands, and asks again
+  soft.reversal = options.limits.speed / options.limits.braking;
+  return soft;
+}
+
+}  // namespace
+
+LotPlanner::Draft::Draft(LotPlanner& planner, const LotMotion& motion, const LotRequest* request,
+                         std::span<const StandingCar> waiting)
+    : planner_(planner), motion_(motion), forecast_(motion.forecast()) {
+  add_cars();
+  if (request != nullptr) add_request(*request);
+  const std::size_t first_standing = robots_.size();
+  for (const StandingCar& car : waiting) add_standing(car);
+  if (request != nullptr && request->entry >= 0) {
+    add_queue(*request, macro_robots_[std::size_t(robot_of_goal(0))].start);
+  }
+  joint_.emplace(macro_robots_, planner_.time_);
+  for (int i = 0; i < cars(); ++i) joint_->place(i, forecast_track(i));
+  for (std::size_t i = first_standing; i < robots_.size(); ++i) {
+    const MacroRobot& robot = macro_robots_[i];
+    joint_->place(int(i), TimedTrack(robot.car->vehicle(), robot.start, {}, planner_.time_.bucket));
+  }
+}
+
+void LotPlanner::Draft::add(Robot robot, const Pose& start, bool in_entry) {
+  const Ground& ground = in_entry       ? planner_.open_
+                         : robot.leaves ? planner_.ground_of_leaving(robot.body, robot.goal)
+                                        : planner_.closed_;
+  // Who stands needs no margin of its own, no more than those that are solid.
+  const Vehicle body = robot.stands ? robot.body : planner_.grown(robot.body);
+  macro_cars_.push_back(std::make_unique<MacroCar>(body, planner_.time_, ground.map,
+                                                   *ground.obstacles, planner_.clearance_));
+  const CostToGo* const to_go =
+      robot.stands ? nullptr : &planner_.cost_to_go(robot.body, robot.goal);
+  macro_robots_.push_back({macro_cars_.back().get(), to_go, start});
+  robots_.push_back(std::move(robot));
+}
+
+void LotPlanner::Draft::add_cars() {
+  for (std::size_t i = 0; i < motion_.cars().size(); ++i) {
+    const LotCar& car = motion_.cars()[i];
+    const double braking = car.v * car.v / (2 * motion_.limits().braking);
+    const double end = std::clamp(std::max(forecast_.driven_at(i, ahead()), car.s + braking), car.s,
+                                  std::max(car.s, car.path.length()));
+    Robot robot{car.body, car.path, car.s, car.v, 0, car.key, car.goal, car.leaves};
+    robot.prefix.truncate(end);
+    const bool moves = forecast_.driven_at(i, ahead() + kInstant) > end + 1e-3;
+    if (moves || car.v > 0.0) robot.direction = car.path.direction_from(std::max(0.0, end - 1e-3));
+    const Pose start = car.path.at(end);
+    add(std::move(robot), start, planner_.in_entry(car.body, start));
+  }
+}
+
+void LotPlanner::Draft::add_request(const LotRequest& request) {
+  ArcPath prefix(request.pose);
+  prefix.append({Arc{planner_.prefix_length(request.speed), 0.0}});
+  for (const Pose& goal : request.goals) {
+    Robot robot{request.body, prefix, 0.0, request.speed, 0, request.key, goal, request.leaves};
+    robot.direction = prefix.direction_from(0.0);
+    add(std::move(robot), prefix.at(prefix.length()), request.entry >= 0);
+  }
+}
+
+void LotPlanner::Draft::add_standing(const StandingCar& car) {
+  add({.body = car.body, .prefix = ArcPath(car.pose), .goal = car.pose, .stands = true}, car.pose,
+      false);
+}
+
+/// The lane behind a car that comes in: the next ones follow it there.
+void LotPlanner::Draft::add_queue(const LotRequest& request, const Pose& start) {
+  constexpr double kBehind = 0.4;  // [m]
+  const LotLane& lane = planner_.lot_.entries[std::size_t(request.entry)];
+  const double along = relative(lane.begin, start).x;
+  const double length = along - request.body.rear - planner_.options_.margin - kBehind;
+  if (length < 0.5) return;
+  Vehicle body = request.body;
+  body.rear = 0.0;
+  body.front = length;
+  add({.body = body, .prefix = ArcPath(lane.begin), .goal = lane.begin}, lane.begin, true);
+}
+
+TimedTrack LotPlanner::Draft::forecast_track(int i) const {
+  const auto k = std::size_t(i);
+  const LotCar& car = motion_.cars()[k];
+  std::vector<Arc> steps;
+  double s = robots_[k].prefix.length();
+  Pose from = car.path.at(s);
+  for (double t = ahead() + kInstant; t < forecast_.arrival(k) + kInstant; t += kInstant) {
+    const double next = std::max(s, forecast_.driven_at(k, t));
+    if (next - s < 1e-6) {
+      steps.push_back({});
+      continue;
+    }
+    const Pose to = car.path.at(next);
+    const double length = car.path.direction_from((s + next) / 2) * (next - s);
+    steps.push_back({length, wrap_to_pi(to.theta - from.theta) / length});
+    from = to;
+    s = next;
+  }
+  return {macro_robots_[k].car->vehicle(), macro_robots_[k].start, std::move(steps),
+          planner_.time_.bucket, car.leaves};
+}
+
+SoftProblem LotPlanner::Draft::problem(int robot) const {
+  const MacroRobot& macro = macro_robots_[std::size_t(robot)];
+  SoftProblem problem;
+  problem.car = macro.car;
+  problem.cost_to_go = macro.cost_to_go;
+  problem.start = macro.start;
+  problem.direction = robots_[std::size_t(robot)].direction;
+  problem.leaves = robots_[std::size_t(robot)].leaves;
+  return problem;
+}
+
+/// From both ends where it parks: one search may be lost where the other finds a way at once.
+std::optional<TimedTrack> LotPlanner::Draft::alone(int robot, Effort effort) {
+  const int expansions = planner_.options_.expansions * (effort == Effort::kQuick ? 1 : kMoreAlone);
+  std::optional<SoftPath> path = search_alone(problem(robot), expansions);
+  if (!robots_[std::size_t(robot)].leaves) {
+    std::optional<SoftPath> other = search_alone_backwards(robot, expansions);
+    if (other && (!path || other->cost < path->cost)) path = std::move(other);
+  }
+  if (!path) return std::nullopt;
+  const MacroRobot& macro = macro_robots_[std::size_t(robot)];
+  return TimedTrack(macro.car->vehicle(), macro.start, std::move(path->steps),
+                    planner_.time_.bucket, robots_[std::size_t(robot)].leaves);
+}
+
+std::optional<TimedTrack> LotPlanner::Draft::alone(int robot) {
+  std::optional<TimedTrack> way = alone(robot, Effort::kQuick);
+  return way ? std::move(way) : alone(robot, Effort::kThorough);
+}
+
+std::optional<SoftPath> LotPlanner::Draft::search_alone(SoftProblem problem, int expansions) {
+  const Occupancy nobody(1, planner_.time_);
+  problem.others = {.occupancy = &nobody};
+  SoftOptions options = soft_options(planner_.options_);
+  options.max_expansions = expansions;
+  return planner_.search_.search(problem, options, Deadline::never());
+}
+
+/// From the goal to the start, driven the other way round.
+std::optional<SoftPath> LotPlanner::Draft::search_alone_backwards(int robot, int expansions) {
+  const Robot& r = robots_[std::size_t(robot)];
+  SoftProblem reversed = problem(robot);
+  const CostToGo to_start = planner_.make_cost_to_go(r.body, reversed.start);
+  reversed.start = r.goal;
+  reversed.cost_to_go = &to_start;
+  reversed.direction = 0;
+  std::optional<SoftPath> path = search_alone(reversed, expansions);
+  if (!path) return path;
+  std::ranges::reverse(path->steps);
+  for (Arc& arc : path->steps) arc.length = -arc.length;
+  return path;
+}
+
+/// The last metres of a way: a search among others need only find the rest.
+std::vector<Arc> LotPlanner::Draft::tail(const TimedTrack& alone) const {
+  ArcPath way(alone.start());
+  way.append(alone.steps());
+  std::vector<Arc> result;
+  double left = kTail;
+  for (auto piece = way.pieces().rbegin(); piece != way.pieces().rend() && left > 0.0; ++piece) {
+    const double length = std::min(left, std::abs(piece->arc.length));
+    result.push_back({piece->direction() * length, piece->arc.curvature});
+    left -= length;
+  }
+  std::ranges::reverse(result);
+  return result;
+}
+
+bool LotPlanner::Draft::plan(int robot, const TimedTrack& alone) {
+  return plan(robot, alone, Effort::kQuick) || plan(robot, alone, Effort::kThorough);
+}
+
+/// Quickly: by a short search, or else the way alone, begun later.
+bool LotPlanner::Draft::plan(int robot, const TimedTrack& alone, Effort effort) {
+  SoftProblem soft = problem(robot);
+  soft.others = joint_->others(robot, kAnyPrice);
+  const std::vector<Arc> tail = soft.leaves ? std::vector<Arc>{} : this->tail(alone);
+  std::optional<CostToGo> to_tail;
+  if (!tail.empty()) {
+    Pose begin = robots_[std::size_t(robot)].goal;
+    for (auto arc = tail.rbegin(); arc != tail.rend(); ++arc) {
+      begin = drive(begin, Arc{-arc->length, arc->curvature});
+    }
+    to_tail.emplace(planner_.make_cost_to_go(robots_[std::size_t(robot)].body, begin));
+    soft.cost_to_go = &*to_tail;
+    soft.tail = tail;
+  }
+  SoftOptions options = soft_options(planner_.options_);
+  options.hard = true;
+  if (effort == Effort::kThorough) options.max_expansions *= kMoreAmongOthers;
+  std::optional<SoftPath> path = planner_.search_.search(soft, options, Deadline::never());
+  if (!path && effort == Effort::kQuick) return drive_alone_later(robot, alone);
+  if (!path || comes_back_into_entry(robot, path->steps)) return false;
+  joint_->place(robot, TimedTrack(soft.car->vehicle(), soft.start, std::move(path->steps),
+                                  planner_.time_.bucket, soft.leaves));
+  return true;
+}
+
+/// The way alone, begun as soon as it touches nobody.
+bool LotPlanner::Draft::drive_alone_later(int robot, const TimedTrack& alone) {
+  if (comes_back_into_entry(robot, alone.steps())) return false;
+  const bool leaves = robots_[std::size_t(robot)].leaves;
+  return joint_->place_later(robot, alone.steps(), kLatest, leaves);
+}
+
+/// The next one follows in the lane: a car may leave it only forwards, and for good.
+bool LotPlanner::Draft::comes_back_into_entry(int robot, const std::vector<Arc>& steps) const {
+  const MacroRobot& macro = macro_robots_[std::size_t(robot)];
+  const Vehicle& body = robots_[std::size_t(robot)].body;
+  if (!planner_.in_entry(body, macro.start)) return false;
+  constexpr std::size_t kEvery = 10;  // steps between two looks
+  Pose pose = macro.start;
+  bool out = false;
+  for (std::size_t k = 0; k < steps.size(); ++k) {
+    pose = drive(pose, steps[k]);
+    const bool reverses = steps[k].length < 0.0 && (k == 0 || steps[k - 1].length >= 0.0);
+    if (k % kEvery != 0 && !reverses) continue;
+    const bool in = planner_.in_entry(body, pose);
+    if (in && (out || reverses)) return true;
+    out = out || !in;
+  }
+  return false;
+}
+
+std::vector<int> LotPlanner::Draft::in_the_way(int robot, const TimedTrack& track) {
+  joint_->place(robot, track);
+  std::vector<int> result = joint_->conflicts_of(robot);
+  (void)joint_->remove(robot);
+  return result;
+}
+
+std::vector<int> LotPlanner::Draft::plan_before(int robot, const TimedTrack& alone,
+                                                std::span<const int> others) {
+  for (const int i : others) (void)take(i);
+  if (!plan(robot, alone)) return {};
+  std::vector<int> group = {robot};
+  for (const int i : others) {
+    const std::optional<TimedTrack> way = this->alone(i);
+    if (!way || !plan(i, *way)) return {};
+    group.push_back(i);
+  }
+  return group;
+}
+
+ArcPath LotPlanner::Draft::way(int robot, const TimedTrack& track) const {
+  const Robot& r = robots_[std::size_t(robot)];
+  ArcPath path = r.prefix;
+  path.append(track.steps());
+  if (r.leaves) path.append({Arc{kRunOut, 0.0}});
+  return path;
+}
+
+LotCar LotPlanner::Draft::car(int robot, const TimedTrack& track) const {
+  const Robot& r = robots_[std::size_t(robot)];
+  LotCar car;
+  car.key = r.key;
+  car.body = r.body;
+  car.path = way(robot, track);
+  car.goal = r.goal;
+  car.leaves = r.leaves;
+  car.s = r.s;
+  car.v = r.v;
+  return car;
+}
+
+double LotPlanner::Draft::duration_alone(int robot, const TimedTrack& track) const {
+  LotMotion motion(planner_.options_.limits);
+  motion.put(car(robot, track));
+  return motion.forecast().arrival(0);
+}
+
+std::vector<float> LotPlanner::Draft::times_of_kept(int i) const {
+  const auto k = std::size_t(i);
+  const LotCar& car = motion_.cars()[k];
+  const std::vector<float>& driven = forecast_.driven[k];
+  std::vector<float> times(std::size_t(car.cells.size()), float(kNever));
+  std::size_t step = 0;
+  for (std::size_t c = 0; c < times.size(); ++c) {
+    const double middle = std::min((double(c) + 0.5) * PathCells::kLength, car.path.length());
+    while (step < driven.size() && double(driven[step]) < middle - 1e-4) ++step;
+    if (step == driven.size()) break;
+    times[c] = float(double(step) * forecast_.dt);
+  }
+  times[std::size_t(car.cells.cell_at(car.s))] = kNow;
+  return times;
+}
+
+std::vector<float> LotPlanner::Draft::times_of_planned(const LotCar& car, int robot) const {
+  const Robot& r = robots_[std::size_t(robot)];
+  const double prefix = r.prefix.length();
+  std::vector<float> times(std::size_t(car.cells.size()), float(kNever));
+  const std::vector<Arc>& steps = track(robot).steps();
+  std::size_t step = 0;
+  double s = prefix;
+  for (std::size_t c = 0; c < times.size(); ++c) {
+    const double middle = std::min((double(c) + 0.5) * PathCells::kLength, car.path.length());
+    if (middle < prefix) {
+      // Evenly over the time until the draft begins; the forecast knows better for cars under way.
+      const double part = (middle - r.s) / std::max(prefix - r.s, 1e-6);
+      times[c] = float(ahead() * std::max(0.0, part));
+      if (robot < cars()) {
+        const std::vector<float>& driven = forecast_.driven[std::size_t(robot)];
+        const auto at = std::ranges::lower_bound(driven, float(middle));
+        times[c] = float(double(at - driven.begin()) * forecast_.dt);
+      }
+      continue;
+    }
+    while (step < steps.size() && s < middle - 1e-4) s += std::abs(steps[step++].length);
+    times[c] = float(ahead() + double(step) * planner_.time_.dt);
+    if (s < middle - 1e-4) times[c] += float((middle - s) / planner_.options_.limits.speed);
+  }
+  times[std::size_t(car.cells.cell_at(car.s))] = kNow;
+  return times;
+}
+
+LotMotion LotPlanner::Draft::result(std::span<const int> changed) const {
+  LotMotion result = motion_;
+  struct Way {
+    std::int64_t key;
+    std::vector<float> times;
+    bool changed;
+  };
+  std::vector<Way> ways;
+  for (int i = 0; i < cars(); ++i) {
+    if (std::ranges::find(changed, i) != changed.end()) continue;
+    ways.push_back({robots_[std::size_t(i)].key, times_of_kept(i), false});
+  }
+  for (const int i : changed) {
+    LotCar now = car(i, track(i));
+    now.cells = PathCells(now.path, now.body, planner_.options_.gap);
+    now.cells.keep_clear(planner_.footpaths_);
+    ways.push_back({now.key, times_of_planned(now, i), true});
+    result.put(std::move(now));
+  }
+  const auto planned = [&](const Way& way) {
+    const LotCar& car = result.cars()[std::size_t(result.find(way.key))];
+    return PlannedWay{&car.cells, car.cells.cell_at(car.s), way.times};
+  };
+  for (std::size_t i = 0; i < ways.size(); ++i) {
+    for (std::size_t j = i + 1; j < ways.size(); ++j) {
+      if (!ways[i].changed && !ways[j].changed) continue;
+      auto [first, second] = precedence(planned(ways[i]), planned(ways[j]));
+      result.set_order(ways[i].key, ways[j].key, std::move(first));
+      result.set_order(ways[j].key, ways[i].key, std::move(second));
+    }
+  }
+  return result;
+}
+
+}  // namespace mvtp

@@ -1,0 +1,92 @@
+#include "planner/road/path_library.hpp"
+
+#include <tbb/parallel_for.h>
+
+#include <utility>
+
+namespace mvtp {
+namespace {
+
+const ContactTable kNoContact;
+
+std::uint64_t pair_key(int a, int b) {
+  return (std::uint64_t(std::uint32_t(a)) << 32U) | std::uint32_t(b);
+}
+
+std::unique_ptr<const ContactTable> transpose_of(const ContactTable& table) {
+  return std::make_unique<ContactTable>(table.transposed());
+}
+
+}  // namespace
+
+int PathLibrary::add(GuidePath path, const Vehicle& body) {
+  SweptPath swept(path, body, margins_);
+  const int number = int(grounds_.size());
+  std::vector<int> near;
+  for (int g = 0; g < number; ++g) {
+    if (grounds_[std::size_t(g)]->swept.bounds().overlaps(swept.bounds())) near.push_back(g);
+  }
+  near.push_back(number);
+  grounds_.push_back(
+      std::make_unique<Ground>(Ground{std::move(path), std::move(swept), std::move(near)}));
+  entries_.push_back({number, body});
+  return size() - 1;
+}
+
+int PathLibrary::add_like(int like, const Vehicle& body) {
+  entries_.push_back({ground_of(like), body});
+  return size() - 1;
+}
+
+const ContactTable& PathLibrary::contacts(int a, int b) const {
+  if (!ground(a).swept.bounds().overlaps(ground(b).swept.bounds())) return kNoContact;
+  const int from = ground_of(a);
+  const int to = ground_of(b);
+  const auto table = tables_.find(pair_key(from, to));
+  return table != tables_.end() ? *table->second : build_late(from, to);
+}
+
+const ContactTable& PathLibrary::build_late(int a, int b) const {
+  const std::scoped_lock lock(late_guard_);
+  auto& table = late_[pair_key(a, b)];
+  if (!table) {
+    // As prepare() would: from the smaller number's side, so that it makes no difference.
+    ContactTable built(grounds_[std::size_t(std::min(a, b))]->swept,
+                       grounds_[std::size_t(std::max(a, b))]->swept);
+    table = a <= b ? std::make_unique<ContactTable>(std::move(built)) : transpose_of(built);
+  }
+  return *table;
+}
+
+void PathLibrary::prepare(std::span<const int> paths, std::span<const int> others) {
+  enum class Role : std::uint8_t { kNone, kOther, kDriven };
+  std::vector<Role> roles(grounds_.size(), Role::kNone);
+  for (const int p : others) roles[std::size_t(ground_of(p))] = Role::kOther;
+  for (const int p : paths) roles[std::size_t(ground_of(p))] = Role::kDriven;
+  std::vector<std::pair<int, int>> missing;  // the smaller number first
+  for (int b = 0; b < int(grounds_.size()); ++b) {
+    const Role role = roles[std::size_t(b)];
+    if (role == Role::kNone) continue;
+    const Role least = role == Role::kDriven ? Role::kOther : Role::kDriven;
+    for (const int a : grounds_[std::size_t(b)]->near) {
+      if (roles[std::size_t(a)] >= least && !tables_.contains(pair_key(a, b))) {
+        missing.emplace_back(a, b);
+      }
+    }
+  }
+  std::vector<std::unique_ptr<const ContactTable>> built(missing.size());
+  std::vector<std::unique_ptr<const ContactTable>> transposed(missing.size());
+  tbb::parallel_for(std::size_t{0}, missing.size(), [&](std::size_t i) {
+    const auto [a, b] = missing[i];
+    built[i] = std::make_unique<ContactTable>(grounds_[std::size_t(a)]->swept,
+                                              grounds_[std::size_t(b)]->swept);
+    if (a != b) transposed[i] = transpose_of(*built[i]);
+  });
+  for (std::size_t i = 0; i < missing.size(); ++i) {
+    const auto [a, b] = missing[i];
+    if (a != b) tables_[pair_key(b, a)] = std::move(transposed[i]);
+    tables_[pair_key(a, b)] = std::move(built[i]);
+  }
+}
+
+}  // namespace mvtp

@@ -1,0 +1,70 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <span>
+#include <unordered_map>
+#include <vector>
+
+#include "planner/road/contact_table.hpp"
+
+namespace mvtp {
+
+/// The guide paths in use, each for one body, and the contact tables of those pairs whose bodies
+/// come near each other.
+///
+/// add() and prepare() change the library and are for one thread at a time; everything else may
+/// run in many threads between them. References stay valid.
+class PathLibrary {
+ public:
+  explicit PathLibrary(const Margins& margins) : margins_(margins) {}
+
+  /// Returns the number of the new path.
+  int add(GuidePath path, const Vehicle& body);
+  /// The path numbered `like`, for a body of the same shape that moves otherwise: the two share
+  /// their contacts. Returns its number.
+  int add_like(int like, const Vehicle& body);
+
+  [[nodiscard]] int size() const { return int(entries_.size()); }
+  [[nodiscard]] const GuidePath& path(int p) const { return ground(p).path; }
+  [[nodiscard]] const Vehicle& body(int p) const { return entries_[std::size_t(p)].body; }
+
+  /// Where a body on path `a` meets one on path `b`. A look-up in what prepare() has built; the
+  /// table of any other pair is built at its first use, one thread after the other.
+  [[nodiscard]] const ContactTable& contacts(int a, int b) const;
+
+  /// Builds the tables that are missing among `paths`, and between them and the `others`, on all
+  /// cores. What the others have among themselves nobody asks for.
+  void prepare(std::span<const int> paths, std::span<const int> others = {});
+
+  /// Tables held [pairs], for one who looks after the memory.
+  [[nodiscard]] std::size_t tables() const { return tables_.size(); }
+
+ private:
+  /// A path with the ground that a body covers along it.
+  struct Ground {
+    GuidePath path;
+    SweptPath swept;
+    std::vector<int> near;  ///< those added before this one, and itself, whose bounds overlap
+  };
+  struct Entry {
+    int ground;
+    Vehicle body;
+  };
+  /// By the grounds of both.
+  using Tables = std::unordered_map<std::uint64_t, std::unique_ptr<const ContactTable>>;
+
+  [[nodiscard]] int ground_of(int p) const { return entries_[std::size_t(p)].ground; }
+  [[nodiscard]] const Ground& ground(int p) const { return *grounds_[std::size_t(ground_of(p))]; }
+  [[nodiscard]] const ContactTable& build_late(int a, int b) const;
+
+  Margins margins_;
+  std::vector<Entry> entries_;
+  std::vector<std::unique_ptr<const Ground>> grounds_;
+  Tables tables_;
+  mutable std::mutex late_guard_;
+  mutable Tables late_;  ///< built by contacts(); guarded by late_guard_
+};
+
+}  // namespace mvtp

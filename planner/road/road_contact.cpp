@@ -1,0 +1,153 @@
+#include "planner/road/road_contact.hpp"
+
+#include "planner/geometry/oriented_box.hpp"
+
+namespace mvtp {
+namespace {
+
+constexpr double kBareGap = 0.2;  ///< [m] between two that are stuck
+constexpr double kClose = 1.0;    ///< [m]: longer than any margin, shorter than any vehicle
+constexpr double kGraze = 0.5;    ///< [m] by which two in one lane may overlap at their sides
+constexpr double kNotice = 2.0;   ///< [s] until a driver answers to who has come into his lane
+
+/// Half of what `b` covers along the axis of `a` [m].
+double half_depth(const OrientedBox& a, const OrientedBox& b) {
+  return b.half_length * std::abs(a.ux * b.ux + a.uy * b.uy) +
+         b.half_width * std::abs(a.ux * b.uy - a.uy * b.ux);
+}
+
+/// From `a` to `b` along the axis of `a` [m].
+double way_along(const OrientedBox& a, const OrientedBox& b) {
+  return (b.x - a.x) * a.ux + (b.y - a.y) * a.uy;
+}
+
+/// How far `b` is beyond the sides of `a` [m].
+double gap_across(const OrientedBox& a, const OrientedBox& b) {
+  return std::abs((b.y - a.y) * a.ux - (b.x - a.x) * a.uy) - a.half_width -
+         b.half_length * std::abs(a.ux * b.uy - a.uy * b.ux) -
+         b.half_width * std::abs(a.ux * b.ux + a.uy * b.uy);
+}
+
+/// Is one of them behind the other, rather than beside it or across its way?
+bool follow_each_other(const OrientedBox& a, const OrientedBox& b) {
+  constexpr double kAligned = 0.7;  // cosine
+  const double along = std::abs(way_along(a, b)) - a.half_length - half_depth(a, b);
+  return a.ux * b.ux + a.uy * b.uy > kAligned && along >= gap_across(a, b);
+}
+
+}  // namespace
+
+RoadContact::RoadContact(const RoadScene& scene, const RoadVehicle& a, const RoadVehicle& b,
+                         double reaction)
+    : library_(scene.library),
+      ab_(&scene.library->contacts(a.path, b.path)),
+      ba_(ab_->empty() ? ab_ : &scene.library->contacts(b.path, a.path)),
+      a_(&a),
+      b_(&b),
+      reaction_(reaction) {
+  stuck_ = a.stuck && b.stuck;
+  if (ab_->empty() || (!stuck_ && !touch_braking(a.now, b.now, false))) return;
+  const OrientedBox box_a = footprint(library_->body(a.path), library_->path(a.path).at(a.now.s));
+  const OrientedBox box_b = footprint(library_->body(b.path), library_->path(b.path).at(b.now.s));
+  b_ahead_ = way_along(box_a, box_b) > 0.0;
+  in_one_lane_ = follow_each_other(box_a, box_b);
+  const BrakingMotion stop_a{a.now, library_->body(a.path).max_decel, reaction};
+  const BrakingMotion stop_b{b.now, library_->body(b.path).max_decel};
+  const double gap_now = gap(a.now.s, b.now.s);
+  least_gap_ = gap_now;
+  for (int i = 1; i <= std::max(stop_a.looks(), stop_b.looks()); ++i) {
+    least_gap_ = std::min(least_gap_, gap(stop_a.position(i), stop_b.position(i)));
+  }
+  too_late_ = gap_now >= 0.0 && least_gap_ < 0.0;
+  if (stuck_) least_gap_ = std::min(least_gap_, kBareGap);
+  close_ = true;
+}
+
+bool RoadContact::touch_braking(const InertialState& a, const InertialState& b,
+                                bool lenient) const {
+  const BrakingMotion stop_a{a, library_->body(a_->path).max_decel, reaction_};
+  const BrakingMotion stop_b{b, library_->body(b_->path).max_decel};
+  if (!ab_->reaches(a.s, stop_a.rest(), b.s, stop_b.rest())) return false;
+  // Mostly it is where they come to rest that they touch, if at all.
+  if (!lenient && ab_->touches(stop_a.rest(), stop_b.rest())) return true;
+  // At least one look, for two that stand.
+  const int looks = std::max({1, stop_a.looks(), stop_b.looks()});
+  return touch([&](int i) { return stop_a.position(i); }, [&](int i) { return stop_b.position(i); },
+               looks, lenient);
+}
+
+bool RoadContact::a_blocks(const InertialState& a, const InertialState& b) const {
+  return ab_->blocks(a.s, b.s + kClose, std::max(b.s + kClose, b_->s_end));
+}
+
+bool RoadContact::b_blocks(const InertialState& a, const InertialState& b) const {
+  return ba_->blocks(b.s, a.s + kClose, std::max(a.s + kClose, a_->s_end));
+}
+
+bool RoadContact::cuts_off(const InertialState& a, const InertialState& b) const {
+  const BrakingMotion stop_a{a, library_->body(a_->path).max_decel, 0.0};
+  const BrakingMotion stop_b{b, library_->body(b_->path).max_decel, kNotice};
+  if (!ab_->reaches(a.s, stop_a.rest(), b.s, stop_b.rest())) return false;
+  const int looks = std::max({1, stop_a.looks(), stop_b.looks()});
+  return meet([&](int i) { return stop_a.position(i); }, [&](int i) { return stop_b.position(i); },
+              0, looks);
+}
+
+/// Of two in one lane along it: where one drives on into the other, and through it, that goes on to
+/// shrink, unlike their separation.
+double RoadContact::gap(double s_a, double s_b) const {
+  const OrientedBox a = footprint(library_->body(a_->path), library_->path(a_->path).at(s_a));
+  const OrientedBox b = footprint(library_->body(b_->path), library_->path(b_->path).at(s_b));
+  const double across = std::max(gap_across(a, b), gap_across(b, a));
+  if (!in_one_lane_ || across > -kGraze) return separation(a, b);
+  return (b_ahead_ ? 1.0 : -1.0) * way_along(a, b) - a.half_length - half_depth(a, b);
+}
+
+namespace {
+
+/// Is vehicle `a` ahead of `b` on the path of `b`, along it?
+bool drives_ahead(const RoadScene& scene, const RoadVehicle& a, const RoadVehicle& b) {
+  constexpr double kAhead = 100.0;  // [m]
+  constexpr double kAside = 1.2;    // [m]
+  constexpr double kTurned = 0.5;   // [rad]
+  const Pose pose = scene.library->path(a.path).at(a.now.s);
+  const GuidePath& path = scene.library->path(b.path);
+  const Pose near = path.at(path.project({pose.x, pose.y}, b.now.s, b.now.s + kAhead));
+  return distance(near, pose) < kAside && std::abs(wrap_to_pi(near.theta - pose.theta)) < kTurned;
+}
+
+}  // namespace
+
+RoadPairs::RoadPairs(const RoadScene& scene)
+    : scene_(&scene),
+      leads_(scene.vehicles.size() * scene.vehicles.size(), false),
+      follows_(scene.vehicles.size() * scene.forecasts.size(), false) {
+  const std::size_t n = scene.vehicles.size();
+  vehicles_.reserve(n * (n > 0 ? n - 1 : 0) / 2);
+  forecasts_.reserve(n * scene.forecasts.size());
+  for (std::size_t j = 0; j < n; ++j) {
+    const RoadVehicle& b = scene.vehicles[j];
+    for (std::size_t i = 0; i < j; ++i) {
+      const RoadVehicle& a = scene.vehicles[i];
+      const RoadContact& contact = vehicles_.emplace_back(scene, a, b, 0.0);
+      if (contact.never()) continue;
+      const bool a_in_the_way = contact.a_blocks(a.now, b.now);
+      const bool b_in_the_way = contact.b_blocks(a.now, b.now);
+      leads_[i * n + j] = a_in_the_way && !b_in_the_way;
+      leads_[j * n + i] = b_in_the_way && !a_in_the_way;
+    }
+  }
+  for (std::size_t i = 0; i < n; ++i) {
+    for (std::size_t f = 0; f < scene.forecasts.size(); ++f) {
+      const RoadVehicle& a = scene.vehicles[i];
+      const RoadVehicle& b = scene.forecasts[f].vehicle;
+      const RoadContact& contact = forecasts_.emplace_back(scene, a, b, kReaction);
+      if (contact.never()) continue;
+      follows_[i * scene.forecasts.size() + f] =
+          contact.is_ahead(a.now, b.now) &&
+          (scene.forecasts[f].yields || drives_ahead(scene, a, b));
+    }
+  }
+}
+
+}  // namespace mvtp

@@ -1,0 +1,112 @@
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "planner/motion/inertial_car.hpp"
+#include "planner/road/path_library.hpp"
+
+namespace mvtp {
+
+/// Time on roads is counted in steps of the simulation; a decision holds for several of them.
+struct DecisionGrid {
+  double dt = 0.1;             ///< [s] one simulation step
+  int steps_per_decision = 5;  ///< for so many steps an acceleration is held
+
+  [[nodiscard]] double decision() const { return dt * steps_per_decision; }
+};
+
+/// The motion of one vehicle along its guide path: a state per simulation step, from `begin` on.
+///
+/// After its last state the vehicle has left the road and touches nobody any more, if the
+/// trajectory is complete; otherwise it stays where it came to rest.
+struct PathTrajectory {
+  static constexpr double kGone = 1e9;  ///< [m] where a vehicle is that has left
+
+  std::int64_t begin = 0;
+  std::vector<InertialState> states;
+  bool complete = true;
+
+  [[nodiscard]] std::int64_t end() const { return begin + std::int64_t(states.size()); }
+  [[nodiscard]] InertialState at(std::int64_t k) const {
+    if (k >= end()) return complete ? InertialState{kGone, 0.0} : states.back();
+    return states[std::size_t(std::max<std::int64_t>(0, k - begin))];
+  }
+};
+
+/// One vehicle on the road as the planner sees it.
+struct RoadVehicle {
+  std::int64_t key = 0;  ///< its name over time; ties are broken by it
+  int path = 0;          ///< in the PathLibrary
+  InertialState now;
+  std::shared_ptr<const SpeedEnvelope> envelope;
+  double cruise_speed = 13.9;  ///< [m/s] where nothing slows it down
+  double min_gap = 2.5;        ///< [m] and
+  double tau = 1.0;            ///< [s] of the driver it is handed back to
+  /// Rear axle when the front bumper is at each stop line, ascending [m]: a vehicle without a
+  /// complete plan waits before the next.
+  std::vector<double> stop_lines;
+  int exit_lane = -1;        ///< vehicles of one exit lane keep a headway on it
+  double s_exit_lane = 0.0;  ///< rear axle when the front bumper enters the exit lane [m]
+  /// The exit lane on which its path begins, behind another junction: there it is a leader of those
+  /// who leave that one, until its tail is over the first stop line.
+  int entry_lane = -1;
+  double s_entry_lane = 0.0;  ///< rear axle when the front bumper enters that [m]
+  double s_handback = 0.0;    ///< rear axle where the zone ends [m]
+  double s_end = 0.0;         ///< rear axle where a plan is complete [m]; >= s_handback
+  /// It has stood for long without a complete plan. Two such vehicles may pass each other closely.
+  bool stuck = false;
+};
+
+/// The gap that the driver of a vehicle wants to the one ahead [m]: what he keeps at rest, his
+/// headway, and what he needs more than that one to stop.
+[[nodiscard]] inline double drivers_gap(const RoadVehicle& vehicle, double speed, double decel,
+                                        double speed_ahead, double decel_ahead) {
+  const double braking =
+      stopping_distance(speed, decel) - stopping_distance(speed_ahead, decel_ahead);
+  return vehicle.min_gap + vehicle.tau * speed + std::max(0.0, braking);
+}
+
+/// A vehicle that is not ours, with the motion that is expected of it; or, with `latest`, with all
+/// motions between that and the earliest: at each time it may be anywhere between the two.
+struct Forecast {
+  RoadVehicle vehicle;
+  PathTrajectory trajectory;  ///< the earliest
+  std::optional<PathTrajectory> latest;
+  bool yields = true;  ///< to whoever is in its way; else only to those ahead on its own lane
+};
+
+/// The vehicles on the road at the moment of a decision.
+struct RoadScene {
+  const PathLibrary* library = nullptr;
+  DecisionGrid grid;
+  std::int64_t step = 0;              ///< now
+  std::vector<RoadVehicle> vehicles;  ///< ours, ordered by key
+  std::vector<Forecast> forecasts;
+
+  /// @pre there is one with this key
+  [[nodiscard]] const RoadVehicle& vehicle(std::int64_t key) const {
+    return *std::ranges::lower_bound(vehicles, key, {}, &RoadVehicle::key);
+  }
+  [[nodiscard]] const Vehicle& body(const RoadVehicle& v) const { return library->body(v.path); }
+};
+
+/// Complete trajectories, in the order of priority in which they were planned.
+struct JointPlan {
+  struct Entry {
+    std::int64_t key = 0;
+    std::shared_ptr<const PathTrajectory> trajectory;
+  };
+  std::vector<Entry> entries;
+
+  /// nullptr if there is none
+  [[nodiscard]] const PathTrajectory* find(std::int64_t key) const {
+    const auto e = std::ranges::find(entries, key, &Entry::key);
+    return e == entries.end() ? nullptr : e->trajectory.get();
+  }
+};
+
+}  // namespace mvtp

@@ -1,0 +1,234 @@
+#include "planner/road/surroundings.hpp"
+
+#include <algorithm>
+
+namespace mvtp {
+
+Surroundings::Surroundings(const RoadPairs& pairs, const RoadVehicle& vehicle,
+                           std::span<const JointPlan::Entry> before,
+                           const WholeTrajectoryOptions& options, Forecasts forecasts)
+    : grid_(pairs.scene().grid),
+      now_(pairs.scene().step),
+      vehicle_(vehicle),
+      body_(pairs.scene().body(vehicle)),
+      options_(options) {
+  const RoadScene& scene = pairs.scene();
+  const std::size_t self = pairs.index(vehicle.key);
+  const bool count = forecasts == Forecasts::kCount;
+  for (std::size_t f = 0; count && f < scene.forecasts.size(); ++f) {
+    if (pairs.follows(f, self)) continue;
+    const Forecast& forecast = scene.forecasts[f];
+    add({pairs.towards_forecast(self, f), &forecast.trajectory,
+         forecast.latest ? &*forecast.latest : nullptr, &forecast.vehicle,
+         &scene.body(forecast.vehicle), true, forecast.yields});
+  }
+  for (const JointPlan::Entry& e : before) {
+    if (e.key == vehicle.key) continue;
+    const std::size_t other = pairs.index(e.key);
+    add({pairs.between(self, other), e.trajectory.get(), nullptr, &scene.vehicles[other],
+         &scene.body(scene.vehicles[other]), false, false});
+  }
+}
+
+bool Surroundings::step_is_clear(std::int64_t k, const InertialState& from, double a,
+                                 const InertialState& to) const {
+  count_work();
+  const double reach =
+      to.s + stopping_distance(to.v, body_.max_decel) + to.v * RoadPairs::kReaction;
+  // A leader of another driver may always be answered with full braking, and whoever crosses now;
+  // one that stands can do no more.
+  const bool brakes_fully = a <= -body_.max_decel + 1e-9 || (from.v == 0.0 && to.v == 0.0);
+  const bool stays = to.s == vehicle_.now.s;
+  const auto is_clear_of = [&](const Other& other) {
+    const bool yields_in_time = other.latest == nullptr || k == now_ || stays;
+    return (other.forecast && brakes_fully && yields_in_time) ||
+           !meets(other, k, from, a, to, reach);
+  };
+  // Whoever stood in the way the last time will mostly do so again.
+  if (last_blocker_ < others_.size() && !is_clear_of(others_[last_blocker_])) return false;
+  for (std::size_t i = 0; i < others_.size(); ++i) {
+    if (i == last_blocker_ || is_clear_of(others_[i])) continue;
+    last_blocker_ = i;
+    return false;
+  }
+  return true;
+}
+
+bool Surroundings::can_wait(std::int64_t k, const InertialState& state) const {
+  count_work();
+  const double b = body_.max_decel;
+  const double rest = state.s + stopping_distance(state.v, b);
+  const int steps = braking_steps(state.v, b, grid_.dt);
+  for (const Other& other : others_) {
+    // Two that are too close now cannot be asked to stand clear of each other.
+    if (other.contact.contact->is_close_now()) continue;
+    const ContactTable& contacts = other.contact.table();
+    if (!contacts.concerns(state.s, rest)) continue;
+    const double now = other.hindmost(k);
+    const double end = other.trajectory->states.back().s;
+    if (now > end || !contacts.reaches(state.s, rest, now, end)) continue;
+    if (is_followed_by(other, state, other.trajectory->at(k))) continue;
+    for (int i = 1; i < steps; ++i) {
+      const double s = braked_position(state, b, i * grid_.dt);
+      if (contacts.meets(s, s, other.hindmost(k + i), other.trajectory->at(k + i).s)) return false;
+    }
+    const double from = other.hindmost(k + steps);
+    if (from <= end && contacts.blocks(rest, from, end)) return false;
+  }
+  return true;
+}
+
+bool Surroundings::leaves_passages_free(std::int64_t k, const InertialState& state) const {
+  count_work();
+  const double rest = state.s + stopping_distance(state.v, body_.max_decel);
+  return std::ranges::none_of(others_, [&](const Other& other) {
+    if (!other.forecast || other.yields) return false;
+    const double from = other.hindmost(k);
+    const double end = other.trajectory->states.back().s;
+    return from <= end && other.contact.table().blocks(rest, from, end);
+  });
+}
+
+std::optional<double> Surroundings::place_on_exit(const Other& other,
+                                                  const InertialState& state) const {
+  if (other.vehicle->exit_lane != vehicle_.exit_lane || state.s >= PathTrajectory::kGone) {
+    return std::nullopt;
+  }
+  return state.s - other.vehicle->s_exit_lane;
+}
+
+std::optional<double> Surroundings::place_on_next(const Other& other,
+                                                  const InertialState& state) const {
+  const RoadVehicle& v = *other.vehicle;
+  const bool is_there = v.entry_lane >= 0 && v.entry_lane == vehicle_.exit_lane;
+  if (!is_there) return std::nullopt;
+  // Until its tail has left it.
+  const bool has_left =
+      !v.stop_lines.empty() && state.s > v.stop_lines.front() + other.body->length();
+  if (has_left) return std::nullopt;
+  return state.s - v.s_entry_lane;
+}
+
+bool Surroundings::keeps_headway(std::int64_t k, const InertialState& state) const {
+  const double d = state.s - vehicle_.s_exit_lane;
+  if (d <= 0.0 || vehicle_.exit_lane < 0) return true;
+  const OnExit self{.place = d, .v = state.v, .vehicle = &vehicle_, .body = &body_};
+  for (const Other& other : others_) {
+    const InertialState o = other.trajectory->at(k);
+    OnExit ahead{.place = d, .v = o.v, .vehicle = other.vehicle, .body = other.body};
+    if (const std::optional<double> place = place_on_next(other, o); place && *place > d) {
+      ahead.place = *place;
+      if (!is_behind_well(self, ahead)) return false;
+    }
+    ahead.place = place_on_exit(other, o).value_or(0.0);
+    if (ahead.place <= 0.0) continue;
+    if (d <= ahead.place ? !is_behind_well(self, ahead) : !is_behind_well(ahead, self))
+      return false;
+  }
+  return true;
+}
+
+bool Surroundings::leaves_room(std::int64_t k, const InertialState& state) const {
+  const double d = state.s - vehicle_.s_exit_lane;
+  for (const Other& other : others_) {
+    const InertialState o = (other.latest != nullptr ? other.latest : other.trajectory)->at(k);
+    for (const auto& place : {place_on_exit(other, o), place_on_next(other, o)}) {
+      if (!place || *place <= d) continue;
+      const double wanted =
+          drivers_gap(vehicle_, state.v, body_.max_decel, o.v, other.body->max_decel);
+      if (*place - d - other.body->length() < wanted) return false;
+    }
+  }
+  return true;
+}
+
+void Surroundings::add(const Other& other) {
+  const int exit = vehicle_.exit_lane;
+  const bool same_exit =
+      exit >= 0 && (exit == other.vehicle->exit_lane || exit == other.vehicle->entry_lane);
+  if (other.contact.contact->never() && !same_exit) return;
+  others_.push_back(other);
+}
+
+bool Surroundings::meets(const Other& other, std::int64_t k, const InertialState& from, double a,
+                         const InertialState& to, double reach) const {
+  const ContactTable& contacts = other.contact.table();
+  if (!contacts.concerns(from.s, reach)) return false;
+  if (other.latest != nullptr) return meets_anywhere(other, k, from, a, to);
+  const PathTrajectory& t = *other.trajectory;
+  const InertialState other_from = t.at(k);
+  if (other_from.s >= PathTrajectory::kGone) return false;
+  // The last step of the decision in which the other one is still there.
+  int last = grid_.steps_per_decision;
+  while (t.at(k + last).s >= PathTrajectory::kGone) --last;
+  const InertialState other_to = t.at(k + last);
+  const double other_reach = other_to.s + stopping_distance(other_to.v, other.body->max_decel);
+  if (!contacts.reaches(from.s, reach, other_from.s, other_reach)) return false;
+  if (is_followed_by(other, from, other_from)) return false;
+
+  // Too close to a leader with a driver of its own there is no choice but full braking: "no worse
+  // than braking now" would begin anew at every decision, nearer each time.
+  const bool lenient = other.contact.is_close(from, other_from) &&
+                       !(other.forecast && other.contact.contact->is_behind(from, other_from));
+  const auto position = [&](int i) { return advance(from, a, i * grid_.dt).s; };
+  const auto other_position = [&](int i) { return t.at(k + i).s; };
+  if (other.contact.touch(position, other_position, last, lenient)) return true;
+  // Who leaves within the decision drives on where this vehicle does not see it.
+  const InertialState then =
+      last == grid_.steps_per_decision ? to : advance(from, a, last * grid_.dt);
+  return other.contact.touch_braking(then, other_to, lenient) ||
+         (is_followed_by(other, then, other_to) && other.contact.contact->cuts_off(then, other_to));
+}
+
+bool Surroundings::meets_anywhere(const Other& other, std::int64_t k, const InertialState& from,
+                                  double a, const InertialState& to) const {
+  const ContactTable& contacts = other.contact.table();
+  const auto is_there = [&](double s, double s_end, std::int64_t k_from, std::int64_t k_to) {
+    return contacts.meets(s, s_end, other.hindmost(k_from), other.trajectory->at(k_to).s);
+  };
+  const int n = grid_.steps_per_decision;
+  if (k == now_ && is_there(from.s, from.s, k, k)) {
+    // As in meets(): behind a leader there is no choice but full braking.
+    if (other.contact.contact->is_behind(from, {other.hindmost(k), 0.0})) return true;
+    // Who is within the margins may go wherever that is no nearer to the other one, should it
+    // hardly move.
+    const auto position = [&](int i) { return advance(from, a, i * grid_.dt).s; };
+    const auto hindmost = [&](int i) { return other.hindmost(k + i); };
+    return other.contact.touch(position, hindmost, n, /*lenient=*/true);
+  }
+  for (int i = 0; i < n; ++i) {
+    const double s = advance(from, a, i * grid_.dt).s;
+    const double s_end = advance(from, a, (i + 1) * grid_.dt).s;
+    if (is_there(s, s_end, k + i, k + i + 1)) return true;
+  }
+  const int steps = braking_steps(to.v, body_.max_decel, grid_.dt);
+  for (int i = 0; i < steps; ++i) {
+    const double s = braked_position(to, body_.max_decel, i * grid_.dt);
+    const double s_end = braked_position(to, body_.max_decel, (i + 1) * grid_.dt);
+    if (is_there(s, s_end, k + n + i, k + n + i + 1)) return true;
+  }
+  // Who follows it on its lane must be able to stop should it brake; later on, that is seen later.
+  const InertialState hindmost = other.hindmost_state(k + n);
+  return k == now_ && hindmost.s < PathTrajectory::kGone &&
+         other.contact.contact->is_behind(to, hindmost) &&
+         other.contact.touch_braking(to, hindmost, /*lenient=*/false);
+}
+
+bool Surroundings::is_followed_by(const Other& other, const InertialState& state,
+                                  const InertialState& other_state) const {
+  return other.yields && other.contact.contact->is_ahead(state, other_state);
+}
+
+bool Surroundings::is_behind_well(const OnExit& behind, const OnExit& ahead) const {
+  const RoadVehicle& v = *behind.vehicle;
+  const double length =
+      std::clamp(v.s_handback - v.s_exit_lane, options_.least_ramp, options_.headway_ramp);
+  const double ramp = std::clamp(behind.place / length, 0.0, 1.0);
+  const double braking = stopping_distance(behind.v, behind.body->max_decel) -
+                         stopping_distance(ahead.v, ahead.body->max_decel);
+  const double wanted =
+      ramp * (options_.exit_gap + options_.exit_headway * behind.v + std::max(0.0, braking));
+  return ahead.place - behind.place - ahead.body->length() >= wanted;
+}
+
+}  // namespace mvtp

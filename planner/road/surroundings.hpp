@@ -1,0 +1,109 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "planner/road/whole_trajectory.hpp"
+
+namespace mvtp {
+
+/// Everything that one vehicle's plan is tested against, gathered once.
+class Surroundings {
+ public:
+  enum class Forecasts { kCount, kIgnore };
+
+  Surroundings(const RoadPairs& pairs, const RoadVehicle& vehicle,
+               std::span<const JointPlan::Entry> before, const WholeTrajectoryOptions& options,
+               Forecasts forecasts = Forecasts::kCount);
+
+  /// Is the decision to drive from `from` with acceleration `a` during steps k .. k + n free of
+  /// contact, and everyone's braking in lock-step after it as well?
+  [[nodiscard]] bool step_is_clear(std::int64_t k, const InertialState& from, double a,
+                                   const InertialState& to) const;
+
+  /// Could the vehicle brake from `state` at step k and then stand clear of all planned futures?
+  [[nodiscard]] bool can_wait(std::int64_t k, const InertialState& state) const;
+
+  /// The same with nobody but drivers who do not yield: where it stands they would run into it.
+  [[nodiscard]] bool leaves_passages_free(std::int64_t k, const InertialState& state) const;
+
+  /// On a common exit lane: is the one behind far enough from the one ahead, whichever of the two
+  /// this vehicle is? Both ways, since a vehicle planned later may slip in ahead.
+  [[nodiscard]] bool keeps_headway(std::int64_t k, const InertialState& state) const;
+
+  /// Will the driver who takes over at step k in this state have his headway to those ahead? They
+  /// may have slowed down, or go on otherwise, since the plan was made.
+  [[nodiscard]] bool leaves_room(std::int64_t k, const InertialState& state) const;
+
+  /// What was asked so far, in looks at one other vehicle each.
+  [[nodiscard]] std::int64_t work() const { return work_; }
+
+ private:
+  struct Other {
+    ContactView contact;
+    const PathTrajectory* trajectory;
+    const PathTrajectory* latest;  ///< of a forecast; nullptr: it is the trajectory itself
+    const RoadVehicle* vehicle;
+    const Vehicle* body;
+    bool forecast;
+    bool yields;  ///< a forecast whose driver keeps clear of whoever is in his way
+
+    /// Where it is at least at step k, and how fast then.
+    [[nodiscard]] InertialState hindmost_state(std::int64_t k) const {
+      return (latest != nullptr ? latest : trajectory)->at(k);
+    }
+    [[nodiscard]] double hindmost(std::int64_t k) const { return hindmost_state(k).s; }
+  };
+
+  /// How far behind the start of this vehicle's exit lane the other one is in this state [m]: on it
+  /// as its own exit lane,
+  [[nodiscard]] std::optional<double> place_on_exit(const Other& other,
+                                                    const InertialState& state) const;
+  /// or as the lane on which its path begins.
+  [[nodiscard]] std::optional<double> place_on_next(const Other& other,
+                                                    const InertialState& state) const;
+  void add(const Other& other);
+
+  void count_work() const {
+    constexpr std::int64_t kOwn = 4;  // what the decision itself takes, in looks
+    work_ += kOwn + std::int64_t(others_.size());
+  }
+
+  /// Do we meet in the decision from `from` at step k to `to`, or if all brake after it?
+  /// @param reach  where we could get in both
+  [[nodiscard]] bool meets(const Other& other, std::int64_t k, const InertialState& from, double a,
+                           const InertialState& to, double reach) const;
+
+  /// The same for somebody who may be anywhere between two trajectories, and who does not brake.
+  [[nodiscard]] bool meets_anywhere(const Other& other, std::int64_t k, const InertialState& from,
+                                    double a, const InertialState& to) const;
+
+  /// Has the driver of a forecast this vehicle in his way, and not the other way round? Then he
+  /// keeps clear of it.
+  [[nodiscard]] bool is_followed_by(const Other& other, const InertialState& state,
+                                    const InertialState& other_state) const;
+
+  /// A vehicle on an exit lane, at `place` [m] from its start.
+  struct OnExit {
+    double place = 0.0;
+    double v = 0.0;
+    const RoadVehicle* vehicle = nullptr;
+    const Vehicle* body = nullptr;
+  };
+  /// Is the gap between the two what it has to be there? It builds up along the exit lane, until
+  /// the driver gets the vehicle back.
+  [[nodiscard]] bool is_behind_well(const OnExit& behind, const OnExit& ahead) const;
+
+  DecisionGrid grid_;
+  std::int64_t now_;
+  const RoadVehicle& vehicle_;
+  const Vehicle& body_;
+  const WholeTrajectoryOptions& options_;
+  std::vector<Other> others_;
+  mutable std::size_t last_blocker_ = 0;
+  mutable std::int64_t work_ = 0;
+};
+
+}  // namespace mvtp

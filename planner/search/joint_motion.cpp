@@ -1,0 +1,195 @@
+#include "planner/search/joint_motion.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace mvtp {
+
+JointMotion::JointMotion(std::vector<MacroRobot> robots, TimeGrid time)
+    : robots_(std::move(robots)),
+      time_(time),
+      occupancy_(size(), time),
+      tracks_(robots_.size()),
+      present_(robots_.size(), 0),
+      weights_(robots_.size() * robots_.size(), 1.0F),
+      position_(robots_.size() * robots_.size(), -1),
+      prices_(robots_.size()),
+      found_(robots_.size() + Occupancy::kPadding) {
+  for (const MacroRobot& robot : robots_) shapes_.push_back(robot.car->shape());
+}
+
+template <class Visit>
+void JointMotion::for_each_contact(int i, const TimedTrack& track, int wait, int from,
+                                   Visit&& visit) {
+  const MacroCar& own = *robot(i).car;
+  const int arrival = wait + (track.arrival() + time_.bucket - 1) / time_.bucket;
+  int last = std::max(occupancy_.horizon(), arrival);
+  if (track.departure() != TimedTrack::kNever) {
+    last = std::min(last, wait + track.departure() / time_.bucket - 1);
+  }
+  if (wait > 0) waiting_.assign(std::size_t(time_.bucket) + 1, *track.boxes(0));
+  for (int k = from; k <= last && k < horizon_; ++k) {
+    const int t = k * time_.bucket;
+    const int driven = t - wait * time_.bucket;
+    const BoxPose* boxes = driven < 0 ? waiting_.data() : track.boxes(driven);
+    const bool rests = driven < 0 || track.arrival() <= driven;
+    const BoxPose& middle = rests ? *boxes : *track.boxes(driven + time_.bucket / 2);
+    BoxShape shape = own.shape();
+    if (rests) shape.travel = 0.0F;
+    const float radius = rests ? shape.half_diagonal() : own.reach();
+    const int n = occupancy_.near(k, middle.x, middle.y, radius, found_.data());
+    if (n == 0) continue;
+    const SweptBox swept = swept_box(boxes, shape, time_.bucket);
+    for (int f = 0; f < n; ++f) {
+      const int j = found_[std::size_t(f)];
+      const Occupancy::Motion& motion = occupancy_.motion(k, j);
+      if (apart(swept, motion.swept)) continue;
+      BoxShape other = shapes_[std::size_t(j)];
+      other.travel = motion.travel;
+      if (!meet(boxes, shape, tracks_[std::size_t(j)].boxes(t), other, time_.bucket)) continue;
+      if (!visit(j, k)) return;
+    }
+  }
+}
+
+void JointMotion::place(int i, TimedTrack track) {
+  for_each_contact(i, track, 0, 0, [&](int j, int) {
+    if (!in_conflict(i, j)) add_conflict(i, j);
+    return true;
+  });
+  occupancy_.place(i, track, shapes_[std::size_t(i)]);
+  tracks_[std::size_t(i)] = std::move(track);
+  present_[std::size_t(i)] = 1;
+}
+
+int JointMotion::overlaps(int i, const TimedTrack& track, int most, int wait) {
+  counted_.assign(robots_.size(), 0);
+  int count = 0;
+  for_each_contact(i, track, wait, 0, [&](int j, int) {
+    if (std::exchange(counted_[std::size_t(j)], char{1}) == 0) ++count;
+    return count < most;
+  });
+  return count;
+}
+
+TimedTrack JointMotion::track_after(int i, int wait, std::span<const Arc> way, bool leaves) const {
+  std::vector<Arc> steps(std::size_t(wait * time_.bucket), Arc{});
+  steps.insert(steps.end(), way.begin(), way.end());
+  return {robot(i).car->vehicle(), robot(i).start, std::move(steps), time_.bucket, leaves};
+}
+
+bool JointMotion::place_later(int i, std::span<const Arc> way, int latest, bool leaves) {
+  const TimedTrack track = track_after(i, 0, way, leaves);
+  for (int wait = 0; wait * time_.bucket <= latest; ++wait) {
+    if (overlaps(i, track, 1, wait) > 0) continue;
+    place(i, track_after(i, wait, way, leaves));
+    return true;
+  }
+  return false;
+}
+
+TimedTrack JointMotion::remove(int i) {
+  for (const int j : conflicts_of(i)) drop_conflict(i, j);
+  occupancy_.remove(i);
+  present_[std::size_t(i)] = 0;
+  return std::move(tracks_[std::size_t(i)]);
+}
+
+void JointMotion::clear() {
+  for (int i = 0; i < size(); ++i) {
+    if (present(i)) remove(i);
+  }
+  horizon_ = sight_ = kNoHorizon;
+}
+
+void JointMotion::set_horizon(int conflicts, int sight) {
+  const int before = std::min(horizon_, conflicts);
+  horizon_ = conflicts;
+  sight_ = sight;
+  for (int i = 0; i < size(); ++i) {
+    if (!present(i)) continue;
+    for_each_contact(i, track(i), 0, before, [&](int j, int) {
+      if (j != i && !in_conflict(i, j)) add_conflict(i, j);
+      return true;
+    });
+  }
+}
+
+bool JointMotion::place_all(const std::vector<TimedTrack>& tracks, const Deadline& deadline) {
+  clear();
+  for (int i = 0; i < size(); ++i) {
+    if (deadline.expired()) return false;
+    place(i, tracks[std::size_t(i)]);
+  }
+  return true;
+}
+
+void JointMotion::restore(const State& state) {
+  clear();
+  set_horizon(state.horizon, state.sight);
+  for (int i = 0; i < size(); ++i) place(i, state.tracks[std::size_t(i)]);
+}
+
+void JointMotion::add_conflict(int i, int j) {
+  position_[at(i, j)] = position_[at(j, i)] = int(conflicts_.size());
+  conflicts_.emplace_back(std::min(i, j), std::max(i, j));
+  cost_ += weight(i, j);
+}
+
+void JointMotion::drop_conflict(int i, int j) {
+  const int hole = position_[at(i, j)];
+  const Pair last = conflicts_.back();
+  conflicts_[std::size_t(hole)] = last;
+  position_[at(last.first, last.second)] = position_[at(last.second, last.first)] = hole;
+  conflicts_.pop_back();
+  position_[at(i, j)] = position_[at(j, i)] = -1;
+  cost_ -= weight(i, j);
+}
+
+std::vector<int> JointMotion::conflicts_of(int i) const {
+  std::vector<int> result;
+  for (int j = 0; j < size(); ++j) {
+    if (in_conflict(i, j)) result.push_back(j);
+  }
+  return result;
+}
+
+int JointMotion::first_conflict(int i) {
+  int first = -1;
+  for_each_contact(i, track(i), 0, 0, [&](int j, int k) {
+    if (j == i) return true;
+    first = k;
+    return false;
+  });
+  return first;
+}
+
+void JointMotion::set_weight(int i, int j, float weight) {
+  if (in_conflict(i, j)) cost_ += double(weight) - this->weight(i, j);
+  weights_[at(i, j)] = weights_[at(j, i)] = weight;
+}
+
+OtherRobots JointMotion::others(int i, double price) {
+  for (int j = 0; j < size(); ++j) {
+    prices_[std::size_t(j)] = float(price) * weights_[at(i, j)];
+  }
+  return {&occupancy_, tracks_, shapes_, prices_, sight_};
+}
+
+int JointMotion::makespan() const {
+  int last = 0;
+  for (int i = 0; i < size(); ++i) {
+    if (present(i)) last = std::max(last, track(i).arrival());
+  }
+  return last;
+}
+
+std::int64_t JointMotion::flowtime() const {
+  std::int64_t sum = 0;
+  for (int i = 0; i < size(); ++i) {
+    if (present(i)) sum += track(i).arrival();
+  }
+  return sum;
+}
+
+}  // namespace mvtp

@@ -1,0 +1,174 @@
+#include "planner/solve.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <chrono>
+
+#include "planner/anytime/escot_star.hpp"
+#include "planner/escot/conflict_based_search.hpp"
+#include "planner/escot/escot.hpp"
+#include "planner/escot/fleet.hpp"
+#include "planner/escot/prioritized.hpp"
+#include "planner/problem/initial_overlap.hpp"
+#include "planner/problem/input_error.hpp"
+#include "planner/problem/metrics.hpp"
+
+namespace mvtp {
+namespace {
+
+StepPlan run_escot(const Fleet& fleet, const SolveOptions& options, const Deadline& deadline) {
+  EscotOptions escot;
+  escot.seed = options.seed;
+  escot.world.seed = options.seed;
+  return solve_escot(fleet, escot, deadline);
+}
+
+StepPlan run_pbcr(const Fleet& fleet, const SolveOptions& options, const Deadline& deadline) {
+  EscotOptions escot;
+  escot.seed = options.seed;
+  escot.world.seed = options.seed;
+  escot.world.grouping = false;
+  escot.replan_duplicates = false;
+  return solve_escot(fleet, escot, deadline);
+}
+
+/// Conflict-based search over all robots at once.
+StepPlan run_cbs(const Fleet& fleet, const CbsOptions& options, const Deadline& deadline) {
+  std::vector<CbsRobot> robots;
+  const Configuration starts = fleet.starts();
+  for (int i = 0; i < fleet.size(); ++i) {
+    robots.push_back({&fleet.car(i), &fleet.cost_to_go(i), starts[std::size_t(i)]});
+  }
+  const CbsResult result =
+      conflict_based_search(robots, {}, SpacetimeHybridAstar(fleet.curves()), options, deadline);
+  if (result.failure == CbsFailure::kTimeout) return {Status::kTimeout, {}};
+  if (result.failure != CbsFailure::kNone) return {Status::kExhausted, {}};
+  StepPlan plan{Status::kSolved, {}};
+  for (int i = 0; i < fleet.size(); ++i) {
+    plan.trajectories.push_back(trajectory_of(fleet, i, result.steps[std::size_t(i)]));
+  }
+  return plan;
+}
+
+StepPlan run_eccr(const Fleet& fleet, const SolveOptions&, const Deadline& deadline) {
+  return run_cbs(fleet, eccr_options(), deadline);
+}
+
+StepPlan run_cl_cbs(const Fleet& fleet, const SolveOptions&, const Deadline& deadline) {
+  return run_cbs(fleet, cl_cbs_options(), deadline);
+}
+
+StepPlan run_sha(const Fleet& fleet, const SolveOptions& options, const Deadline& deadline) {
+  PrioritisedOptions sha;
+  sha.seed = options.seed;
+  return plan_prioritised(fleet, sha, deadline);
+}
+
+StepPlan run_escot_star(const Fleet& fleet, const SolveOptions& options, const Deadline& deadline) {
+  return solve_escot_star(
+      fleet, {.seed = options.seed, .gap = options.gap, .threads = options.threads}, deadline);
+}
+
+struct Algorithm {
+  std::string name;
+  StepPlan (*run)(const Fleet&, const SolveOptions&, const Deadline&);
+  /// Can it plan for robots that overlap each other at their starts or goals?
+  bool lets_robots_overlap = false;
+};
+
+const std::vector<Algorithm>& algorithms() {
+  static const std::vector<Algorithm> kAll = {
+      {"escot", run_escot, true}, {"pbcr", run_pbcr, true}, {"eccr", run_eccr},
+      {"cl-cbs", run_cl_cbs},     {"sha", run_sha},         {"escot-star", run_escot_star}};
+  return kAll;
+}
+
+/// @param options  its seed becomes that of the last run: the one that solved, if any did
+StepPlan run_repeatedly(const Algorithm& algorithm, const Fleet& fleet, SolveOptions& options,
+                        const Deadline& deadline) {
+  StepPlan plan;
+  const std::uint64_t first_seed = options.seed;
+  for (int run = 0; run < std::max(options.runs, 1); ++run) {
+    options.seed = first_seed + std::uint64_t(run);
+    plan = algorithm.run(fleet, options, deadline.within(options.run_time_limit));
+    if (plan.status == Status::kSolved || deadline.expired()) break;
+  }
+  return plan;
+}
+
+double seconds_since(std::chrono::steady_clock::time_point begin) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+}
+
+std::string reason(const StepPlan& plan) {
+  switch (plan.status) {
+    case Status::kTimeout:
+      return "the time limit ended the search";
+    case Status::kExhausted:
+      return "the search gave up: no move or no path left to try";
+    default:
+      return {};
+  }
+}
+
+}  // namespace
+
+const std::vector<std::string>& algorithm_names() {
+  static const std::vector<std::string> kNames = [] {
+    std::vector<std::string> names;
+    for (const Algorithm& algorithm : algorithms()) names.push_back(algorithm.name);
+    return names;
+  }();
+  return kNames;
+}
+
+Plan solve(const Instance& instance, const SolveOptions& options, const Deadline& deadline) {
+  const auto algorithm = std::ranges::find(algorithms(), options.algorithm, &Algorithm::name);
+  if (algorithm == algorithms().end()) {
+    throw InputError("--algorithm",
+                     fmt::format("unknown algorithm '{}'; choose one of {}", options.algorithm,
+                                 fmt::join(algorithm_names(), ", ")));
+  }
+  const auto begin = std::chrono::steady_clock::now();
+  const Fleet fleet(instance, options.collision, deadline);
+
+  Plan plan;
+  StepPlan solution;
+  SolveOptions last = options;
+  double prepared = 0.0;  // [s]
+  plan.statistics.reason = fleet.proof_of_infeasibility(deadline);
+  if (plan.statistics.reason.empty() && !algorithm->lets_robots_overlap &&
+      !fleet.overlapping_pairs().empty()) {
+    plan.statistics.reason =
+        fmt::format("{}; only escot and pbcr let them", fleet.overlapping_pairs().first());
+  } else if (plan.statistics.reason.empty()) {
+    prepared = seconds_since(begin);
+    solution = run_repeatedly(*algorithm, fleet, last, deadline);
+    plan.statistics.reason = reason(solution);
+  } else {
+    solution.status = Status::kInfeasible;
+  }
+
+  for (const Agent& agent : instance.agents) {
+    plan.names.push_back(agent.name);
+    plan.vehicles.push_back(agent.vehicle);
+  }
+  plan.trajectories = std::move(solution.trajectories);
+  plan.statistics.status = to_string(solution.status);
+  plan.statistics.algorithm = options.algorithm;
+  plan.statistics.seed = last.seed;
+  plan.statistics.dt = solution.dt.value_or(instance.dt);
+  plan.statistics.solo_makespan = solution.solo_makespan;
+  if (solution.first_solution) {
+    plan.statistics.first_solution = *solution.first_solution + prepared;
+  }
+  plan.statistics.lower_bound = fleet.lower_bound();
+  plan.statistics.initial_overlaps = exemptions_of(instance);
+  fill_in_durations(plan);
+  plan.statistics.runtime = seconds_since(begin);
+  return plan;
+}
+
+}  // namespace mvtp
