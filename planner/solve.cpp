@@ -9,7 +9,7 @@
 #include "planner/anytime/escot_star.hpp"
 #include "planner/escot/conflict_based_search.hpp"
 #include "planner/escot/escot.hpp"
-#include "planner/escot/fleet.hpp"
+#include "planner/escot/planning_problem.hpp"
 #include "planner/escot/prioritized.hpp"
 #include "planner/problem/initial_overlap.hpp"
 #include "planner/problem/input_error.hpp"
@@ -18,14 +18,16 @@
 namespace mvtp {
 namespace {
 
-StepPlan run_escot(const Fleet& fleet, const SolveOptions& options, const Deadline& deadline) {
+StepPlan run_escot(const PlanningProblem& fleet, const SolveOptions& options,
+                   const Deadline& deadline) {
   EscotOptions escot;
   escot.seed = options.seed;
   escot.world.seed = options.seed;
   return solve_escot(fleet, escot, deadline);
 }
 
-StepPlan run_pbcr(const Fleet& fleet, const SolveOptions& options, const Deadline& deadline) {
+StepPlan run_pbcr(const PlanningProblem& fleet, const SolveOptions& options,
+                  const Deadline& deadline) {
   EscotOptions escot;
   escot.seed = options.seed;
   escot.world.seed = options.seed;
@@ -35,7 +37,8 @@ StepPlan run_pbcr(const Fleet& fleet, const SolveOptions& options, const Deadlin
 }
 
 /// Conflict-based search over all robots at once.
-StepPlan run_cbs(const Fleet& fleet, const CbsOptions& options, const Deadline& deadline) {
+StepPlan run_cbs(const PlanningProblem& fleet, const CbsOptions& options,
+                 const Deadline& deadline) {
   std::vector<CbsRobot> robots;
   const Configuration starts = fleet.starts();
   for (int i = 0; i < fleet.size(); ++i) {
@@ -52,28 +55,30 @@ StepPlan run_cbs(const Fleet& fleet, const CbsOptions& options, const Deadline& 
   return plan;
 }
 
-StepPlan run_eccr(const Fleet& fleet, const SolveOptions&, const Deadline& deadline) {
+StepPlan run_eccr(const PlanningProblem& fleet, const SolveOptions&, const Deadline& deadline) {
   return run_cbs(fleet, eccr_options(), deadline);
 }
 
-StepPlan run_cl_cbs(const Fleet& fleet, const SolveOptions&, const Deadline& deadline) {
+StepPlan run_cl_cbs(const PlanningProblem& fleet, const SolveOptions&, const Deadline& deadline) {
   return run_cbs(fleet, cl_cbs_options(), deadline);
 }
 
-StepPlan run_sha(const Fleet& fleet, const SolveOptions& options, const Deadline& deadline) {
-  PrioritisedOptions sha;
+StepPlan run_sha(const PlanningProblem& fleet, const SolveOptions& options,
+                 const Deadline& deadline) {
+  PrioritizedOptions sha;
   sha.seed = options.seed;
-  return plan_prioritised(fleet, sha, deadline);
+  return plan_prioritized(fleet, sha, deadline);
 }
 
-StepPlan run_escot_star(const Fleet& fleet, const SolveOptions& options, const Deadline& deadline) {
+StepPlan run_escot_star(const PlanningProblem& fleet, const SolveOptions& options,
+                        const Deadline& deadline) {
   return solve_escot_star(
       fleet, {.seed = options.seed, .gap = options.gap, .threads = options.threads}, deadline);
 }
 
 struct Algorithm {
   std::string name;
-  StepPlan (*run)(const Fleet&, const SolveOptions&, const Deadline&);
+  StepPlan (*run)(const PlanningProblem&, const SolveOptions&, const Deadline&);
   /// Can it plan for robots that overlap each other at their starts or goals?
   bool lets_robots_overlap = false;
 };
@@ -86,8 +91,8 @@ const std::vector<Algorithm>& algorithms() {
 }
 
 /// @param options  its seed becomes that of the last run: the one that solved, if any did
-StepPlan run_repeatedly(const Algorithm& algorithm, const Fleet& fleet, SolveOptions& options,
-                        const Deadline& deadline) {
+StepPlan run_repeatedly(const Algorithm& algorithm, const PlanningProblem& fleet,
+                        SolveOptions& options, const Deadline& deadline) {
   StepPlan plan;
   const std::uint64_t first_seed = options.seed;
   for (int run = 0; run < std::max(options.runs, 1); ++run) {
@@ -132,7 +137,7 @@ Plan solve(const Instance& instance, const SolveOptions& options, const Deadline
                                  fmt::join(algorithm_names(), ", ")));
   }
   const auto begin = std::chrono::steady_clock::now();
-  const Fleet fleet(instance, options.collision, deadline);
+  const PlanningProblem fleet(instance, options.collision, deadline);
 
   Plan plan;
   StepPlan solution;

@@ -16,7 +16,7 @@
 namespace mvtp {
 namespace {
 
-constexpr double kInstant = 0.106;   ///< the fastest robot drives no further between instants [m]
+constexpr double kTimeStep = 0.106;  ///< the fastest robot drives no further between time steps [m]
 constexpr double kSoloWeight = 1.1;  ///< the longest ways alone are looked for again, better
 constexpr int kSoloExpansions = 20'000;
 constexpr std::int64_t kPatience =
@@ -39,8 +39,8 @@ TimeGrid time_grid(const Instance& instance) {
     action = std::min({action, vehicle.min_turning_radius / 2, vehicle.length() / 2});
   }
   TimeGrid time;
-  time.dt = instance.dt / std::max(1.0, std::ceil(instance.dt * speed / kInstant - 1e-9));
-  time.bucket = std::clamp(int(action / (speed * time.dt)), 2, 60);
+  time.dt = instance.dt / std::max(1.0, std::ceil(instance.dt * speed / kTimeStep - 1e-9));
+  time.macro_step = std::clamp(int(action / (speed * time.dt)), 2, 60);
   return time;
 }
 
@@ -53,7 +53,7 @@ double reach_of_actions(const Instance& instance) {
 
 /// The instance as all searchers see it; they change nothing in it.
 struct Scene {
-  Scene(const Fleet& fleet, const Deadline& deadline)
+  Scene(const PlanningProblem& fleet, const Deadline& deadline)
       : time(time_grid(fleet.instance())),
         obstacles(fleet.instance().map, reach_of_actions(fleet.instance())),
         clearance(fleet.instance().map, obstacles, deadline) {
@@ -73,11 +73,11 @@ struct Scene {
   TimeGrid time;
   Obstacles obstacles;
   Clearance clearance;
-  std::vector<MacroCar> cars;
+  std::vector<MotionPrimitives> cars;
   std::vector<MacroRobot> robots;
   std::vector<TimedTrack> alone;
-  int lower_bound = 0;  ///< [instants]
-  int goal = 0;         ///< good enough [instants]
+  int lower_bound = 0;  ///< [time steps]
+  int goal = 0;         ///< good enough [time steps]
 };
 
 /// One thread's search for plans.
@@ -232,7 +232,7 @@ double Searcher::solo_makespan() const {
   return longest * scene_.time.dt;
 }
 
-std::vector<Trajectory> trajectories(const Fleet& fleet, const Scene& scene,
+std::vector<Trajectory> trajectories(const PlanningProblem& fleet, const Scene& scene,
                                      const Incumbent& plan) {
   std::vector<Trajectory> result;
   for (int i = 0; i < fleet.size(); ++i) {
@@ -252,7 +252,7 @@ std::vector<Trajectory> trajectories(const Fleet& fleet, const Scene& scene,
 
 }  // namespace
 
-StepPlan solve_escot_star(const Fleet& fleet, const EscotStarOptions& options,
+StepPlan solve_escot_star(const PlanningProblem& fleet, const EscotStarOptions& options,
                           const Deadline& deadline) {
   const auto begin = std::chrono::steady_clock::now();
   StepPlan plan{Status::kExhausted, {}};

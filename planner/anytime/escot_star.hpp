@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-#include "planner/escot/fleet.hpp"
+#include "planner/escot/planning_problem.hpp"
 #include "planner/escot/step_plan.hpp"
 #include "planner/problem/deadline.hpp"
 
@@ -17,10 +17,11 @@ struct EscotStarOptions {
 /// ESCoT*: near-optimal plans, improved until the deadline or the gap.
 ///
 /// 1. Every robot alone (find_single_agent_tracks), by a search that could drive through others at
-/// a price
-///    (SoftAstar).
+/// a soft-collision cost
+///    (SoftHybridAstar).
 /// 2. From these a plan for all, by repair of what overlaps, one robot at a time (Repair), under
-///    a deadline for all from the start; where that halts, in turn (FirstPlan, TakingTurns).
+///    a deadline for all from the start; where that halts, in turn (FirstPlan,
+///    RevisedPrioritizedPlanning).
 /// 3. A deadline for all robots is lowered towards the lower bound; whoever is late is planned anew
 ///    and the rest repaired.
 /// 4. At the makespan found, robots arrive earlier where they can: the sum of costs.
@@ -28,7 +29,7 @@ struct EscotStarOptions {
 /// Always continuous in its collision rule. Steps are shorter than the instance's: see
 /// StepPlan::dt. Budgets are in expansions: equal seeds and threads give equal plans, unless the
 /// deadline ends the search. Source of the repair: LNS2, Li et al. 2022.
-[[nodiscard]] StepPlan solve_escot_star(const Fleet& fleet, const EscotStarOptions& options,
-                                        const Deadline& deadline);
+[[nodiscard]] StepPlan solve_escot_star(const PlanningProblem& fleet,
+                                        const EscotStarOptions& options, const Deadline& deadline);
 
 }  // namespace mvtp

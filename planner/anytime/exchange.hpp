@@ -12,8 +12,8 @@ namespace mvtp {
 /// A plan that is free of conflicts; none yet if `tracks` is empty.
 struct Incumbent {
   std::vector<TimedTrack> tracks;
-  int makespan = std::numeric_limits<int>::max();                    ///< [instants]
-  std::int64_t flowtime = std::numeric_limits<std::int64_t>::max();  ///< [instants]
+  int makespan = std::numeric_limits<int>::max();                    ///< [time steps]
+  std::int64_t flowtime = std::numeric_limits<std::int64_t>::max();  ///< [time steps]
 
   [[nodiscard]] bool better_than(const Incumbent& other) const {
     return makespan != other.makespan ? makespan < other.makespan : flowtime < other.flowtime;
@@ -25,7 +25,7 @@ struct Incumbent {
 /// Everyone waits for everyone, so that the result depends on the number of searchers only.
 class Exchange {
  public:
-  /// @param goal  a plan of this makespan ends the search [instants]
+  /// @param goal  a plan of this makespan ends the search [time steps]
   Exchange(int searchers, int goal);
 
   /// Offers a plan and takes over the best of all, if it is better. To be called by every searcher

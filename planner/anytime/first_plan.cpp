@@ -7,15 +7,15 @@
 #include <numeric>
 #include <utility>
 
-#include "planner/anytime/taking_turns.hpp"
+#include "planner/anytime/revised_prioritized_planning.hpp"
 #include "planner/anytime/windows.hpp"
 
 namespace mvtp {
 namespace {
 
 constexpr int kExpansions = 500;  ///< of the first search for a robot
-constexpr int kDelays = 4;        ///< ways alone begin at multiples of so many buckets
-constexpr double kNoLimit = 1e9;  ///< [instants]
+constexpr int kDelays = 4;        ///< ways alone begin at multiples of so many macro steps
+constexpr double kNoLimit = 1e9;  ///< [time steps]
 constexpr std::int64_t kPatienceWithTurns = 1500;  ///< expansions per robot without progress
 
 }  // namespace
@@ -32,8 +32,8 @@ bool FirstPlan::find() {
   if (!motion_.place_all(alone_, deadline_)) return false;
   const bool crowd = needs_windows(motion_);
   motion_.clear();
-  temper_ = crowd ? kCrowded : kCalm;
-  set_limit(temper_.limit * alone_[std::size_t(longest_way_first().front())].arrival());
+  options_ = crowd ? kCrowded : kCalm;
+  set_limit(options_.limit * alone_[std::size_t(longest_way_first().front())].arrival());
   if (!crowd) return place_one_by_one() && resolve();
   return spread_out() && resolve_by_windows(motion_, [this] { return resolve(); });
 }
@@ -63,14 +63,14 @@ bool FirstPlan::place_one_by_one() {
 /// Everyone drives the way alone, begun when it meets fewest of those placed so far. All the time
 /// there is gets used, so that far fewer are under way at once. False if the time ran out.
 bool FirstPlan::spread_out() {
-  const int bucket = motion_.time().bucket;
+  const int macro_step = motion_.time().macro_step;
   for (const int i : longest_way_first()) {
     if (deadline_.expired()) return false;
     const TimedTrack& way = alone_[std::size_t(i)];
     int best = 0;
     int fewest = std::numeric_limits<int>::max();
     for (int wait = 0; fewest > 0; wait += kDelays) {
-      if (wait > 0 && wait * bucket + way.arrival() > limit_) break;
+      if (wait > 0 && wait * macro_step + way.arrival() > limit_) break;
       const int met = motion_.overlaps(i, way, fewest, wait);
       if (met < fewest) {
         fewest = met;
@@ -91,14 +91,14 @@ void FirstPlan::plan_softly(int i) {
 
 /// Until nobody overlaps before the horizon.
 bool FirstPlan::resolve() {
-  const std::int64_t patience = temper_.patience * motion_.size();
-  const int halts_before_turns = temper_.halts + motion_.size() / temper_.robots_per_halt;
+  const std::int64_t patience = options_.patience * motion_.size();
+  const int halts_before_turns = options_.halts + motion_.size() / options_.robots_per_halt;
   for (int halts = 1; !repair_.run(patience, interrupt_); ++halts) {
     if (over()) return false;
     const bool turns = halts >= halts_before_turns && !std::exchange(turns_taken_, true);
     if (turns && take_turns()) return true;
     if (over()) return false;
-    set_limit(temper_.relax * limit_);
+    set_limit(options_.relax * limit_);
   }
   return true;
 }
@@ -108,7 +108,7 @@ bool FirstPlan::take_turns() {
   const JointMotion::State before = motion_.state();
   const double limit = limit_;
   set_limit(kNoLimit);
-  TakingTurns turns(motion_, alone_, deadline_);
+  RevisedPrioritizedPlanning turns(motion_, alone_, deadline_);
   const std::int64_t patience = kPatienceWithTurns * motion_.size();
   turns.run(patience);
   const bool most = turns.gone() > motion_.size() / 2;

@@ -12,11 +12,12 @@ namespace mvtp {
 /// A plan for all robots from their ways alone, whatever its makespan.
 ///
 /// 1. One after the other, those with the longest way first, robots are placed by a search that may
-///    drive through others at a price. In a crowd, where very many ways alone overlap, they drive
-///    these instead, begun when they meet fewest, and what follows is done window by window of
-///    time.
+///    drive through others at a soft-collision cost. In a crowd, where very many ways alone
+///    overlap, they drive these instead, begun when they meet fewest, and what follows is done
+///    window by window of time.
 /// 2. What overlaps is repaired, within a deadline for all.
-/// 3. When that comes to a halt, robots take turns (TakingTurns), and those left without a way are
+/// 3. When that comes to a halt, robots take turns (RevisedPrioritizedPlanning), and those left
+/// without a way are
 ///    placed as in 1 and repaired. If this fails too, the deadline is put off, again and again; in
 ///    a crowd it is so first, and by little.
 class FirstPlan {
@@ -30,15 +31,15 @@ class FirstPlan {
 
  private:
   /// What differs in a crowd.
-  struct Temper {
+  struct FirstPlanOptions {
     double limit;           ///< of all arrivals at first, in longest ways alone
     double relax;           ///< the limit becomes so much later at every halt ...
     std::int64_t patience;  ///< ... after so many expansions per robot without progress
     int halts;              ///< so many on end before robots take turns ...
     int robots_per_halt;    ///< ... and one more for so many: turns take time with their square
   };
-  static constexpr Temper kCalm{1.2, 1.25, 750, 1, 100};
-  static constexpr Temper kCrowded{1.25, 1.05, 150, 4, 50};
+  static constexpr FirstPlanOptions kCalm{1.2, 1.25, 750, 1, 100};
+  static constexpr FirstPlanOptions kCrowded{1.25, 1.05, 150, 4, 50};
 
   [[nodiscard]] bool place_one_by_one();
   [[nodiscard]] bool spread_out();
@@ -54,8 +55,8 @@ class FirstPlan {
   const std::vector<TimedTrack>& alone_;
   const Deadline& deadline_;
   Repair::Interrupt interrupt_;
-  Temper temper_ = kCalm;
-  double limit_ = 0.0;  ///< of all arrivals [instants]
+  FirstPlanOptions options_ = kCalm;
+  double limit_ = 0.0;  ///< of all arrivals [time steps]
   bool turns_taken_ = false;
 };
 

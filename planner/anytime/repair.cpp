@@ -20,7 +20,7 @@ SoftProblem Repair::problem(int i) {
   SoftProblem problem;
   problem.car = motion_.robot(i).car;
   problem.cost_to_go = motion_.robot(i).cost_to_go;
-  problem.others = motion_.others(i, options_.price);
+  problem.others = motion_.others(i, options_.soft_cost);
   problem.start = motion_.robot(i).start;
   problem.deadline = limit_;
   return problem;
@@ -32,7 +32,7 @@ SoftOptions Repair::soft_options(int expansions, bool finely) const {
   options.max_expansions = expansions;
   if (finely) {
     options.refine();
-    options.cell_buckets = 1;
+    options.cell_macro_steps = 1;
     options.slowly = true;
   }
   return options;
@@ -43,17 +43,17 @@ bool Repair::plan(int i, const SoftOptions& options, const TimedTrack* old, int 
   const Pose start = among.start;
   std::vector<Arc> steps;
   if (old != nullptr && from > 0) {
-    const int t = from * motion_.time().bucket;
+    const int t = from * motion_.time().macro_step;
     among.start = old->pose(t);
-    among.start_bucket = from;
+    among.start_macro_step = from;
     steps.assign(old->steps().begin(), old->steps().begin() + std::min(t, old->arrival()));
     steps.resize(std::size_t(t));
   }
   const std::optional<SoftPath> path = search_.search(among, options, deadline_);
   if (!path) return false;
   steps.insert(steps.end(), path->steps.begin(), path->steps.end());
-  motion_.place(i,
-                TimedTrack(among.car->vehicle(), start, std::move(steps), motion_.time().bucket));
+  motion_.place(
+      i, TimedTrack(among.car->vehicle(), start, std::move(steps), motion_.time().macro_step));
   return true;
 }
 
@@ -80,7 +80,7 @@ Repair::Choice Repair::choose() {
   const int robot = std::ranges::min(pair.first, pair.second, {}, last_tried);
   int from = 0;
   if (random_.below(100) < options_.tail_percent) {
-    from = motion_.first_conflict(robot) - 1 - random_.below(options_.tail_buckets);
+    from = motion_.first_conflict(robot) - 1 - random_.below(options_.tail_macro_steps);
   }
   return {robot, std::max(from, 0)};
 }
@@ -99,7 +99,8 @@ bool Repair::plan_anew(const Choice& choice, const TimedTrack& old) {
 bool Repair::drive_alone(int i) {
   const TimedTrack& way = alone_[std::size_t(i)];
   if (way.arrival() > limit_) return false;
-  const int latest = std::min(limit_ - way.arrival(), motion_.makespan()) / motion_.time().bucket;
+  const int latest =
+      std::min(limit_ - way.arrival(), motion_.makespan()) / motion_.time().macro_step;
   motion_.place(i, motion_.track_after(i, random_.below(latest + 1), way.steps()));
   return true;
 }

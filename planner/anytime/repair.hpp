@@ -8,7 +8,7 @@
 
 #include "planner/problem/deadline.hpp"
 #include "planner/search/joint_motion.hpp"
-#include "planner/search/soft_astar.hpp"
+#include "planner/search/soft_hybrid_astar.hpp"
 
 namespace mvtp {
 
@@ -33,13 +33,13 @@ class RandomNumbers {
 /// What the repair does; the effect of each value was measured on random instances of all
 /// densities.
 struct RepairOptions {
-  double price = 10.0;       ///< of overlapping a robot for one bucket [s]; 5 is clearly worse
+  double soft_cost = 10.0;   ///< of overlapping a robot for one macro step [s]; 5 is clearly worse
   double weight = 2.0;       ///< of the cost-to-go; 1.5 is slower at density, 3 fails more often
   int expansions = 300;      ///< of one search; the rarer larger ones get through tight places
   int larger_every = 8;      ///< one search in so many may expand ...
   int larger_factor = 8;     ///< ... so many times more
   int tail_percent = 90;     ///< so often only what follows shortly before a conflict is planned
-  int tail_buckets = 8;      ///< so many buckets before it at most
+  int tail_macro_steps = 8;  ///< so many macro steps before it at most
   float weight_step = 0.5F;  ///< a pair that stays in conflict becomes so much heavier
   int stall = 120;           ///< expansions per robot without progress: some searches are finer
 };
@@ -62,16 +62,16 @@ class Repair {
   Repair(JointMotion& motion, const std::vector<TimedTrack>& alone, const RepairOptions& options,
          std::uint64_t seed, const Deadline& deadline);
 
-  /// Nobody may arrive later than at this instant.
-  void set_limit(int instant) { limit_ = instant; }
+  /// Nobody may arrive later than at this time step.
+  void set_limit(int time_step) { limit_ = time_step; }
   [[nodiscard]] std::int64_t expansions() const { return search_.expansions(); }
-  [[nodiscard]] SoftAstar& search() { return search_; }
+  [[nodiscard]] SoftHybridAstar& search() { return search_; }
 
   /// For a search among the others.
   /// @param finely  with smaller cells and slow actions, for tight places
   [[nodiscard]] SoftOptions soft_options(int expansions, bool finely = false) const;
   /// Plans robot i, absent so far, among the others and places it; or leaves it absent.
-  /// @param old   nullptr, or the motion that is kept until bucket `from`
+  /// @param old   nullptr, or the motion that is kept until macro step `from`
   [[nodiscard]] bool plan(int i, const SoftOptions& options, const TimedTrack* old = nullptr,
                           int from = 0);
 
@@ -90,7 +90,7 @@ class Repair {
  private:
   struct Choice {
     int robot;
-    int from;  ///< the bucket from which it is planned anew
+    int from;  ///< the macro step from which it is planned anew
   };
 
   [[nodiscard]] SoftProblem problem(int i);
@@ -104,7 +104,7 @@ class Repair {
   const std::vector<TimedTrack>& alone_;
   RepairOptions options_;
   const Deadline& deadline_;
-  SoftAstar search_;
+  SoftHybridAstar search_;
   RandomNumbers random_;
   int limit_ = std::numeric_limits<int>::max();
   int tried_ = 0;

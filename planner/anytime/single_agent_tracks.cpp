@@ -14,8 +14,8 @@ constexpr int kExpansions = 500;
 constexpr int kFinerLevels = 3;  ///< of searches with smaller cells where that finds none
 constexpr int kFactor = 8;       ///< each has so many times the expansions of the one before
 
-/// Arcs of any length, cut into pieces of an instant at most.
-std::vector<Arc> by_instants(const std::vector<Arc>& arcs, double step_length) {
+/// Arcs of any length, cut into pieces of an time step at most.
+std::vector<Arc> by_time_steps(const std::vector<Arc>& arcs, double step_length) {
   std::vector<Arc> steps;
   for (const Arc& arc : arcs) {
     const int pieces = std::max(1, int(std::ceil(std::abs(arc.length) / step_length - 1e-9)));
@@ -24,14 +24,14 @@ std::vector<Arc> by_instants(const std::vector<Arc>& arcs, double step_length) {
   return steps;
 }
 
-std::optional<TimedTrack> find_way(SoftAstar& search, const Fleet& fleet, int i,
+std::optional<TimedTrack> find_way(SoftHybridAstar& search, const PlanningProblem& fleet, int i,
                                    const MacroRobot& robot, const Deadline& deadline) {
   std::optional<TimedTrack> way =
       find_single_agent_track(search, robot, kWeight, kExpansions, 0, deadline);
   if (way) return way;
   if (const std::optional<std::vector<Arc>> arcs = find_single_agent_path(fleet, i, deadline)) {
     return TimedTrack(robot.car->vehicle(), robot.start,
-                      by_instants(*arcs, robot.car->step_length()), robot.car->time().bucket);
+                      by_time_steps(*arcs, robot.car->step_length()), robot.car->time().macro_step);
   }
   int expansions = kExpansions;
   for (int finer = 1; finer <= kFinerLevels && !way && !deadline.expired(); ++finer) {
@@ -43,7 +43,7 @@ std::optional<TimedTrack> find_way(SoftAstar& search, const Fleet& fleet, int i,
 
 }  // namespace
 
-std::optional<TimedTrack> find_single_agent_track(SoftAstar& search, const MacroRobot& robot,
+std::optional<TimedTrack> find_single_agent_track(SoftHybridAstar& search, const MacroRobot& robot,
                                                   double weight, int expansions, int finer,
                                                   const Deadline& deadline) {
   const TimeGrid& time = robot.car->time();
@@ -61,13 +61,13 @@ std::optional<TimedTrack> find_single_agent_track(SoftAstar& search, const Macro
   for (int level = 0; level < finer; ++level) options.refine();
   std::optional<SoftPath> path = search.search(alone, options, deadline);
   if (!path) return std::nullopt;
-  return TimedTrack(robot.car->vehicle(), robot.start, std::move(path->steps), time.bucket);
+  return TimedTrack(robot.car->vehicle(), robot.start, std::move(path->steps), time.macro_step);
 }
 
-std::vector<TimedTrack> find_single_agent_tracks(const Fleet& fleet,
+std::vector<TimedTrack> find_single_agent_tracks(const PlanningProblem& fleet,
                                                  const std::vector<MacroRobot>& robots,
                                                  const Deadline& deadline) {
-  SoftAstar search(1);
+  SoftHybridAstar search(1);
   std::vector<TimedTrack> ways;
   for (int i = 0; i < fleet.size(); ++i) {
     std::optional<TimedTrack> way =

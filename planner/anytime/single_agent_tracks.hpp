@@ -3,10 +3,10 @@
 #include <optional>
 #include <vector>
 
-#include "planner/escot/fleet.hpp"
+#include "planner/escot/planning_problem.hpp"
 #include "planner/problem/deadline.hpp"
 #include "planner/search/joint_motion.hpp"
-#include "planner/search/soft_astar.hpp"
+#include "planner/search/soft_hybrid_astar.hpp"
 
 namespace mvtp {
 
@@ -14,7 +14,7 @@ namespace mvtp {
 /// @param weight  of the cost-to-go, >= 1
 /// @param finer   so many times smaller are the cells of the search; slow actions are used if > 0
 /// @return nullopt if none was found in so many expansions or until the deadline
-[[nodiscard]] std::optional<TimedTrack> find_single_agent_track(SoftAstar& search,
+[[nodiscard]] std::optional<TimedTrack> find_single_agent_track(SoftHybridAstar& search,
                                                                 const MacroRobot& robot,
                                                                 double weight, int expansions,
                                                                 int finer,
@@ -24,6 +24,6 @@ namespace mvtp {
 /// ever finer searches; empty if one was not found.
 /// @param robots  those of the fleet, in its order
 [[nodiscard]] std::vector<TimedTrack> find_single_agent_tracks(
-    const Fleet& fleet, const std::vector<MacroRobot>& robots, const Deadline& deadline);
+    const PlanningProblem& fleet, const std::vector<MacroRobot>& robots, const Deadline& deadline);
 
 }  // namespace mvtp

@@ -4,8 +4,8 @@ namespace mvtp {
 namespace {
 
 constexpr double kConflictsPerRobot = 1.0;
-constexpr int kWindow = 12;  ///< [buckets]
-constexpr int kSight = 20;   ///< searches see so much further than the window [buckets]
+constexpr int kWindow = 12;  ///< [macro steps]
+constexpr int kSight = 20;   ///< searches see so much further than the window [macro steps]
 
 }  // namespace
 
@@ -17,7 +17,7 @@ bool resolve_by_windows(JointMotion& motion, const std::function<bool()>& resolv
   motion.restore({motion.tracks(), kWindow, kWindow + kSight});
   for (int end = kWindow; resolve(); end += kWindow) {
     if (!motion.has_horizon()) return true;
-    if (end * motion.time().bucket > motion.makespan()) {
+    if (end * motion.time().macro_step > motion.makespan()) {
       motion.set_horizon(JointMotion::kNoHorizon, JointMotion::kNoHorizon);
       return true;
     }

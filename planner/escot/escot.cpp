@@ -10,7 +10,7 @@ namespace {
 /// Q_0 ... Q_back of Algorithm 2 with the arcs between them, and where each configuration is found.
 class History {
  public:
-  explicit History(const Fleet& fleet) : fleet_(fleet) {
+  explicit History(const PlanningProblem& fleet) : fleet_(fleet) {
     for (const Pose& start : fleet.starts()) trajectories_.emplace_back(start);
     remember();
   }
@@ -100,14 +100,15 @@ class History {
     }
   }
 
-  const Fleet& fleet_;
+  const PlanningProblem& fleet_;
   std::vector<Trajectory> trajectories_;
   std::unordered_multimap<Key, std::size_t> times_;
 };
 
 }  // namespace
 
-StepPlan solve_escot(const Fleet& fleet, const EscotOptions& options, const Deadline& deadline) {
+StepPlan solve_escot(const PlanningProblem& fleet, const EscotOptions& options,
+                     const Deadline& deadline) {
   if (fleet.size() == 0) return {Status::kSolved, {}};
   SteppedWorld world(fleet, options.world, deadline);
   std::mt19937_64 rng(options.seed);

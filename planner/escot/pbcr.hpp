@@ -48,7 +48,7 @@ concept EvasiveWorld = StepWorld<W> &&
     requires(const W& world, int i, const typename W::State& state,
              const typename W::Motion& motion) {
   /// Motions of robot i in the way of another one and its motion; instead of candidates().
-  { world.evasions(i, state, i, motion) } -> MotionList<typename W::Motion>;
+  { world.push_candidates(i, state, i, motion) } -> MotionList<typename W::Motion>;
 };
 
 /// A world may know which motion comes first in candidates() without looking at the others.
@@ -199,15 +199,15 @@ class Pbcr<World>::Step {
   bool push_out_of_the_way_of(int i) {
     for (const int j : near(i)) {
       if (at(decided_, j) || !world_.conflict(i, *at(decided_, i), j, at(stops_, j))) continue;
-      if (!decide(j, evasions(j, i))) return false;
+      if (!decide(j, push_candidates(j, i))) return false;
     }
     return true;
   }
 
   /// What robot j may do while it is pushed by i.
-  decltype(auto) evasions(int j, int i) {
+  decltype(auto) push_candidates(int j, int i) {
     if constexpr (EvasiveWorld<World>) {
-      return world_.evasions(j, at(from_, j), i, *at(decided_, i));
+      return world_.push_candidates(j, at(from_, j), i, *at(decided_, i));
     } else {
       return candidates(j);
     }

@@ -24,9 +24,10 @@ struct Attempt {
   int failed = -1;
 };
 
-class Prioritised {
+class Prioritized {
  public:
-  Prioritised(const Fleet& fleet, const PrioritisedOptions& options, const Deadline& deadline)
+  Prioritized(const PlanningProblem& fleet, const PrioritizedOptions& options,
+              const Deadline& deadline)
       : fleet_(fleet),
         options_(options),
         deadline_(deadline),
@@ -115,8 +116,8 @@ class Prioritised {
     return plan;
   }
 
-  const Fleet& fleet_;
-  const PrioritisedOptions& options_;
+  const PlanningProblem& fleet_;
+  const PrioritizedOptions& options_;
   const Deadline& deadline_;
   SpacetimeHybridAstar planner_;
   Configuration starts_;
@@ -124,9 +125,9 @@ class Prioritised {
 
 }  // namespace
 
-StepPlan plan_prioritised(const Fleet& fleet, const PrioritisedOptions& options,
+StepPlan plan_prioritized(const PlanningProblem& fleet, const PrioritizedOptions& options,
                           const Deadline& deadline) {
-  return Prioritised(fleet, options, deadline).run();
+  return Prioritized(fleet, options, deadline).run();
 }
 
 }  // namespace mvtp

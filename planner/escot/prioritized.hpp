@@ -2,13 +2,13 @@
 
 #include <cstdint>
 
-#include "planner/escot/fleet.hpp"
+#include "planner/escot/planning_problem.hpp"
 #include "planner/escot/step_plan.hpp"
 #include "planner/problem/deadline.hpp"
 
 namespace mvtp {
 
-struct PrioritisedOptions {
+struct PrioritizedOptions {
   double w = 1.2;              ///< of each robot's search, >= 1
   int max_expansions = 20000;  ///< of each robot's search
   int max_orders = 10000;      ///< that are tried
@@ -18,7 +18,7 @@ struct PrioritisedOptions {
   std::uint64_t seed = 0;  ///< of the orders
 };
 
-/// SHA*: prioritised planning. One robot after the other gets the quickest way that keeps clear of
+/// SHA*: prioritized planning. One robot after the other gets the quickest way that keeps clear of
 /// those before it, which are moving obstacles, and stay where they arrive for ever: a way neither
 /// crosses a robot that has parked, nor ends where one has yet to pass.
 ///
@@ -26,7 +26,8 @@ struct PrioritisedOptions {
 /// order was tried before, the next one is random.
 /// Source: Wen et al. 2022 (the baseline SHA*); Erdmann & Lozano-Perez 1987; the treatment of
 /// starts and orders is that of Andreychuk & Yakovlev 2018.
-[[nodiscard]] StepPlan plan_prioritised(const Fleet& fleet, const PrioritisedOptions& options,
+[[nodiscard]] StepPlan plan_prioritized(const PlanningProblem& fleet,
+                                        const PrioritizedOptions& options,
                                         const Deadline& deadline);
 
 }  // namespace mvtp

@@ -6,7 +6,7 @@
 
 namespace mvtp {
 
-std::optional<std::vector<Arc>> find_single_agent_path(const Fleet& fleet, int i,
+std::optional<std::vector<Arc>> find_single_agent_path(const PlanningProblem& fleet, int i,
                                                        const Deadline& deadline) {
   const Instance& instance = fleet.instance();
   const SteppedCar car(fleet.car(i).vehicle(), instance.dt, CollisionRule::kContinuous,
@@ -22,7 +22,7 @@ std::optional<std::vector<Arc>> find_single_agent_path(const Fleet& fleet, int i
   return std::move(path->steps);
 }
 
-bool solvable_alone(const Fleet& fleet, int i) {
+bool solvable_alone(const PlanningProblem& fleet, int i) {
   return find_single_agent_path(fleet, i, Deadline::never()).has_value();
 }
 

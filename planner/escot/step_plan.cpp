@@ -2,7 +2,7 @@
 
 namespace mvtp {
 
-Trajectory trajectory_of(const Fleet& fleet, int i, const std::vector<Arc>& steps) {
+Trajectory trajectory_of(const PlanningProblem& fleet, int i, const std::vector<Arc>& steps) {
   Trajectory trajectory(fleet.instance().agents[std::size_t(i)].start);
   for (const Arc& arc : steps) {
     const Pose& from = trajectory.waypoints().back().pose;

@@ -3,7 +3,7 @@
 #include <optional>
 #include <vector>
 
-#include "planner/escot/fleet.hpp"
+#include "planner/escot/planning_problem.hpp"
 #include "planner/problem/plan.hpp"
 
 namespace mvtp {
@@ -18,6 +18,7 @@ struct StepPlan {
 };
 
 /// The trajectory of robot i that drives `steps` from its start.
-[[nodiscard]] Trajectory trajectory_of(const Fleet& fleet, int i, const std::vector<Arc>& steps);
+[[nodiscard]] Trajectory trajectory_of(const PlanningProblem& fleet, int i,
+                                       const std::vector<Arc>& steps);
 
 }  // namespace mvtp

@@ -79,7 +79,7 @@ double uniform(std::mt19937_64& rng) { return double(rng() >> 11U) * 0x1p-53; }
 
 }  // namespace
 
-SteppedWorld::SteppedWorld(const Fleet& fleet, const SteppedWorldOptions& options,
+SteppedWorld::SteppedWorld(const PlanningProblem& fleet, const SteppedWorldOptions& options,
                            const Deadline& deadline)
     : fleet_(fleet),
       options_(options),
@@ -136,8 +136,8 @@ std::optional<SteppedWorld::Motion> SteppedWorld::first_choice(int i, const Pose
   return best ? std::optional(greedy) : std::nullopt;
 }
 
-SteppedWorld::Ranking SteppedWorld::evasions(int i, const Pose& pose, int pusher,
-                                             const Motion& motion) const {
+SteppedWorld::Ranking SteppedWorld::push_candidates(int i, const Pose& pose, int pusher,
+                                                    const Motion& motion) const {
   std::vector<Way> ways = ways_to_keep_clear(i);
   std::erase_if(ways, [&](const Way& way) { return way.of == pusher; });
   // The pusher goes on along its guide, if that is what it does now, or else as it does now.

@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "planner/escot/conflict_based_search.hpp"
-#include "planner/escot/fleet.hpp"
 #include "planner/escot/generate_config.hpp"
 #include "planner/escot/neighbours.hpp"
+#include "planner/escot/planning_problem.hpp"
 #include "planner/problem/deadline.hpp"
 
 namespace mvtp {
@@ -45,7 +45,8 @@ class SteppedWorld {
 
   class Ranking;
 
-  SteppedWorld(const Fleet& fleet, const SteppedWorldOptions& options, const Deadline& deadline);
+  SteppedWorld(const PlanningProblem& fleet, const SteppedWorldOptions& options,
+               const Deadline& deadline);
 
   // StepWorld
   /// Six arcs, a wait and the greedy action, by score; random actions first [ESCoT Sec. III-E].
@@ -53,7 +54,8 @@ class SteppedWorld {
   /// To stay at the goal or to follow the guide, where nothing speaks against it.
   [[nodiscard]] std::optional<Motion> first_choice(int i, const Pose& pose) const;
   /// The same for a robot that is pushed: it also gives way to its pusher, after that one's motion.
-  [[nodiscard]] Ranking evasions(int i, const Pose& pose, int pusher, const Motion& motion) const;
+  [[nodiscard]] Ranking push_candidates(int i, const Pose& pose, int pusher,
+                                        const Motion& motion) const;
   [[nodiscard]] Motion safe_stop(int i, const Pose& pose) const { return motion(i, pose, {}); }
   [[nodiscard]] bool conflict(int i, const Motion& a, int j, const Motion& b) const {
     return collide(a.sweep, b.sweep) && !is_exempt(i, a, j, b);
@@ -168,7 +170,7 @@ class SteppedWorld {
   void break_joint(int joint);
   void set_guide(int i, const Pose& pose, std::vector<Arc> guide, int joint);
 
-  const Fleet& fleet_;
+  const PlanningProblem& fleet_;
   SteppedWorldOptions options_;
   const Deadline& deadline_;
   SpacetimeHybridAstar planner_;

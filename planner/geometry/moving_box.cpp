@@ -3,7 +3,7 @@
 namespace mvtp {
 namespace {
 
-/// Half way between two instants of a motion along one arc: the chord's middle, pushed out by the
+/// Half way between two time steps of a motion along one arc: the chord's middle, pushed out by the
 /// sagitta chord / 2 * tan(turn / 4), for the body turns evenly about one point.
 BoxPose halfway(const BoxPose& p, const BoxPose& q) {
   const float sine = p.ux * q.uy - p.uy * q.ux;
@@ -23,7 +23,7 @@ struct Instant {
   float gap;
 };
 
-/// The search for an overlap between two instants whose gaps g0, g1 are known: between them the
+/// The search for an overlap between two time steps whose gaps g0, g1 are known: between them the
 /// gap is at least (g0 + g1 - travel) / 2.
 class Bisection {
  public:
@@ -31,7 +31,7 @@ class Bisection {
       : a_(a), b_(b), size_a_(size_a), size_b_(size_b), travel_(size_a.travel + size_b.travel) {}
 
   [[nodiscard]] float gap_at(int t) const { return gap(a_[t], size_a_, b_[t], size_b_); }
-  [[nodiscard]] float travel(int instants) const { return travel_ * float(instants); }
+  [[nodiscard]] float travel(int time_steps) const { return travel_ * float(time_steps); }
 
   [[nodiscard]] bool overlap(int from, float gap_from, int to, float gap_to) const {
     if (gap_from + gap_to >= travel(to - from)) return false;

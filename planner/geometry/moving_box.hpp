@@ -22,13 +22,13 @@ struct BoxPose {
 struct BoxShape {
   float half_length = 0.0F;
   float half_width = 0.0F;
-  /// No point of the body makes a longer way than this between two instants [m].
+  /// No point of the body makes a longer way than this between two time steps [m].
   float travel = 0.0F;
 
   [[nodiscard]] float half_diagonal() const { return std::hypot(half_length, half_width); }
 };
 
-/// The body of `vehicle`; instants are `dt` [s] apart.
+/// The body of `vehicle`; time steps are `dt` [s] apart.
 [[nodiscard]] BoxShape box_shape(const Vehicle& vehicle, double dt);
 
 /// The body whose rear axle is at `frame` and whose middle is `ahead` [m] of it.
@@ -68,7 +68,7 @@ struct SweptBox {
 };
 
 /// A box around the body while it moves through `boxes[0] ... boxes[steps]`, one arc of a circle
-/// between two instants each, aligned with the body half way.
+/// between two time steps each, aligned with the body half way.
 [[nodiscard]] SweptBox swept_box(const BoxPose* boxes, const BoxShape& size, int steps);
 
 /// True only if the two have no point in common.
@@ -77,9 +77,9 @@ struct SweptBox {
 }
 
 /// Do two bodies overlap while each moves through `a[0] ... a[steps]` and `b[0] ... b[steps]`, one
-/// arc of a circle between two instants each?
+/// arc of a circle between two time steps each?
 ///
-/// By bisection, down to between the instants where the gaps prove nothing. Overlaps of up to
+/// By bisection, down to between the time steps where the gaps prove nothing. Overlaps of up to
 /// kBoxTouch are no overlaps. The `travel` of each size need hold for these motions only: 0 at
 /// rest.
 [[nodiscard]] bool meet(const BoxPose* a, const BoxShape& size_a, const BoxPose* b,

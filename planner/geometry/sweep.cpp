@@ -26,7 +26,7 @@ constexpr double series(double q, double first, const std::array<double, 7>& rat
 /// By Taylor series up to 1.2 rad (error < 1e-13), more than a car turns in one step; a few
 /// multiplications, and the same digits with every C library.
 Trig trig(double a) {
-  if (a == 0.0) return {0.0, 1.0, 1.0, 0.0};  // the instant most pairs are told apart at
+  if (a == 0.0) return {0.0, 1.0, 1.0, 0.0};  // the time step most pairs are told apart at
   if (std::abs(a) > 1.2) {
     const double s = std::sin(a);
     const double c = std::cos(a);
@@ -173,7 +173,7 @@ OrientedBox Sweep::around() const {
     return box;
   }
   // Seen from half way, beginning and end mirror each other. Corners go on arcs of circles: they
-  // get further than at the three instants by no more than the sagitta of half the arc.
+  // get further than at the three time steps by no more than the sagitta of half the arc.
   const Trig t = trig(turn_ / 2);
   const double sine = std::abs(t.sin);
   const double way = std::abs(length_ / 2 * t.sinc);

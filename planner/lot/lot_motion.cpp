@@ -106,11 +106,11 @@ std::vector<double> LotMotion::turns() const {
 }
 
 double LotMotion::time_until(const LotCar& car, double s, double stop) const {
-  constexpr double kInstant = 0.1;   // [s]
+  constexpr double kTimeStep = 0.1;  // [s]
   constexpr double kLongest = 60.0;  // [s]
   double time = 0.0;
-  for (State now{car.s, car.v}; now.s < s; time += kInstant) {
-    const State next = advance(car, now, stop, kInstant);
+  for (State now{car.s, car.v}; now.s < s; time += kTimeStep) {
+    const State next = advance(car, now, stop, kTimeStep);
     const bool stands = next.s <= now.s + kStandstill && next.v <= now.v;
     if (stands || time > kLongest) return kInfinity;
     now = next;

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <limits>
 
-#include "planner/lot/lot_draft.hpp"
 #include "planner/lot/lot_ground.hpp"
+#include "planner/lot/replanning_session.hpp"
 #include "planner/motion/inertial_car.hpp"
 
 namespace mvtp {
@@ -28,8 +28,8 @@ LotPlanner::LotPlanner(const ParkingLot& lot, const LotPlannerOptions& options)
       walls_(walls_of(lot)),
       entries_(entry_strips(lot, walls_), kReach),
       footpaths_(lot.footpaths) {
-  time_.dt = kInstant;
-  time_.bucket = std::max(2, int(kAction / (options.limits.speed * kInstant)));
+  time_.dt = kTimeStep;
+  time_.macro_step = std::max(2, int(kAction / (options.limits.speed * kTimeStep)));
   set_standing({});
 }
 
@@ -118,22 +118,22 @@ double LotPlanner::prefix_length(double speed) const {
   const LotLimits& limits = options_.limits;
   double driven = 0.0;
   double v = speed;
-  for (double t = 0.0; t < options_.ahead && speed > 0.0; t += kInstant) {
-    const double next = std::max(limits.speed, v - limits.braking * kInstant);
-    driven += (v + next) / 2 * kInstant;
+  for (double t = 0.0; t < options_.ahead && speed > 0.0; t += kTimeStep) {
+    const double next = std::max(limits.speed, v - limits.braking * kTimeStep);
+    driven += (v + next) / 2 * kTimeStep;
     v = next;
   }
   return std::max(driven, stopping_distance(speed, limits.braking));
 }
 
 /// A request under way: places to choose from, and the best motion found so far.
-class LotPlanner::Admission {
+class LotPlanner::RequestPlanner {
  public:
-  Admission(LotPlanner& planner, const LotMotion& motion, const LotRequest& request,
-            std::span<const StandingCar> waiting)
+  RequestPlanner(LotPlanner& planner, const LotMotion& motion, const LotRequest& request,
+                 std::span<const StandingCar> waiting)
       : options_(planner.options_),
-        draft_(planner, motion, &request, waiting),
-        before_(draft_.forecast().cost()) {
+        session_(planner, motion, &request, waiting),
+        before_(session_.forecast().cost()) {
     find_choices(request.goals.size(), Effort::kQuick);
     if (choices_.empty()) find_choices(request.goals.size(), Effort::kThorough);
     std::ranges::stable_sort(choices_, {}, &Choice::duration);
@@ -150,10 +150,10 @@ class LotPlanner::Admission {
     if (!options_.regroup || choices_.empty()) return;
     const Choice& wish = choices_.front();
     if (best_ && best_->cost - before_ <= wish.duration + options_.worth) return;
-    const int robot = draft_.robot_of_goal(wish.goal);
-    const std::vector<int> blockers = draft_.in_the_way(robot, wish.alone);
-    if (blockers.empty() || !draft_.may_replan(blockers)) return;
-    const std::vector<int> group = draft_.plan_before(robot, wish.alone, blockers);
+    const int robot = session_.robot_of_goal(wish.goal);
+    const std::vector<int> blockers = session_.in_the_way(robot, wish.alone);
+    if (blockers.empty() || !session_.may_replan(blockers)) return;
+    const std::vector<int> group = session_.plan_before(robot, wish.alone, blockers);
     if (!group.empty()) consider(wish, group);
   }
 
@@ -165,7 +165,7 @@ class LotPlanner::Admission {
   }
 
  private:
-  using Effort = Draft::Effort;
+  using Effort = ReplanningSession::Effort;
 
   struct Choice {
     std::size_t goal;
@@ -182,24 +182,24 @@ class LotPlanner::Admission {
 
   void find_choices(std::size_t goals, Effort effort) {
     for (std::size_t g = 0; g < goals; ++g) {
-      const int robot = draft_.robot_of_goal(g);
-      std::optional<TimedTrack> alone = draft_.alone(robot, effort);
+      const int robot = session_.robot_of_goal(g);
+      std::optional<TimedTrack> alone = session_.alone(robot, effort);
       if (!alone) continue;
-      const double duration = draft_.duration_alone(robot, *alone);
+      const double duration = session_.duration_alone(robot, *alone);
       choices_.push_back({g, *std::move(alone), duration});
     }
   }
 
   void try_place(const Choice& choice, Effort effort) {
     if (best_ && best_->cost - before_ <= choice.duration) return;  // it cannot get better
-    const int robot = draft_.robot_of_goal(choice.goal);
-    if (!draft_.plan(robot, choice.alone, effort)) return;
+    const int robot = session_.robot_of_goal(choice.goal);
+    if (!session_.plan(robot, choice.alone, effort)) return;
     consider(choice, std::array{robot});
-    (void)draft_.take(robot);
+    (void)session_.take(robot);
   }
 
   void consider(const Choice& choice, std::span<const int> changed) {
-    LotMotion result = draft_.result(changed);
+    LotMotion result = session_.result(changed);
     const LotForecast forecast = result.forecast();
     if (!forecast.complete || !forecast.gentle) return;
     const double cost = forecast.cost();
@@ -209,7 +209,7 @@ class LotPlanner::Admission {
   }
 
   const LotPlannerOptions& options_;
-  Draft draft_;
+  ReplanningSession session_;
   double before_;                ///< cost without the newcomer
   std::vector<Choice> choices_;  ///< places with a way alone, the quickest first
   std::optional<Candidate> best_;
@@ -218,10 +218,10 @@ class LotPlanner::Admission {
 std::optional<LotAdmission> LotPlanner::admit(LotMotion& motion, const LotRequest& request,
                                               std::span<const StandingCar> waiting) {
   begin_decision();
-  Admission admission(*this, motion, request, waiting);
-  admission.try_places();
-  admission.try_before_others();
-  const std::optional<LotAdmission> result = admission.carry_out(motion);
+  RequestPlanner request_planner(*this, motion, request, waiting);
+  request_planner.try_places();
+  request_planner.try_before_others();
+  const std::optional<LotAdmission> result = request_planner.carry_out(motion);
   if (result) failed_.clear();
   return result;
 }
@@ -230,15 +230,15 @@ int LotPlanner::improve(LotMotion& motion, std::span<const StandingCar> waiting)
   if (!options_.regroup || motion.cars().size() < 2) return 0;
   ++improvements_;
   begin_decision();
-  Draft draft(*this, motion, nullptr, waiting);
+  ReplanningSession session(*this, motion, nullptr, waiting);
   int focus = -1;
   double most = options_.worth;
-  for (int i = 0; i < draft.cars(); ++i) {
+  for (int i = 0; i < session.cars(); ++i) {
     const LotCar& car = motion.cars()[std::size_t(i)];
-    if (draft.is_fixed(i) || failed_.contains(car.key)) continue;
+    if (session.is_fixed(i) || failed_.contains(car.key)) continue;
     LotMotion alone(options_.limits);
     alone.put(car);
-    const double lost = draft.forecast().arrival(std::size_t(i)) - alone.forecast().arrival(0);
+    const double lost = session.forecast().arrival(std::size_t(i)) - alone.forecast().arrival(0);
     if (lost <= most) continue;
     most = lost;
     focus = i;
@@ -246,17 +246,17 @@ int LotPlanner::improve(LotMotion& motion, std::span<const StandingCar> waiting)
   if (focus < 0) return 0;
   const std::int64_t key = motion.cars()[std::size_t(focus)].key;
   failed_[key] = improvements_ + kAttemptsAfterFailure;
-  (void)draft.take(focus);
-  const std::optional<TimedTrack> alone = draft.alone(focus);
+  (void)session.take(focus);
+  const std::optional<TimedTrack> alone = session.alone(focus);
   if (!alone) return 0;
-  const std::vector<int> blockers = draft.in_the_way(focus, *alone);
-  if (!draft.may_replan(blockers)) return 0;
-  const std::vector<int> group = draft.plan_before(focus, *alone, blockers);
+  const std::vector<int> blockers = session.in_the_way(focus, *alone);
+  if (!session.may_replan(blockers)) return 0;
+  const std::vector<int> group = session.plan_before(focus, *alone, blockers);
   if (group.empty()) return 0;
-  LotMotion result = draft.result(group);
+  LotMotion result = session.result(group);
   const LotForecast forecast = result.forecast();
   if (!forecast.complete || !forecast.gentle) return 0;
-  if (forecast.cost() > draft.forecast().cost() - kGain) return 0;
+  if (forecast.cost() > session.forecast().cost() - kGain) return 0;
   motion = std::move(result);
   failed_.clear();
   return int(group.size());

@@ -9,11 +9,11 @@
 #include <vector>
 
 #include "planner/lot/lot_motion.hpp"
-#include "planner/motion/macro_car.hpp"
+#include "planner/motion/motion_primitives.hpp"
 #include "planner/problem/deadline.hpp"
 #include "planner/problem/parking_lot.hpp"
 #include "planner/search/joint_motion.hpp"
-#include "planner/search/soft_astar.hpp"
+#include "planner/search/soft_hybrid_astar.hpp"
 
 namespace mvtp {
 
@@ -55,11 +55,11 @@ struct LotAdmission {
 /// Plans on an open lot for cars that come and go while others are under way: ESCoT, lifelong.
 ///
 /// The frame is that of Algorithm 2. Every car under way has a complete way (soft space-time hybrid
-/// A* over MacroCar), and all of them an order that lets everyone arrive; a new plan replaces it
-/// only if that holds for it too, as told by a forecast of the motion itself. GroupRobots: a car
-/// and those who stand in the way that it would take; PreCheck: the group's size; GetOptTraj: ways
-/// for the group in other orders, kept if they cost less. Who has no way stays where it is.
-/// All poses in the lot's own frame: ground in x, y > 0.
+/// A* over MotionPrimitives), and all of them an order that lets everyone arrive; a new plan
+/// replaces it only if that holds for it too, as told by a forecast of the motion itself.
+/// GroupRobots: a car and those who stand in the way that it would take; PreCheck: the group's
+/// size; GetOptTraj: ways for the group in other orders, kept if they cost less. Who has no way
+/// stays where it is. All poses in the lot's own frame: ground in x, y > 0.
 class LotPlanner {
  public:
   /// So far a car drives on beyond a goal in an exit lane [m].
@@ -95,13 +95,13 @@ class LotPlanner {
   static constexpr std::size_t kMostCosts = 500;  ///< kept from one decision to the next
 
  private:
-  class Draft;
-  class Admission;
+  class ReplanningSession;
+  class RequestPlanner;
   using GoalKey = std::tuple<double, double, double, double, double>;
 
-  static constexpr double kInstant = 0.05;  ///< [s]
-  static constexpr double kAction = 1.0;    ///< [m] driven in one bucket
-  static constexpr int kMostRobots = 1000;  ///< in one search: cars, goals and those who wait
+  static constexpr double kTimeStep = 0.05;  ///< [s]
+  static constexpr double kAction = 1.0;     ///< [m] driven in one macro step
+  static constexpr int kMostRobots = 1000;   ///< in one search: cars, goals and those who wait
 
   struct KnownCost {
     CostToGo cost;
@@ -138,7 +138,7 @@ class LotPlanner {
   std::map<double, std::shared_ptr<const ObstacleGrid>> grids_;
   std::map<GoalKey, KnownCost> costs_to_go_;
   std::int64_t decisions_ = 0;
-  SoftAstar search_{kMostRobots};
+  SoftHybridAstar search_{kMostRobots};
   std::int64_t improvements_ = 0;  ///< attempts so far
   /// PreCheck: a car for which no better order was found is not tried again before that attempt.
   std::map<std::int64_t, std::int64_t> failed_;

@@ -100,17 +100,17 @@ void GridDistance::search(const Point& goal) {
                 m.length};
   });
 
-  // Dijkstra with a bucket per cell's side: no move is shorter, so that nothing in a bucket can
-  // still improve once the one before it is done.
+  // Dijkstra with a macro step per cell's side: no move is shorter, so that nothing in a macro step
+  // can still improve once the one before it is done.
   std::vector<float> distance(usable.size(), kNoWay);  // in sides of a cell
-  std::vector<std::vector<int>> buckets(4);            // of the cells at floor(distance), modulo 4
+  std::vector<std::vector<int>> macro_steps(4);        // of the cells at floor(distance), modulo 4
   const int source = index(grid.column_of(goal.x), grid.row_of(goal.y));
   distance[std::size_t(source)] = 0.0F;
-  buckets[0].push_back(source);
+  macro_steps[0].push_back(source);
   std::vector<int> current;
-  for (std::size_t level = 0, empty = 0; empty < buckets.size(); ++level) {
+  for (std::size_t level = 0, empty = 0; empty < macro_steps.size(); ++level) {
     current.clear();
-    current.swap(buckets[level % buckets.size()]);
+    current.swap(macro_steps[level % macro_steps.size()]);
     empty = current.empty() ? empty + 1 : 0;
     for (const int cell : current) {
       const float here = distance[std::size_t(cell)];
@@ -124,7 +124,7 @@ void GridDistance::search(const Point& goal) {
           continue;
         }
         distance[next] = longer;
-        buckets[std::size_t(longer) % buckets.size()].push_back(int(next));
+        macro_steps[std::size_t(longer) % macro_steps.size()].push_back(int(next));
       }
     }
   }

@@ -5,7 +5,7 @@
 namespace mvtp {
 namespace {
 
-constexpr int kStride = 16;  ///< every so many instants the exact pose is kept
+constexpr int kStride = 16;  ///< every so many time steps the exact pose is kept
 
 }  // namespace
 

@@ -13,7 +13,7 @@ JointMotion::JointMotion(std::vector<MacroRobot> robots, TimeGrid time)
       present_(robots_.size(), 0),
       weights_(robots_.size() * robots_.size(), 1.0F),
       position_(robots_.size() * robots_.size(), -1),
-      prices_(robots_.size()),
+      soft_costs_(robots_.size()),
       found_(robots_.size() + Occupancy::kPadding) {
   for (const MacroRobot& robot : robots_) shapes_.push_back(robot.car->shape());
 }
@@ -21,32 +21,32 @@ JointMotion::JointMotion(std::vector<MacroRobot> robots, TimeGrid time)
 template <class Visit>
 void JointMotion::for_each_contact(int i, const TimedTrack& track, int wait, int from,
                                    Visit&& visit) {
-  const MacroCar& own = *robot(i).car;
-  const int arrival = wait + (track.arrival() + time_.bucket - 1) / time_.bucket;
+  const MotionPrimitives& own = *robot(i).car;
+  const int arrival = wait + (track.arrival() + time_.macro_step - 1) / time_.macro_step;
   int last = std::max(occupancy_.horizon(), arrival);
   if (track.departure() != TimedTrack::kNever) {
-    last = std::min(last, wait + track.departure() / time_.bucket - 1);
+    last = std::min(last, wait + track.departure() / time_.macro_step - 1);
   }
-  if (wait > 0) waiting_.assign(std::size_t(time_.bucket) + 1, *track.boxes(0));
+  if (wait > 0) waiting_.assign(std::size_t(time_.macro_step) + 1, *track.boxes(0));
   for (int k = from; k <= last && k < horizon_; ++k) {
-    const int t = k * time_.bucket;
-    const int driven = t - wait * time_.bucket;
+    const int t = k * time_.macro_step;
+    const int driven = t - wait * time_.macro_step;
     const BoxPose* boxes = driven < 0 ? waiting_.data() : track.boxes(driven);
     const bool rests = driven < 0 || track.arrival() <= driven;
-    const BoxPose& middle = rests ? *boxes : *track.boxes(driven + time_.bucket / 2);
+    const BoxPose& middle = rests ? *boxes : *track.boxes(driven + time_.macro_step / 2);
     BoxShape shape = own.shape();
     if (rests) shape.travel = 0.0F;
     const float radius = rests ? shape.half_diagonal() : own.reach();
     const int n = occupancy_.near(k, middle.x, middle.y, radius, found_.data());
     if (n == 0) continue;
-    const SweptBox swept = swept_box(boxes, shape, time_.bucket);
+    const SweptBox swept = swept_box(boxes, shape, time_.macro_step);
     for (int f = 0; f < n; ++f) {
       const int j = found_[std::size_t(f)];
       const Occupancy::Motion& motion = occupancy_.motion(k, j);
       if (apart(swept, motion.swept)) continue;
       BoxShape other = shapes_[std::size_t(j)];
       other.travel = motion.travel;
-      if (!meet(boxes, shape, tracks_[std::size_t(j)].boxes(t), other, time_.bucket)) continue;
+      if (!meet(boxes, shape, tracks_[std::size_t(j)].boxes(t), other, time_.macro_step)) continue;
       if (!visit(j, k)) return;
     }
   }
@@ -73,14 +73,14 @@ int JointMotion::overlaps(int i, const TimedTrack& track, int most, int wait) {
 }
 
 TimedTrack JointMotion::track_after(int i, int wait, std::span<const Arc> way, bool leaves) const {
-  std::vector<Arc> steps(std::size_t(wait * time_.bucket), Arc{});
+  std::vector<Arc> steps(std::size_t(wait * time_.macro_step), Arc{});
   steps.insert(steps.end(), way.begin(), way.end());
-  return {robot(i).car->vehicle(), robot(i).start, std::move(steps), time_.bucket, leaves};
+  return {robot(i).car->vehicle(), robot(i).start, std::move(steps), time_.macro_step, leaves};
 }
 
 bool JointMotion::place_later(int i, std::span<const Arc> way, int latest, bool leaves) {
   const TimedTrack track = track_after(i, 0, way, leaves);
-  for (int wait = 0; wait * time_.bucket <= latest; ++wait) {
+  for (int wait = 0; wait * time_.macro_step <= latest; ++wait) {
     if (overlaps(i, track, 1, wait) > 0) continue;
     place(i, track_after(i, wait, way, leaves));
     return true;
@@ -169,11 +169,11 @@ void JointMotion::set_weight(int i, int j, float weight) {
   weights_[at(i, j)] = weights_[at(j, i)] = weight;
 }
 
-OtherRobots JointMotion::others(int i, double price) {
+OtherRobots JointMotion::others(int i, double soft_cost) {
   for (int j = 0; j < size(); ++j) {
-    prices_[std::size_t(j)] = float(price) * weights_[at(i, j)];
+    soft_costs_[std::size_t(j)] = float(soft_cost) * weights_[at(i, j)];
   }
-  return {&occupancy_, tracks_, shapes_, prices_, sight_};
+  return {&occupancy_, tracks_, shapes_, soft_costs_, sight_};
 }
 
 int JointMotion::makespan() const {

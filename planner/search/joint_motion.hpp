@@ -6,16 +6,16 @@
 #include <utility>
 #include <vector>
 
-#include "planner/motion/macro_car.hpp"
+#include "planner/motion/motion_primitives.hpp"
 #include "planner/problem/deadline.hpp"
 #include "planner/search/occupancy.hpp"
-#include "planner/search/soft_astar.hpp"
+#include "planner/search/soft_hybrid_astar.hpp"
 
 namespace mvtp {
 
 /// One robot to be planned for; what it points at outlives its users.
 struct MacroRobot {
-  const MacroCar* car = nullptr;
+  const MotionPrimitives* car = nullptr;
   const CostToGo* cost_to_go = nullptr;  ///< names the goal; nullptr: it only stands there
   Pose start;
 };
@@ -40,10 +40,10 @@ class JointMotion {
 
   /// Robot i, absent so far, moves along `track`.
   void place(int i, TimedTrack track);
-  /// How many others robot i, absent so far, would overlap on `track`, begun so many buckets later;
-  /// counted up to `most`.
+  /// How many others robot i, absent so far, would overlap on `track`, begun so many macro steps
+  /// later; counted up to `most`.
   [[nodiscard]] int overlaps(int i, const TimedTrack& track, int most, int wait = 0);
-  /// Robot i standing at its start for `wait` buckets, and then on this way.
+  /// Robot i standing at its start for `wait` macro steps, and then on this way.
   [[nodiscard]] TimedTrack track_after(int i, int wait, std::span<const Arc> way,
                                        bool leaves = false) const;
   /// Robot i, absent so far, drives the way from its start, begun as late as it must so that it
@@ -54,7 +54,7 @@ class JointMotion {
   [[nodiscard]] const std::vector<TimedTrack>& tracks() const { return tracks_; }
   /// Everyone is absent again, and no horizon.
   void clear();
-  /// Overlaps from bucket `conflicts` on do not count yet; searches see others until bucket
+  /// Overlaps from macro step `conflicts` on do not count yet; searches see others until macro step
   /// `sight`. @pre neither is lower than before, or everyone is absent
   void set_horizon(int conflicts, int sight);
   [[nodiscard]] bool has_horizon() const { return horizon_ != kNoHorizon; }
@@ -76,7 +76,7 @@ class JointMotion {
   [[nodiscard]] bool in_conflict(int i, int j) const { return position_[at(i, j)] >= 0; }
   /// The robots that robot i overlaps, ascending.
   [[nodiscard]] std::vector<int> conflicts_of(int i) const;
-  /// The first bucket in which robot i overlaps anyone; -1 if it does not.
+  /// The first macro step in which robot i overlaps anyone; -1 if it does not.
   [[nodiscard]] int first_conflict(int i);
   [[nodiscard]] double weight(int i, int j) const { return double(weights_[at(i, j)]); }
   void set_weight(int i, int j, float weight);
@@ -84,12 +84,12 @@ class JointMotion {
   [[nodiscard]] double cost() const { return cost_; }
 
   /// The others as robot i's search sees them. @pre !present(i)
-  /// @param price  of a pair of weight 1 [s]
-  [[nodiscard]] OtherRobots others(int i, double price);
+  /// @param soft-collision cost  of a pair of weight 1 [s]
+  [[nodiscard]] OtherRobots others(int i, double soft_cost);
 
-  /// The last instant at which any robot moves.
+  /// The last time step at which any robot moves.
   [[nodiscard]] int makespan() const;
-  /// The sum of the arrivals [instants].
+  /// The sum of the arrivals [time steps].
   [[nodiscard]] std::int64_t flowtime() const;
 
  private:
@@ -98,16 +98,16 @@ class JointMotion {
   }
   void add_conflict(int i, int j);
   void drop_conflict(int i, int j);
-  /// Calls visit(j, bucket) for robots that `track`, begun `wait` buckets later, overlaps from
-  /// bucket `from` to the horizon, until it returns false.
+  /// Calls visit(j, macro step) for robots that `track`, begun `wait` macro steps later, overlaps
+  /// from macro step `from` to the horizon, until it returns false.
   template <class Visit>
   void for_each_contact(int i, const TimedTrack& track, int wait, int from, Visit&& visit);
 
   std::vector<MacroRobot> robots_;
   TimeGrid time_;
   Occupancy occupancy_;
-  int horizon_ = kNoHorizon;  ///< of conflicts [buckets]
-  int sight_ = kNoHorizon;    ///< of searches [buckets]
+  int horizon_ = kNoHorizon;  ///< of conflicts [macro steps]
+  int sight_ = kNoHorizon;    ///< of searches [macro steps]
   std::vector<TimedTrack> tracks_;
   std::vector<BoxShape> shapes_;
   std::vector<char> present_;
@@ -115,10 +115,10 @@ class JointMotion {
   std::vector<int> position_;  ///< of a pair in conflicts_, -1 if it is not in conflict
   std::vector<Pair> conflicts_;
   double cost_ = 0.0;
-  std::vector<float> prices_;
+  std::vector<float> soft_costs_;
   std::vector<int> found_;
   std::vector<char> counted_;
-  std::vector<BoxPose> waiting_;  ///< a bucket of time
+  std::vector<BoxPose> waiting_;  ///< a macro step of time
 };
 
 }  // namespace mvtp

@@ -38,18 +38,18 @@ int scan(const float* xs, const float* ys, const float* radii, int count, float 
 
 struct MotionBounds {
   float excursion;  ///< of the middle of the body from where it is half way
-  float travel;     ///< of any point of the body between two instants
+  float travel;     ///< of any point of the body between two time steps
 };
 
-MotionBounds bounds_of(const BoxPose* boxes, int bucket, float half_diagonal) {
-  const BoxPose& middle = boxes[bucket / 2];
+MotionBounds bounds_of(const BoxPose* boxes, int macro_step, float half_diagonal) {
+  const BoxPose& middle = boxes[macro_step / 2];
   float excursion = 0.0F;
   float travel = 0.0F;
-  for (int t = 0; t <= bucket; ++t) {
+  for (int t = 0; t <= macro_step; ++t) {
     const float dx = boxes[t].x - middle.x;
     const float dy = boxes[t].y - middle.y;
     excursion = std::max(excursion, dx * dx + dy * dy);
-    if (t == bucket) break;
+    if (t == macro_step) break;
     const float way = std::hypot(boxes[t + 1].x - boxes[t].x, boxes[t + 1].y - boxes[t].y);
     const float turn = std::abs(boxes[t].ux * boxes[t + 1].uy - boxes[t].uy * boxes[t + 1].ux);
     travel = std::max(travel, way + turn * half_diagonal);
@@ -82,28 +82,28 @@ void Occupancy::extend(int rows) {
 }
 
 void Occupancy::place(int i, const TimedTrack& track, const BoxShape& shape) {
-  const int moving = (track.arrival() + time_.bucket - 1) / time_.bucket;
+  const int moving = (track.arrival() + time_.macro_step - 1) / time_.macro_step;
   const bool leaves = track.departure() != TimedTrack::kNever;
-  const int present = leaves ? track.departure() / time_.bucket : TimedTrack::kNever;
+  const int present = leaves ? track.departure() / time_.macro_step : TimedTrack::kNever;
   const int settled = leaves ? present : moving;
   if (settled >= rows_) extend(settled + 1);
   const float half = shape.half_diagonal();
-  const int middle = time_.bucket / 2;
+  const int middle = time_.macro_step / 2;
   for (int k = 0; k < rows_; ++k) {
     if (k >= present) {
       remove(i, k);
       continue;
     }
     const std::size_t here = at(k, i);
-    const BoxPose* boxes = track.boxes(k * time_.bucket);
+    const BoxPose* boxes = track.boxes(k * time_.macro_step);
     x_[here] = boxes[k < moving ? middle : 0].x;
     y_[here] = boxes[k < moving ? middle : 0].y;
     radius_[here] = half;
     motions_[here] = {{*boxes, shape.half_length, shape.half_width}, 0.0F};
     if (k >= moving) continue;
-    const MotionBounds bounds = bounds_of(boxes, time_.bucket, half);
+    const MotionBounds bounds = bounds_of(boxes, time_.macro_step, half);
     radius_[here] += bounds.excursion;
-    motions_[here] = {swept_box(boxes, shape, time_.bucket), bounds.travel};
+    motions_[here] = {swept_box(boxes, shape, time_.macro_step), bounds.travel};
   }
 }
 
@@ -111,15 +111,15 @@ void Occupancy::remove(int i) {
   for (int k = 0; k < rows_; ++k) remove(i, k);
 }
 
-void Occupancy::remove(int i, int bucket) {
-  const std::size_t here = at(bucket, i);
+void Occupancy::remove(int i, int macro_step) {
+  const std::size_t here = at(macro_step, i);
   x_[here] = kAway;
   y_[here] = kAway;
   radius_[here] = 0.0F;
 }
 
-int Occupancy::near(int bucket, float x, float y, float radius, int* found) const {
-  const std::size_t row = at(std::min(bucket, rows_ - 1), 0);
+int Occupancy::near(int macro_step, float x, float y, float radius, int* found) const {
+  const std::size_t row = at(std::min(macro_step, rows_ - 1), 0);
   return scan(x_.data() + row, y_.data() + row, radius_.data() + row, stride_, x, y, radius, found);
 }
 

@@ -17,9 +17,10 @@ namespace {
 constexpr double kCellPerStep = 0.7;
 constexpr double kMaxCell = 1.5;  // [m]
 constexpr double kHeadingPerTurn = 0.75;
-// Reeds-Shepp shots: from the root, from every sixth node, and from every node close to the goal.
-constexpr int kShotEvery = 6;
-constexpr double kShotRange = 9.0;  // [m]
+// Reeds-Shepp analytic expansions: from the root, from every sixth node, and from every node close
+// to the goal.
+constexpr int kExpansionEvery = 6;
+constexpr double kExpansionRange = 9.0;  // [m]
 // Of FOCAL the node that looks quickest to finish is expanded, a conflict being worth so many
 // steps. Strictly fewest conflicts first would search all of a dead end before it accepts one.
 constexpr double kConflictCost = 10.0;
@@ -38,8 +39,8 @@ struct Node {
   int reversed = 0;  ///< steps in reverse
   int conflicts = 0;
   int parent = -1;
-  Arc arc;                ///< from the parent
-  std::vector<Arc> shot;  ///< not empty, or at_goal: the way ends here
+  Arc arc;                              ///< from the parent
+  std::vector<Arc> analytic_expansion;  ///< not empty, or at_goal: the way ends here
   bool at_goal = false;
 };
 
@@ -99,7 +100,7 @@ class Search {
       if (nodes_[std::size_t(n)].f >= clear_goal_ || !closed_.insert(key(nodes_[std::size_t(n)]))) {
         continue;
       }
-      if (expansions % kShotEvery == 0 || nodes_[std::size_t(n)].h < kShotRange) shoot(n);
+      if (expansions % kExpansionEvery == 0 || nodes_[std::size_t(n)].h < kExpansionRange) shoot(n);
       expand(n);
       ++expansions;
     }
@@ -207,18 +208,18 @@ class Search {
     const double earliest = from.t + from.h / car_.step_length();
     if (earliest + kMaxPieces < goal_free_from_ || from.f >= clear_goal_) return;
     Node node;
-    node.shot =
+    node.analytic_expansion =
         car_.steps(curves_.path(from.pose, to_go_.goal(), car_.vehicle().min_turning_radius));
-    node.t = from.t + int(node.shot.size());
+    node.t = from.t + int(node.analytic_expansion.size());
     if (node.t < goal_free_from_) return;
     node.f = std::max(from.f, double(node.t));
     node.reversed =
-        from.reversed +
-        int(std::ranges::count_if(node.shot, [](const Arc& arc) { return arc.length < 0.0; }));
+        from.reversed + int(std::ranges::count_if(node.analytic_expansion,
+                                                  [](const Arc& arc) { return arc.length < 0.0; }));
     node.conflicts = from.conflicts + parked_conflicts_from(node.t);
     node.parent = n;
     node.at_goal = true;
-    if (!drive_shot(from, node)) return;
+    if (!drive_analytic_expansion(from, node)) return;
     if (node.conflicts == 0) clear_goal_ = std::min(clear_goal_, node.f);
     reached_.push_back({node.f, focal_key(node)});
     const int number = int(nodes_.size());
@@ -227,13 +228,13 @@ class Search {
     if (best) best_goal_ = number;
   }
 
-  /// Counts the conflicts on the way of the shot. False if it is not free, or has too many of them
-  /// to be of use.
-  [[nodiscard]] bool drive_shot(const Node& from, Node& goal) const {
+  /// Counts the conflicts on the way of the analytic expansion. False if it is not free, or has too
+  /// many of them to be of use.
+  [[nodiscard]] bool drive_analytic_expansion(const Node& from, Node& goal) const {
     if (pointless(goal)) return false;
     Pose pose = from.pose;
     int t = from.t;
-    for (const Arc& arc : goal.shot) {
+    for (const Arc& arc : goal.analytic_expansion) {
       const Sweep sweep = car_.sweep(pose, arc);
       if (!car_.is_free(pose, arc, sweep) || forbidden(sweep, t)) return false;
       if (const int met = conflicts(sweep, t); met > 0) {
@@ -276,7 +277,8 @@ class Search {
       path.steps.push_back(nodes_[std::size_t(k)].arc);
     }
     std::ranges::reverse(path.steps);
-    path.steps.insert(path.steps.end(), goal.shot.begin(), goal.shot.end());
+    path.steps.insert(path.steps.end(), goal.analytic_expansion.begin(),
+                      goal.analytic_expansion.end());
     path.cost = goal.f;
     path.lower_bound = std::min(goal.f, open_.lower_bound());
     path.conflicts = goal.conflicts;

@@ -46,7 +46,7 @@ struct TimedPath {
   int conflicts = 0;         ///< (robot, step) collisions with `to_avoid`
 };
 
-/// Focal hybrid A* in (x, y, theta, t) with Reeds-Shepp shots to the goal.
+/// Focal hybrid A* in (x, y, theta, t) with Reeds-Shepp analytic expansions to the goal.
 ///
 /// Nodes are rated by f, the number of steps until arrival, rounded up to whole steps, for a last
 /// arc however short takes a step. FOCAL holds those with f <= w * min f; the fewest conflicts

@@ -15,8 +15,8 @@
 #include <vector>
 
 #include "planner/escot/escot.hpp"
-#include "planner/escot/fleet.hpp"
 #include "planner/escot/generate_config.hpp"
+#include "planner/escot/planning_problem.hpp"
 #include "planner/escot/stepped_world.hpp"
 #include "planner/geometry/oriented_box.hpp"
 #include "planner/search/spacetime_hybrid_astar.hpp"
@@ -106,7 +106,7 @@ BENCHMARK(making_a_sweep);
 
 void cost_to_go(benchmark::State& state) {
   const Instance instance = scene(100, int(state.range(0)));
-  const Fleet fleet(instance, CollisionRule::kContinuous);
+  const PlanningProblem fleet(instance, CollisionRule::kContinuous);
   std::mt19937_64 rng(1);
   std::vector<Pose> poses;
   for (std::size_t i = 0; i < kSamples; ++i) poses.push_back(random_pose(rng, 100.0));
@@ -121,7 +121,7 @@ BENCHMARK(cost_to_go)->ArgName("obstacles")->Arg(0)->Arg(50);
 /// The way of robot 0 past so many others that follow theirs.
 void low_level_search(benchmark::State& state) {
   const Instance instance = scene(100, 50);
-  const Fleet fleet(instance, CollisionRule::kContinuous);
+  const PlanningProblem fleet(instance, CollisionRule::kContinuous);
   const SpacetimeHybridAstar planner(fleet.curves());
   const auto search = [&](int i, const TimedObstacles* others) {
     SearchProblem problem;
@@ -155,7 +155,7 @@ void one_step(benchmark::State& state, bool grouping) {
   constexpr int kSteps = 30;
   const Instance instance = scene(int(state.range(0)), 0);
   const Deadline deadline = Deadline::never();
-  const Fleet fleet(instance, CollisionRule::kContinuous);
+  const PlanningProblem fleet(instance, CollisionRule::kContinuous);
   SteppedWorldOptions options;
   options.grouping = grouping;
   std::optional<SteppedWorld> world;
@@ -181,7 +181,7 @@ void one_step(benchmark::State& state, bool grouping) {
 /// Until everybody is at its goal, first guide paths included; `step` is the mean time of one.
 void whole_run(benchmark::State& state) {
   const Instance instance = scene(int(state.range(0)), 0);
-  const Fleet fleet(instance, CollisionRule::kContinuous);
+  const PlanningProblem fleet(instance, CollisionRule::kContinuous);
   double steps = 0.0;
   for (auto _ : state) {
     const StepPlan plan = solve_escot(fleet, {}, Deadline::never());
@@ -235,7 +235,7 @@ double milliseconds(const std::function<void()>& work) {
 }
 
 /// The first 30 steps; the first guide paths are found before the clock runs.
-std::optional<double> step_of_the_first(const Fleet& fleet) {
+std::optional<double> step_of_the_first(const PlanningProblem& fleet) {
   constexpr int kSteps = 30;
   const Deadline deadline = Deadline::never();
   SteppedWorld world(fleet, {}, deadline);
@@ -253,7 +253,7 @@ std::optional<double> step_of_the_first(const Fleet& fleet) {
 }
 
 /// All steps until everybody is at its goal, first guide paths included; nullopt: not in 30 s.
-std::optional<double> step_of_a_run(const Fleet& fleet) {
+std::optional<double> step_of_a_run(const PlanningProblem& fleet) {
   StepPlan plan;
   const double time = milliseconds([&] { plan = solve_escot(fleet, {}, Deadline::in(30)); });
   if (plan.status != Status::kSolved) return std::nullopt;
@@ -290,7 +290,7 @@ double exponent(const std::array<double, kSizes.size()>& y) {
 /// Sizes take turns, and the quick ones come several times, so that all see the same of what else
 /// the machine does.
 void growth(benchmark::State& state, const std::string& vehicle,
-            std::optional<double> (*time_of_step)(const Fleet&)) {
+            std::optional<double> (*time_of_step)(const PlanningProblem&)) {
   std::array<std::vector<double>, kSizes.size()> times;
   int unsolved = 0;
   for (auto _ : state) {
@@ -299,7 +299,7 @@ void growth(benchmark::State& state, const std::string& vehicle,
         const Instance instance = scene(kSizes[k], 0, vehicle, index);
         std::vector<double> of_instance;
         for (int turn = kSizes[k]; turn <= kSizes.back(); turn *= 2) {
-          const Fleet fleet(instance, CollisionRule::kContinuous);
+          const PlanningProblem fleet(instance, CollisionRule::kContinuous);
           const std::optional<double> time = time_of_step(fleet);
           unsolved += time || turn != kSizes[k] ? 0 : 1;
           if (time) of_instance.push_back(*time);

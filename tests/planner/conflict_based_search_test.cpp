@@ -5,14 +5,14 @@
 #include <algorithm>
 #include <vector>
 
-#include "planner/escot/fleet.hpp"
+#include "planner/escot/planning_problem.hpp"
 #include "planner/search/conflict.hpp"
 #include "tests/planner/scenes.hpp"
 
 namespace mvtp {
 namespace {
 
-std::vector<CbsRobot> all_robots(const Fleet& fleet) {
+std::vector<CbsRobot> all_robots(const PlanningProblem& fleet) {
   std::vector<CbsRobot> robots;
   const Configuration starts = fleet.starts();
   for (int i = 0; i < fleet.size(); ++i) {
@@ -22,7 +22,7 @@ std::vector<CbsRobot> all_robots(const Fleet& fleet) {
 }
 
 /// Solves, and checks that nobody collides and everybody ends at its goal.
-CbsResult solved(const Fleet& fleet, const CbsOptions& options) {
+CbsResult solved(const PlanningProblem& fleet, const CbsOptions& options) {
   CbsResult result = conflict_based_search(
       all_robots(fleet), {}, SpacetimeHybridAstar(fleet.curves()), options, Deadline::never());
   EXPECT_EQ(result.failure, CbsFailure::kNone);
@@ -51,14 +51,14 @@ class Cbs : public testing::TestWithParam<CbsOptions> {};
 
 TEST_P(Cbs, LetsTwoRobotsPassEachOther) {
   const Instance instance = circle(2);
-  const Fleet fleet(instance, CollisionRule::kContinuous);
+  const PlanningProblem fleet(instance, CollisionRule::kContinuous);
   const CbsResult result = solved(fleet, GetParam());
   for (const auto& steps : result.steps) EXPECT_LE(steps.size(), 40U);  // 30 straight
 }
 
 TEST_P(Cbs, SolvesFourOnACircle) {
   const Instance instance = circle(4);
-  const Fleet fleet(instance, CollisionRule::kContinuous);
+  const PlanningProblem fleet(instance, CollisionRule::kContinuous);
   (void)solved(fleet, GetParam());
 }
 
@@ -68,7 +68,7 @@ TEST(Eccr, MovesARobotOffItsGoalForAnother) {
   instance.map.polygons = {{{20, 0}, {40, 0}, {40, 28.4}, {20, 28.4}},
                            {{20, 31.6}, {40, 31.6}, {40, 60}, {20, 60}}};
   instance.agents = {agent({5, 30, 0}, {50, 40, 1}, 0), agent({41, 30, 0}, {41, 30, 0}, 1)};
-  const Fleet fleet(instance, CollisionRule::kContinuous);
+  const PlanningProblem fleet(instance, CollisionRule::kContinuous);
   const CbsResult result = solved(fleet, kEccr);
   ASSERT_EQ(result.steps.size(), 2U);
   EXPECT_GT(result.steps[1].size(), 2U);
@@ -77,7 +77,7 @@ TEST(Eccr, MovesARobotOffItsGoalForAnother) {
 TEST_P(Cbs, SaysSoWhenARobotHasNoWay) {
   Instance instance{.agents = {agent({10, 15, 0}, {20, 15, 0})}, .map = empty_map(30), .dt = 1.0};
   instance.map.polygons = {{{14.5, 0}, {15.5, 0}, {15.5, 30}, {14.5, 30}}};
-  const Fleet fleet(instance, CollisionRule::kContinuous);
+  const PlanningProblem fleet(instance, CollisionRule::kContinuous);
   EXPECT_EQ(conflict_based_search(all_robots(fleet), {}, SpacetimeHybridAstar(fleet.curves()),
                                   GetParam(), Deadline::never())
                 .failure,
@@ -86,7 +86,7 @@ TEST_P(Cbs, SaysSoWhenARobotHasNoWay) {
 
 TEST_P(Cbs, SaysSoWhenTimeIsUp) {
   const Instance instance = circle(4);
-  const Fleet fleet(instance, CollisionRule::kContinuous);
+  const PlanningProblem fleet(instance, CollisionRule::kContinuous);
   EXPECT_EQ(conflict_based_search(all_robots(fleet), {}, SpacetimeHybridAstar(fleet.curves()),
                                   GetParam(), Deadline::in(0))
                 .failure,
@@ -102,7 +102,7 @@ TEST(ClCbs, IsNoCostlierThanFocalSearch) {
   for (std::uint64_t seed = 300; seed < 310; ++seed) {
     SCOPED_TRACE(seed);
     const Instance instance = random_instance(seed, 3, 3, 26);
-    const Fleet fleet(instance, CollisionRule::kContinuous);
+    const PlanningProblem fleet(instance, CollisionRule::kContinuous);
     const std::size_t least = sum_of_steps(solved(fleet, kClCbs));
     const std::size_t some = sum_of_steps(solved(fleet, kEccr));
     EXPECT_LE(least, some);
@@ -114,7 +114,7 @@ TEST(ClCbs, IsNoCostlierThanFocalSearch) {
 
 TEST(Eccr, AvoidsRobotsOutsideTheGroupWhereThatIsCheap) {
   const Instance instance = circle(2);
-  const Fleet fleet(instance, CollisionRule::kContinuous);
+  const PlanningProblem fleet(instance, CollisionRule::kContinuous);
   // Robot 1 drives straight on; robot 0 is a group of its own.
   const MovingObstacle straight(fleet.car(1), fleet.starts()[1], std::vector<Arc>(30, Arc{1, 0}));
   const std::vector<const MovingObstacle*> others = {&straight};
@@ -128,7 +128,7 @@ TEST(Eccr, AvoidsRobotsOutsideTheGroupWhereThatIsCheap) {
 
 TEST(Conflicts, OfOneRobotAreThoseOfAllThatNameIt) {
   const Instance instance = circle(4);
-  const Fleet fleet(instance, CollisionRule::kContinuous);
+  const PlanningProblem fleet(instance, CollisionRule::kContinuous);
   std::vector<MovingObstacle> motions;
   for (int i = 0; i < fleet.size(); ++i) {
     motions.emplace_back(fleet.car(i), fleet.starts()[std::size_t(i)],

@@ -97,7 +97,7 @@ class StarParts : public testing::Test, protected JointScene {
 };
 
 //   The pairs in conflict are those that the referee finds, which knows nothing of boxes and
-//   buckets.
+//   macro steps.
 TEST_F(StarParts, ConflictsAreThoseOfTheReferee) {
   JointMotion motion(robots, time);
   place_all_alone(motion);
@@ -248,9 +248,9 @@ TEST_F(StarParts, ConflictsBehindTheHorizonDoNotCount) {
   std::vector<JointMotion::Pair> early;
   for (const auto& [i, j] : pairs(all)) {
     bool meeting = false;
-    for (int t = 0; t < kHorizon * time.bucket && !meeting; t += time.bucket) {
+    for (int t = 0; t < kHorizon * time.macro_step && !meeting; t += time.macro_step) {
       meeting = meet(all.track(i).boxes(t), robots[std::size_t(i)].car->shape(),
-                     all.track(j).boxes(t), robots[std::size_t(j)].car->shape(), time.bucket);
+                     all.track(j).boxes(t), robots[std::size_t(j)].car->shape(), time.macro_step);
     }
     if (meeting) early.emplace_back(i, j);
   }

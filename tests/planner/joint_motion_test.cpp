@@ -20,9 +20,9 @@ class Departures : public testing::Test {
                 .map = empty_map(40)}),
         motion_(scene_.robots, scene_.time) {}
 
-  /// Straight ahead for so many instants, begun `wait` buckets later, and out.
-  [[nodiscard]] TimedTrack way_out(int i, int instants, int wait = 0) const {
-    const std::vector<Arc> way(std::size_t(instants), Arc{0.1, 0.0});
+  /// Straight ahead for so many time steps, begun `wait` macro steps later, and out.
+  [[nodiscard]] TimedTrack way_out(int i, int time_steps, int wait = 0) const {
+    const std::vector<Arc> way(std::size_t(time_steps), Arc{0.1, 0.0});
     return motion_.track_after(i, wait, way, true);
   }
   [[nodiscard]] TimedTrack long_way() const {
@@ -56,25 +56,25 @@ TEST_F(Departures, AnExitIsNotPutOffByAnEarlierOne) {
   EXPECT_EQ(motion_.track(1).arrival(), 50);
 }
 
-//   Until the end of the bucket in which it arrives it is there, and not a bucket longer.
+//   Until the end of the macro step in which it arrives it is there, and not a macro step longer.
 TEST_F(Departures, TheWayOutItselfCounts) {
   motion_.place(0, way_out(0, 50));
   const MacroRobot& second = motion_.robot(1);
   const auto standing = [&] {
-    return TimedTrack(second.car->vehicle(), {9.5, 5, 0}, {}, scene_.time.bucket);
+    return TimedTrack(second.car->vehicle(), {9.5, 5, 0}, {}, scene_.time.macro_step);
   };
   EXPECT_EQ(motion_.overlaps(1, standing(), 3), 1);
   const int gone = motion_.track(0).departure();
   EXPECT_EQ(gone, 60);
   const TimedTrack late(second.car->vehicle(), {9.5 - 0.1 * gone, 12, 0},
-                        std::vector<Arc>(std::size_t(gone), Arc{0.1, 0.0}), scene_.time.bucket);
+                        std::vector<Arc>(std::size_t(gone), Arc{0.1, 0.0}), scene_.time.macro_step);
   EXPECT_EQ(motion_.overlaps(1, late, 3), 0);
 }
 
 TEST_F(Departures, WhoArrivesAtOnceIsThereForOneBucket) {
-  EXPECT_EQ(way_out(0, 0).departure(), scene_.time.bucket);
+  EXPECT_EQ(way_out(0, 0).departure(), scene_.time.macro_step);
   motion_.place(0, way_out(0, 0));
-  const TimedTrack standing(motion_.robot(1).car->vehicle(), {4, 5, 0}, {}, scene_.time.bucket);
+  const TimedTrack standing(motion_.robot(1).car->vehicle(), {4, 5, 0}, {}, scene_.time.macro_step);
   EXPECT_EQ(motion_.overlaps(1, standing, 3), 1);
 }
 

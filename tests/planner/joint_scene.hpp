@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "planner/anytime/single_agent_tracks.hpp"
-#include "planner/escot/fleet.hpp"
+#include "planner/escot/planning_problem.hpp"
 #include "planner/problem/plan.hpp"
 #include "planner/problem/validate.hpp"
 #include "planner/search/joint_motion.hpp"
@@ -61,10 +61,10 @@ struct JointScene {
 
   TimeGrid time{0.1, 12};
   Instance instance;
-  Fleet fleet;
+  PlanningProblem fleet;
   Obstacles obstacles;
   Clearance clearance;
-  std::vector<MacroCar> cars;
+  std::vector<MotionPrimitives> cars;
   std::vector<MacroRobot> robots;
   Deadline never = Deadline::never();
   std::vector<TimedTrack> alone;

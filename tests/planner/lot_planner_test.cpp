@@ -22,8 +22,8 @@ LotRequest request(std::int64_t key, const Pose& from, const Pose& to) {
 TEST(LotPlanner, GivesACarAWayToItsPlace) {
   LotPlanner planner(open_ground(), {});
   LotMotion motion;
-  const auto admission = planner.admit(motion, request(1, {5, 5, 0}, {30, 20, 0}), {});
-  ASSERT_TRUE(admission);
+  const auto request_planner = planner.admit(motion, request(1, {5, 5, 0}, {30, 20, 0}), {});
+  ASSERT_TRUE(request_planner);
   ASSERT_EQ(motion.cars().size(), 1U);
   const LotCar& car = motion.cars().front();
   const Pose end = car.path.at(car.path.length());

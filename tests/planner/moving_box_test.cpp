@@ -131,7 +131,7 @@ TEST(MovingBox, TouchingIsAllowed) {
   EXPECT_TRUE(meet(at(0.0).data(), shape, at(2.997).data(), shape, kSteps));
 }
 
-//   A crossing that takes place between two instants only: two slabs that swap sides in one step.
+//   A crossing that takes place between two time steps only: two slabs that swap sides in one step.
 TEST(MovingBox, FindsOverlapsBetweenInstants) {
   const Vehicle slab{.front = 0.005, .rear = 0.005, .width = 2.0, .min_turning_radius = 3.0};
   BoxShape shape = box_shape(slab, kDt);

@@ -14,11 +14,11 @@ TimedTrack random_track(std::mt19937_64& rng) {
   std::uniform_real_distribution<double> place(5.0, 35.0);
   std::uniform_int_distribution<int> which(-1, 1);
   std::vector<Arc> steps;
-  const int buckets = int(rng() % 20);
-  for (int k = 0; k < buckets; ++k) {
+  const int macro_steps = int(rng() % 20);
+  for (int k = 0; k < macro_steps; ++k) {
     steps.insert(steps.end(), 14, Arc{0.1059 * which(rng), which(rng) / 3.0});
   }
-  return {kCar, {place(rng), place(rng), place(rng)}, steps, kTime.bucket};
+  return {kCar, {place(rng), place(rng), place(rng)}, steps, kTime.macro_step};
 }
 
 class OccupancyOfMany : public testing::Test {
@@ -39,19 +39,19 @@ class OccupancyOfMany : public testing::Test {
   std::vector<int> found;
 };
 
-//   The circles contain the bodies: whoever comes close to a body during a bucket is near.
+//   The circles contain the bodies: whoever comes close to a body during a macro step is near.
 TEST_F(OccupancyOfMany, NobodyIsOverlooked) {
   std::uniform_real_distribution<float> place(0.0F, 40.0F);
   for (int n = 0; n < 2000; ++n) {
-    const int bucket = int(rng() % 25);  // beyond the horizon, too
+    const int macro_step = int(rng() % 25);  // beyond the horizon, too
     const BoxPose dot{place(rng), place(rng), 1.0F, 0.0F};
-    const int count = occupancy.near(bucket, dot.x, dot.y, 0.5F, found.data());
+    const int count = occupancy.near(macro_step, dot.x, dot.y, 0.5F, found.data());
     EXPECT_TRUE(std::is_sorted(found.begin(), found.begin() + count));
     for (int i = 0; i < kRobots; ++i) {
       const bool listed = std::count(found.begin(), found.begin() + count, i) == 1;
-      EXPECT_EQ(listed, occupancy.overlaps(bucket, i, dot.x, dot.y, 0.5F));
-      const BoxPose* boxes = tracks[std::size_t(i)].boxes(bucket * kTime.bucket);
-      for (int t = 0; t <= kTime.bucket; ++t) {
+      EXPECT_EQ(listed, occupancy.overlaps(macro_step, i, dot.x, dot.y, 0.5F));
+      const BoxPose* boxes = tracks[std::size_t(i)].boxes(macro_step * kTime.macro_step);
+      for (int t = 0; t <= kTime.macro_step; ++t) {
         if (gap(boxes[t], shape, dot, {}) < 0.5F / std::sqrt(2.0F)) {
           EXPECT_TRUE(listed) << i;
         }
@@ -63,8 +63,8 @@ TEST_F(OccupancyOfMany, NobodyIsOverlooked) {
 TEST_F(OccupancyOfMany, TravelBoundsEveryCorner) {
   for (int i = 0; i < kRobots; ++i) {
     for (int k = 0; k < 22; ++k) {
-      const BoxPose* boxes = tracks[std::size_t(i)].boxes(k * kTime.bucket);
-      for (int t = 0; t < kTime.bucket; ++t) {
+      const BoxPose* boxes = tracks[std::size_t(i)].boxes(k * kTime.macro_step);
+      for (int t = 0; t < kTime.macro_step; ++t) {
         for (const float side : {-1.0F, 1.0F}) {
           const auto corner = [&](const BoxPose& b) {
             return std::pair(b.x + 1.5F * b.ux - side * b.uy, b.y + 1.5F * b.uy + side * b.ux);
@@ -81,7 +81,7 @@ TEST_F(OccupancyOfMany, TravelBoundsEveryCorner) {
 TEST_F(OccupancyOfMany, RemovedRobotsAreGone) {
   occupancy.remove(7);
   for (int k = 0; k < 25; ++k) {
-    const BoxPose& box = *tracks[7].boxes(k * kTime.bucket);
+    const BoxPose& box = *tracks[7].boxes(k * kTime.macro_step);
     const int count = occupancy.near(k, box.x, box.y, 1.0F, found.data());
     EXPECT_EQ(std::count(found.begin(), found.begin() + count, 7), 0);
   }

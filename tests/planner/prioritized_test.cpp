@@ -1,8 +1,9 @@
+#include "planner/escot/prioritized.hpp"
+
 #include <gtest/gtest.h>
 
 #include <numbers>
 
-#include "planner/escot/prioritized.hpp"
 #include "planner/problem/metrics.hpp"
 #include "planner/problem/validate.hpp"
 #include "tests/planner/scenes.hpp"
@@ -12,13 +13,13 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-StepPlan plan_for(const Instance& instance, const PrioritisedOptions& options = {}) {
-  const Fleet fleet(instance, CollisionRule::kContinuous);
-  return plan_prioritised(fleet, options, Deadline::never());
+StepPlan plan_for(const Instance& instance, const PrioritizedOptions& options = {}) {
+  const PlanningProblem fleet(instance, CollisionRule::kContinuous);
+  return plan_prioritized(fleet, options, Deadline::never());
 }
 
 /// Plans and lets the referee judge.
-StepPlan judged(const Instance& instance, const PrioritisedOptions& options = {}) {
+StepPlan judged(const Instance& instance, const PrioritizedOptions& options = {}) {
   StepPlan result = plan_for(instance, options);
   EXPECT_EQ(result.status, Status::kSolved);
   Plan plan;
@@ -32,7 +33,7 @@ StepPlan judged(const Instance& instance, const PrioritisedOptions& options = {}
 }
 
 //   Both ways cross at (25, 25), where the second robot has its goal, right on the first one's way.
-TEST(Prioritised, ALaterRobotDoesNotParkWhereAnEarlierOneHasYetToPass) {
+TEST(Prioritized, ALaterRobotDoesNotParkWhereAnEarlierOneHasYetToPass) {
   Instance instance{.agents = {}, .map = empty_map(50), .dt = 1.0};
   instance.agents = {agent({5, 25, 0}, {45, 25, 0}, 0),
                      agent({25, 15, kPi / 2}, {25, 24, kPi / 2}, 1)};
@@ -43,7 +44,7 @@ TEST(Prioritised, ALaterRobotDoesNotParkWhereAnEarlierOneHasYetToPass) {
 }
 
 //   A lane 3.2 m wide; robot 1 stands at its end, at its goal, and robot 0 comes through.
-TEST(Prioritised, ALaterRobotLeavesItsGoalForAnEarlierOne) {
+TEST(Prioritized, ALaterRobotLeavesItsGoalForAnEarlierOne) {
   Instance instance{.agents = {}, .map = empty_map(60), .dt = 1.0};
   instance.map.polygons = {{{20, 0}, {40, 0}, {40, 28.4}, {20, 28.4}},
                            {{20, 31.6}, {40, 31.6}, {40, 60}, {20, 60}}};
@@ -52,7 +53,7 @@ TEST(Prioritised, ALaterRobotLeavesItsGoalForAnEarlierOne) {
 }
 
 //   Robot 0 goes 28 m round to a place in the middle of the lane, robot 1 comes through 30 m later.
-TEST(Prioritised, NobodyDrivesThroughARobotThatHasParked) {
+TEST(Prioritized, NobodyDrivesThroughARobotThatHasParked) {
   Instance instance{.agents = {}, .map = empty_map(60), .dt = 1.0};
   instance.agents = {agent({30, 40, 0}, {44, 30, kPi}, 0), agent({5, 30, 0}, {57, 30, 0}, 1)};
   const StepPlan plan = judged(instance);
@@ -62,11 +63,11 @@ TEST(Prioritised, NobodyDrivesThroughARobotThatHasParked) {
   EXPECT_GT(arrival_step(plan.trajectories[0]), 38U);
 }
 
-TEST(Prioritised, SolvesCrossingsThatNeedEverybodysGoalToBeCrossed) {
+TEST(Prioritized, SolvesCrossingsThatNeedEverybodysGoalToBeCrossed) {
   for (const int robots : {2, 4, 8}) (void)judged(circle(robots));
 }
 
-TEST(Prioritised, TriesOtherOrdersWhenARobotFindsNoWay) {
+TEST(Prioritized, TriesOtherOrdersWhenARobotFindsNoWay) {
   const Instance instance = random_instance(3, 10, 4, 24);
   ASSERT_EQ(plan_for(instance, {.max_orders = 1}).status, Status::kExhausted)
       << "the first order does; the test needs another instance";
@@ -74,15 +75,15 @@ TEST(Prioritised, TriesOtherOrdersWhenARobotFindsNoWay) {
 }
 
 //   The seed acts where an order comes back, here because searches are kept small.
-TEST(Prioritised, ADifferentSeedTriesOtherOrders) {
+TEST(Prioritized, ADifferentSeedTriesOtherOrders) {
   const Instance instance = random_instance(3, 10, 4, 24);
-  PrioritisedOptions options{.max_expansions = 150, .max_orders = 300, .seed = 1};
+  PrioritizedOptions options{.max_expansions = 150, .max_orders = 300, .seed = 1};
   EXPECT_EQ(plan_for(instance, options).status, Status::kSolved);
   options.seed = 2;
   EXPECT_EQ(plan_for(instance, options).status, Status::kExhausted);
 }
 
-TEST(Prioritised, GivesUpAfterSoManyOrders) {
+TEST(Prioritized, GivesUpAfterSoManyOrders) {
   Instance instance = circle(2);
   instance.map.polygons = {{{24.5, 0}, {25.5, 0}, {25.5, 50}, {24.5, 50}}};  // a wall between them
   const StepPlan plan = plan_for(instance, {.max_expansions = 500, .max_orders = 5});

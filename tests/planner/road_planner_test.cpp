@@ -152,14 +152,14 @@ TEST_F(Crossing, APlanIsReplacedOnlyByABetterOne) {
     add(0, 70.0 - 14.0 * i, 13.0);
     add(1, 64.0 - 14.0 * i, 13.0);
   }
-  CrossingOptions one_shot;
-  one_shot.tries = 0;
-  const auto first = plan_crossing(scene, keys(), {}, one_shot, 0);
+  CrossingOptions one_analytic_expansion;
+  one_analytic_expansion.tries = 0;
+  const auto first = plan_crossing(scene, keys(), {}, one_analytic_expansion, 0);
   CrossingOptions search;
   search.tries = 60;
   const auto better = plan_crossing(scene, keys(), first.plan, search, 1);
   EXPECT_LE(better.cost, first.cost);
-  const auto again = plan_crossing(scene, keys(), better.plan, one_shot, 2);
+  const auto again = plan_crossing(scene, keys(), better.plan, one_analytic_expansion, 2);
   EXPECT_NEAR(again.cost, better.cost, 1e-9);
 }
 

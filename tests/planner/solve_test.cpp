@@ -59,7 +59,7 @@ TEST(Pbcr, RobotsHeadOnGiveWayInTime) {
 //   same two would drive into it for ever.
 TEST(Escot, ADrawnActionIsNotPlannedAway) {
   const Instance instance = circle(2, 6.0);
-  const Fleet fleet(instance, CollisionRule::kContinuous);
+  const PlanningProblem fleet(instance, CollisionRule::kContinuous);
   const Deadline never = Deadline::never();
   const Configuration q = fleet.starts();
   SteppedWorld world(fleet, {}, never);
@@ -150,7 +150,7 @@ class Crowd : public testing::TestWithParam<std::uint64_t> {};
 //   The safe stop of a SteppedCar is its pose: after every step all may stay where they are.
 TEST_P(Crowd, AfterEveryStepEverybodyMayStopAtOnce) {
   const Instance instance = random_instance(GetParam(), 10, 5, 30);
-  const Fleet fleet(instance, CollisionRule::kContinuous);
+  const PlanningProblem fleet(instance, CollisionRule::kContinuous);
   const Deadline never = Deadline::never();
   SteppedWorld world(fleet, {}, never);
   std::mt19937_64 rng(GetParam());
@@ -180,7 +180,7 @@ TEST_P(Crowd, AfterEveryStepEverybodyMayStopAtOnce) {
 //   Asked twice in one step, the second time nothing is taken as foreseen.
 TEST_P(Crowd, GroupsAreTheSameWhateverWasForeseen) {
   const Instance instance = random_instance(GetParam(), 16, 3, 40);
-  const Fleet fleet(instance, CollisionRule::kContinuous);
+  const PlanningProblem fleet(instance, CollisionRule::kContinuous);
   const Deadline never = Deadline::never();
   SteppedWorld world(fleet, {}, never);
   std::mt19937_64 rng(GetParam());
@@ -203,7 +203,7 @@ TEST_P(Crowd, GroupsAreTheSameWhateverWasForeseen) {
 //   A group that could not be planned is in mind only until it may be tried again.
 TEST_P(Crowd, FailuresAreForgottenInTime) {
   const Instance instance = random_instance(GetParam(), 16, 3, 40);
-  const Fleet fleet(instance, CollisionRule::kContinuous);
+  const PlanningProblem fleet(instance, CollisionRule::kContinuous);
   const Deadline never = Deadline::never();
   SteppedWorldOptions options;
   options.eccr.max_nodes = 1;

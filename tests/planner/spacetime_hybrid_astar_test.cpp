@@ -4,7 +4,7 @@
 
 #include <numbers>
 
-#include "planner/escot/fleet.hpp"
+#include "planner/escot/planning_problem.hpp"
 #include "tests/planner/scenes.hpp"
 
 namespace mvtp {
@@ -25,14 +25,14 @@ class SpacetimeSearch : public testing::Test {
   static Instance instance_of(const Map& map, std::vector<Agent> agents) {
     return {.agents = std::move(agents), .map = map, .dt = 1.0};
   }
-  static SearchProblem problem(const Fleet& fleet, int i) {
+  static SearchProblem problem(const PlanningProblem& fleet, int i) {
     SearchProblem result;
     result.car = &fleet.car(i);
     result.cost_to_go = &fleet.cost_to_go(i);
     result.start = fleet.starts()[std::size_t(i)];
     return result;
   }
-  static void expect_free_way_to_goal(const Fleet& fleet, int i, const TimedPath& path) {
+  static void expect_free_way_to_goal(const PlanningProblem& fleet, int i, const TimedPath& path) {
     Pose pose = fleet.starts()[std::size_t(i)];
     for (const Arc& arc : path.steps) {
       EXPECT_TRUE(fleet.car(i).is_free(pose, arc));
@@ -45,7 +45,7 @@ class SpacetimeSearch : public testing::Test {
 
 TEST_F(SpacetimeSearch, FindsTheReedsSheppPathWhereNothingIsInTheWay) {
   const Instance instance = instance_of(empty_map(50), {agent({10, 10, 0}, {30, 20, kPi / 2})});
-  const Fleet fleet(instance, CollisionRule::kContinuous);
+  const PlanningProblem fleet(instance, CollisionRule::kContinuous);
   const auto path = SpacetimeHybridAstar(fleet.curves()).search(problem(fleet, 0), {}, kNever);
   ASSERT_TRUE(path);
   expect_free_way_to_goal(fleet, 0, *path);
@@ -54,7 +54,7 @@ TEST_F(SpacetimeSearch, FindsTheReedsSheppPathWhereNothingIsInTheWay) {
 
 TEST_F(SpacetimeSearch, GoesRoundAWall) {
   const Instance instance = instance_of(room(), {agent({7, 5, kPi / 2}, {23, 5, -kPi / 2})});
-  const Fleet fleet(instance, CollisionRule::kContinuous);
+  const PlanningProblem fleet(instance, CollisionRule::kContinuous);
   const auto path = SpacetimeHybridAstar(fleet.curves()).search(problem(fleet, 0), {}, kNever);
   ASSERT_TRUE(path);
   expect_free_way_to_goal(fleet, 0, *path);
@@ -65,7 +65,7 @@ TEST_F(SpacetimeSearch, GivesUpWhereThereIsNoWay) {
   Map map = empty_map(30);
   map.polygons = {{{14.5, 0}, {15.5, 0}, {15.5, 30}, {14.5, 30}}};
   const Instance instance = instance_of(map, {agent({7, 5, 0}, {23, 5, 0})});
-  const Fleet fleet(instance, CollisionRule::kContinuous);
+  const PlanningProblem fleet(instance, CollisionRule::kContinuous);
   EXPECT_FALSE(SpacetimeHybridAstar(fleet.curves()).search(problem(fleet, 0), {}, kNever));
 }
 
@@ -74,7 +74,7 @@ TEST_F(SpacetimeSearch, GivesUpWhereThereIsNoWay) {
 TEST_F(SpacetimeSearch, KeepsClearOfARobotThatComesTowardsIt) {
   const Instance instance = instance_of(empty_map(50), {agent({10, 25, 0}, {40, 25, 0}, 0),
                                                         agent({40, 25, -kPi}, {10, 25, -kPi}, 1)});
-  const Fleet fleet(instance, CollisionRule::kContinuous);
+  const PlanningProblem fleet(instance, CollisionRule::kContinuous);
   const SpacetimeHybridAstar planner(fleet.curves());
   const auto straight = planner.search(problem(fleet, 1), {}, kNever);
   ASSERT_TRUE(straight);
@@ -96,7 +96,7 @@ TEST_F(SpacetimeSearch, KeepsClearOfARobotThatComesTowardsIt) {
 //   The robot stands at its goal when another one has to pass: it leaves and comes back.
 TEST_F(SpacetimeSearch, LeavesItsGoalForAConstraintAndComesBack) {
   const Instance instance = instance_of(empty_map(30), {agent({15, 15, 0}, {15, 15, 0})});
-  const Fleet fleet(instance, CollisionRule::kContinuous);
+  const PlanningProblem fleet(instance, CollisionRule::kContinuous);
   const std::vector<Constraint> constraints = {{5, 8, fleet.car(0).sweep({15, 15, kPi / 2}, {})}};
   SearchProblem constrained = problem(fleet, 0);
   constrained.constraints = constraints;
@@ -114,7 +114,7 @@ TEST_F(SpacetimeSearch, ShorterArcsFindTheWayOutOfATightPlace) {
   map.polygons = {{{13.2, 13}, {14.2, 13}, {14.2, 17}, {13.2, 17}},
                   {{18.6, 13}, {19.6, 13}, {19.6, 17}, {18.6, 17}}};
   const Instance instance = instance_of(map, {agent({15.2, 15, 0}, {15.2, 22, 0})});
-  const Fleet fleet(instance, CollisionRule::kContinuous);
+  const PlanningProblem fleet(instance, CollisionRule::kContinuous);
   const SpacetimeHybridAstar planner(fleet.curves());
   EXPECT_FALSE(planner.search(problem(fleet, 0), {.w = 1.2, .max_expansions = 20000}, kNever));
   const auto path = planner.search(problem(fleet, 0),
@@ -128,7 +128,7 @@ TEST_F(SpacetimeSearch, ArrivesWhenNobodyComesByTheGoalAnyMore) {
   const Instance instance = instance_of(
       empty_map(50),
       {agent({20, 25, 0}, {30, 25, 0}, 0), agent({31, 5, kPi / 2}, {31, 45, kPi / 2}, 1)});
-  const Fleet fleet(instance, CollisionRule::kContinuous);
+  const PlanningProblem fleet(instance, CollisionRule::kContinuous);
   std::vector<Arc> late(8);  // waits
   late.resize(48, Arc{1, 0});
   const MovingObstacle passing(fleet.car(1), fleet.starts()[1], late);
@@ -148,7 +148,7 @@ TEST_F(SpacetimeSearch, ArrivesWhenNobodyComesByTheGoalAnyMore) {
 TEST_F(SpacetimeSearch, FindsNoWayToAGoalThatAnotherRobotKeeps) {
   const Instance instance = instance_of(
       empty_map(50), {agent({20, 25, 0}, {30, 25, 0}, 0), agent({30, 5, 0}, {30, 26, 0}, 1)});
-  const Fleet fleet(instance, CollisionRule::kContinuous);
+  const PlanningProblem fleet(instance, CollisionRule::kContinuous);
   const MovingObstacle standing(fleet.car(1), {30, 26, 0}, {});
   const std::vector<const MovingObstacle*> others = {&standing};
   const TimedObstacles traffic(others);
@@ -159,14 +159,14 @@ TEST_F(SpacetimeSearch, FindsNoWayToAGoalThatAnotherRobotKeeps) {
 
 TEST_F(SpacetimeSearch, EndsAtTheDeadline) {
   const Instance instance = instance_of(empty_map(50), {agent({10, 10, 0}, {30, 20, kPi / 2})});
-  const Fleet fleet(instance, CollisionRule::kContinuous);
+  const PlanningProblem fleet(instance, CollisionRule::kContinuous);
   EXPECT_FALSE(SpacetimeHybridAstar(fleet.curves()).search(problem(fleet, 0), {}, Deadline::in(0)));
 }
 
 TEST(SteppedCar, PrimitivesAreItsStepsFromAnywhere) {
   const Instance instance = circle(2);
   for (const CollisionRule rule : {CollisionRule::kContinuous, CollisionRule::kSteps}) {
-    const Fleet fleet(instance, rule);
+    const PlanningProblem fleet(instance, rule);
     const SteppedCar& car = fleet.car(0);
     const std::vector<Primitive> primitives = car.primitives(0.5);
     ASSERT_EQ(primitives.size(), 7U);
@@ -189,7 +189,7 @@ TEST(SteppedCar, PrimitivesAreItsStepsFromAnywhere) {
 
 TEST(TimedObstacles, NobodyIsLookedAtFromTheGivenStepOn) {
   const Instance instance = circle(2);
-  const Fleet fleet(instance, CollisionRule::kContinuous);
+  const PlanningProblem fleet(instance, CollisionRule::kContinuous);
   const MovingObstacle parked(fleet.car(0), {}, std::vector<Arc>(5));
   const std::vector<const MovingObstacle*> pointers = {&parked};
   const TimedObstacles traffic(pointers, 3);
@@ -202,7 +202,7 @@ TEST(TimedObstacles, NobodyIsLookedAtFromTheGivenStepOn) {
 
 TEST(TimedObstacles, CountsWhoeverCollidesAtAStep) {
   const Instance instance = random_instance(11, 12, 0, 30);
-  const Fleet fleet(instance, CollisionRule::kContinuous);
+  const PlanningProblem fleet(instance, CollisionRule::kContinuous);
   std::vector<MovingObstacle> robots;
   for (int i = 1; i < fleet.size(); ++i) {
     const std::vector<Arc> steps(std::size_t(2 * i), fleet.car(i).arcs()[std::size_t(i % 6)]);

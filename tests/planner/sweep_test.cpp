@@ -114,7 +114,7 @@ TEST(Sweep, StaysInItsCircleAndMovesNoFasterThanItSays) {
   }
 }
 
-/// The least separation over 2001 instants.
+/// The least separation over 2001 time steps.
 double least_gap(const Sweep& a, const Sweep& b) {
   double gap = separation(a.at(0), b.at(0));
   for (int k = 1; k <= 2000; ++k) gap = std::min(gap, separation(a.at(k / 2e3), b.at(k / 2e3)));

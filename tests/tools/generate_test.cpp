@@ -132,7 +132,7 @@ TEST(GeneratedInstance, LetsEachRobotFindItsWayAlone) {
   const Cell crammed{Suite::kCrowd, Layout::kRandom, 16, 25, 2, 10};
   for (int index = 0; index < crammed.instances; ++index) {
     const GeneratedInstance made = generate_instance(crammed, {}, index);
-    const Fleet fleet(made.instance, CollisionRule::kContinuous);
+    const PlanningProblem fleet(made.instance, CollisionRule::kContinuous);
     for (int i = 0; i < fleet.size(); ++i) EXPECT_TRUE(solvable_alone(fleet, i)) << index;
   }
 }
@@ -148,7 +148,7 @@ TEST(SolvableAlone, TellsAWalledGoalFromAFreeOne) {
                            wall(21, 9, 22, 21)};
   instance.agents = {{"agent0", {}, {5, 15, 0}, {18, 15, 0}},
                      {"agent1", {}, {5, 5, 0}, {25, 15, 1}}};
-  const Fleet fleet(instance, CollisionRule::kContinuous);
+  const PlanningProblem fleet(instance, CollisionRule::kContinuous);
   EXPECT_FALSE(solvable_alone(fleet, 0));
   EXPECT_TRUE(solvable_alone(fleet, 1));
 }
@@ -252,7 +252,7 @@ TEST(GeneratedParking, HasAllSizesAndBothWaysRound) {
 
 TEST(GeneratedParking, EachFindsItsWayAlone) {
   const Instance instance = generate_parking({6, 6, 1}, 1, 0).instance;
-  const Fleet fleet(instance, CollisionRule::kContinuous);
+  const PlanningProblem fleet(instance, CollisionRule::kContinuous);
   for (int i = 0; i < fleet.size(); ++i) EXPECT_TRUE(solvable_alone(fleet, i)) << i;
 }
 

@@ -155,7 +155,7 @@ class ParkingScene {
 };
 
 bool all_find_a_way_alone(const Instance& instance) {
-  const Fleet fleet(instance, CollisionRule::kContinuous);
+  const PlanningProblem fleet(instance, CollisionRule::kContinuous);
   for (int i = 0; i < fleet.size(); ++i) {
     if (!solvable_alone(fleet, i)) return false;
   }

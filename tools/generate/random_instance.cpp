@@ -167,7 +167,7 @@ class Scene {
   [[nodiscard]] std::vector<std::size_t> without_way(std::span<const std::size_t> robots) const {
     Instance part{.agents = {}, .map = map_, .dt = preset_.dt};
     for (const std::size_t i : robots) part.agents.push_back(agent(i));
-    const Fleet fleet(part, CollisionRule::kContinuous);
+    const PlanningProblem fleet(part, CollisionRule::kContinuous);
     std::vector<std::size_t> result;
     for (int k = 0; k < fleet.size(); ++k) {
       if (!solvable_alone(fleet, k)) result.push_back(robots[std::size_t(k)]);

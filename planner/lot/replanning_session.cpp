@@ -1,16 +1,16 @@
-#include "planner/lot/lot_draft.hpp"
+#include "planner/lot/replanning_session.hpp"
 
 #include <cmath>
 
 namespace mvtp {
 namespace {
 
-constexpr double kAnyPrice = 1.0;  ///< [s] per bucket: the searches are hard
+constexpr double kAnySoftCost = 1.0;  ///< [s] per macro step: the searches are hard
 constexpr double kNever = 1e9;
 constexpr float kNow = -1.0F;        ///< when a car is where it is: before all that is planned
 constexpr int kMoreAlone = 8;        ///< times the expansions of a thorough search alone,
 constexpr int kMoreAmongOthers = 4;  ///< and among others
-constexpr int kLatest = 200;         ///< instants that a way alone may begin later
+constexpr int kLatest = 200;         ///< time steps that a way alone may begin later
 constexpr double kTail = 12.0;       ///< [m] before a slot that are driven as if alone
 
 SoftOptions soft_options(const LotPlannerOptions& options) {
@@ -26,8 +26,9 @@ SoftOptions soft_options(const LotPlannerOptions& options) {
 
 }  // namespace
 
-LotPlanner::Draft::Draft(LotPlanner& planner, const LotMotion& motion, const LotRequest* request,
-                         std::span<const StandingCar> waiting)
+LotPlanner::ReplanningSession::ReplanningSession(LotPlanner& planner, const LotMotion& motion,
+                                                 const LotRequest* request,
+                                                 std::span<const StandingCar> waiting)
     : planner_(planner), motion_(motion), forecast_(motion.forecast()) {
   add_cars();
   if (request != nullptr) add_request(*request);
@@ -40,25 +41,26 @@ LotPlanner::Draft::Draft(LotPlanner& planner, const LotMotion& motion, const Lot
   for (int i = 0; i < cars(); ++i) joint_->place(i, forecast_track(i));
   for (std::size_t i = first_standing; i < robots_.size(); ++i) {
     const MacroRobot& robot = macro_robots_[i];
-    joint_->place(int(i), TimedTrack(robot.car->vehicle(), robot.start, {}, planner_.time_.bucket));
+    joint_->place(int(i),
+                  TimedTrack(robot.car->vehicle(), robot.start, {}, planner_.time_.macro_step));
   }
 }
 
-void LotPlanner::Draft::add(Robot robot, const Pose& start, bool in_entry) {
+void LotPlanner::ReplanningSession::add(Robot robot, const Pose& start, bool in_entry) {
   const Ground& ground = in_entry       ? planner_.open_
                          : robot.leaves ? planner_.ground_of_leaving(robot.body, robot.goal)
                                         : planner_.closed_;
   // Who stands needs no margin of its own, no more than those that are solid.
   const Vehicle body = robot.stands ? robot.body : planner_.grown(robot.body);
-  macro_cars_.push_back(std::make_unique<MacroCar>(body, planner_.time_, ground.map,
-                                                   *ground.obstacles, planner_.clearance_));
+  macro_cars_.push_back(std::make_unique<MotionPrimitives>(body, planner_.time_, ground.map,
+                                                           *ground.obstacles, planner_.clearance_));
   const CostToGo* const to_go =
       robot.stands ? nullptr : &planner_.cost_to_go(robot.body, robot.goal);
   macro_robots_.push_back({macro_cars_.back().get(), to_go, start});
   robots_.push_back(std::move(robot));
 }
 
-void LotPlanner::Draft::add_cars() {
+void LotPlanner::ReplanningSession::add_cars() {
   for (std::size_t i = 0; i < motion_.cars().size(); ++i) {
     const LotCar& car = motion_.cars()[i];
     const double braking = car.v * car.v / (2 * motion_.limits().braking);
@@ -66,14 +68,14 @@ void LotPlanner::Draft::add_cars() {
                                   std::max(car.s, car.path.length()));
     Robot robot{car.body, car.path, car.s, car.v, 0, car.key, car.goal, car.leaves};
     robot.prefix.truncate(end);
-    const bool moves = forecast_.driven_at(i, ahead() + kInstant) > end + 1e-3;
+    const bool moves = forecast_.driven_at(i, ahead() + kTimeStep) > end + 1e-3;
     if (moves || car.v > 0.0) robot.direction = car.path.direction_from(std::max(0.0, end - 1e-3));
     const Pose start = car.path.at(end);
     add(std::move(robot), start, planner_.in_entry(car.body, start));
   }
 }
 
-void LotPlanner::Draft::add_request(const LotRequest& request) {
+void LotPlanner::ReplanningSession::add_request(const LotRequest& request) {
   ArcPath prefix(request.pose);
   prefix.append({Arc{planner_.prefix_length(request.speed), 0.0}});
   for (const Pose& goal : request.goals) {
@@ -83,13 +85,13 @@ void LotPlanner::Draft::add_request(const LotRequest& request) {
   }
 }
 
-void LotPlanner::Draft::add_standing(const StandingCar& car) {
+void LotPlanner::ReplanningSession::add_standing(const StandingCar& car) {
   add({.body = car.body, .prefix = ArcPath(car.pose), .goal = car.pose, .stands = true}, car.pose,
       false);
 }
 
 /// The lane behind a car that comes in: the next ones follow it there.
-void LotPlanner::Draft::add_queue(const LotRequest& request, const Pose& start) {
+void LotPlanner::ReplanningSession::add_queue(const LotRequest& request, const Pose& start) {
   constexpr double kBehind = 0.4;  // [m]
   const LotLane& lane = planner_.lot_.entries[std::size_t(request.entry)];
   const double along = relative(lane.begin, start).x;
@@ -101,13 +103,13 @@ void LotPlanner::Draft::add_queue(const LotRequest& request, const Pose& start) 
   add({.body = body, .prefix = ArcPath(lane.begin), .goal = lane.begin}, lane.begin, true);
 }
 
-TimedTrack LotPlanner::Draft::forecast_track(int i) const {
+TimedTrack LotPlanner::ReplanningSession::forecast_track(int i) const {
   const auto k = std::size_t(i);
   const LotCar& car = motion_.cars()[k];
   std::vector<Arc> steps;
   double s = robots_[k].prefix.length();
   Pose from = car.path.at(s);
-  for (double t = ahead() + kInstant; t < forecast_.arrival(k) + kInstant; t += kInstant) {
+  for (double t = ahead() + kTimeStep; t < forecast_.arrival(k) + kTimeStep; t += kTimeStep) {
     const double next = std::max(s, forecast_.driven_at(k, t));
     if (next - s < 1e-6) {
       steps.push_back({});
@@ -120,10 +122,10 @@ TimedTrack LotPlanner::Draft::forecast_track(int i) const {
     s = next;
   }
   return {macro_robots_[k].car->vehicle(), macro_robots_[k].start, std::move(steps),
-          planner_.time_.bucket, car.leaves};
+          planner_.time_.macro_step, car.leaves};
 }
 
-SoftProblem LotPlanner::Draft::problem(int robot) const {
+SoftProblem LotPlanner::ReplanningSession::problem(int robot) const {
   const MacroRobot& macro = macro_robots_[std::size_t(robot)];
   SoftProblem problem;
   problem.car = macro.car;
@@ -135,7 +137,7 @@ SoftProblem LotPlanner::Draft::problem(int robot) const {
 }
 
 /// From both ends where it parks: one search may be lost where the other finds a way at once.
-std::optional<TimedTrack> LotPlanner::Draft::alone(int robot, Effort effort) {
+std::optional<TimedTrack> LotPlanner::ReplanningSession::alone(int robot, Effort effort) {
   const int expansions = planner_.options_.expansions * (effort == Effort::kQuick ? 1 : kMoreAlone);
   std::optional<SoftPath> path = search_alone(problem(robot), expansions);
   if (!robots_[std::size_t(robot)].leaves) {
@@ -145,15 +147,16 @@ std::optional<TimedTrack> LotPlanner::Draft::alone(int robot, Effort effort) {
   if (!path) return std::nullopt;
   const MacroRobot& macro = macro_robots_[std::size_t(robot)];
   return TimedTrack(macro.car->vehicle(), macro.start, std::move(path->steps),
-                    planner_.time_.bucket, robots_[std::size_t(robot)].leaves);
+                    planner_.time_.macro_step, robots_[std::size_t(robot)].leaves);
 }
 
-std::optional<TimedTrack> LotPlanner::Draft::alone(int robot) {
+std::optional<TimedTrack> LotPlanner::ReplanningSession::alone(int robot) {
   std::optional<TimedTrack> way = alone(robot, Effort::kQuick);
   return way ? std::move(way) : alone(robot, Effort::kThorough);
 }
 
-std::optional<SoftPath> LotPlanner::Draft::search_alone(SoftProblem problem, int expansions) {
+std::optional<SoftPath> LotPlanner::ReplanningSession::search_alone(SoftProblem problem,
+                                                                    int expansions) {
   const Occupancy nobody(1, planner_.time_);
   problem.others = {.occupancy = &nobody};
   SoftOptions options = soft_options(planner_.options_);
@@ -162,7 +165,8 @@ std::optional<SoftPath> LotPlanner::Draft::search_alone(SoftProblem problem, int
 }
 
 /// From the goal to the start, driven the other way round.
-std::optional<SoftPath> LotPlanner::Draft::search_alone_backwards(int robot, int expansions) {
+std::optional<SoftPath> LotPlanner::ReplanningSession::search_alone_backwards(int robot,
+                                                                              int expansions) {
   const Robot& r = robots_[std::size_t(robot)];
   SoftProblem reversed = problem(robot);
   const CostToGo to_start = planner_.make_cost_to_go(r.body, reversed.start);
@@ -177,7 +181,7 @@ std::optional<SoftPath> LotPlanner::Draft::search_alone_backwards(int robot, int
 }
 
 /// The last metres of a way: a search among others need only find the rest.
-std::vector<Arc> LotPlanner::Draft::tail(const TimedTrack& alone) const {
+std::vector<Arc> LotPlanner::ReplanningSession::tail(const TimedTrack& alone) const {
   ArcPath way(alone.start());
   way.append(alone.steps());
   std::vector<Arc> result;
@@ -191,14 +195,14 @@ std::vector<Arc> LotPlanner::Draft::tail(const TimedTrack& alone) const {
   return result;
 }
 
-bool LotPlanner::Draft::plan(int robot, const TimedTrack& alone) {
+bool LotPlanner::ReplanningSession::plan(int robot, const TimedTrack& alone) {
   return plan(robot, alone, Effort::kQuick) || plan(robot, alone, Effort::kThorough);
 }
 
 /// Quickly: by a short search, or else the way alone, begun later.
-bool LotPlanner::Draft::plan(int robot, const TimedTrack& alone, Effort effort) {
+bool LotPlanner::ReplanningSession::plan(int robot, const TimedTrack& alone, Effort effort) {
   SoftProblem soft = problem(robot);
-  soft.others = joint_->others(robot, kAnyPrice);
+  soft.others = joint_->others(robot, kAnySoftCost);
   const std::vector<Arc> tail = soft.leaves ? std::vector<Arc>{} : this->tail(alone);
   std::optional<CostToGo> to_tail;
   if (!tail.empty()) {
@@ -217,19 +221,20 @@ bool LotPlanner::Draft::plan(int robot, const TimedTrack& alone, Effort effort) 
   if (!path && effort == Effort::kQuick) return drive_alone_later(robot, alone);
   if (!path || comes_back_into_entry(robot, path->steps)) return false;
   joint_->place(robot, TimedTrack(soft.car->vehicle(), soft.start, std::move(path->steps),
-                                  planner_.time_.bucket, soft.leaves));
+                                  planner_.time_.macro_step, soft.leaves));
   return true;
 }
 
 /// The way alone, begun as soon as it touches nobody.
-bool LotPlanner::Draft::drive_alone_later(int robot, const TimedTrack& alone) {
+bool LotPlanner::ReplanningSession::drive_alone_later(int robot, const TimedTrack& alone) {
   if (comes_back_into_entry(robot, alone.steps())) return false;
   const bool leaves = robots_[std::size_t(robot)].leaves;
   return joint_->place_later(robot, alone.steps(), kLatest, leaves);
 }
 
 /// The next one follows in the lane: a car may leave it only forwards, and for good.
-bool LotPlanner::Draft::comes_back_into_entry(int robot, const std::vector<Arc>& steps) const {
+bool LotPlanner::ReplanningSession::comes_back_into_entry(int robot,
+                                                          const std::vector<Arc>& steps) const {
   const MacroRobot& macro = macro_robots_[std::size_t(robot)];
   const Vehicle& body = robots_[std::size_t(robot)].body;
   if (!planner_.in_entry(body, macro.start)) return false;
@@ -247,15 +252,15 @@ bool LotPlanner::Draft::comes_back_into_entry(int robot, const std::vector<Arc>&
   return false;
 }
 
-std::vector<int> LotPlanner::Draft::in_the_way(int robot, const TimedTrack& track) {
+std::vector<int> LotPlanner::ReplanningSession::in_the_way(int robot, const TimedTrack& track) {
   joint_->place(robot, track);
   std::vector<int> result = joint_->conflicts_of(robot);
   (void)joint_->remove(robot);
   return result;
 }
 
-std::vector<int> LotPlanner::Draft::plan_before(int robot, const TimedTrack& alone,
-                                                std::span<const int> others) {
+std::vector<int> LotPlanner::ReplanningSession::plan_before(int robot, const TimedTrack& alone,
+                                                            std::span<const int> others) {
   for (const int i : others) (void)take(i);
   if (!plan(robot, alone)) return {};
   std::vector<int> group = {robot};
@@ -267,7 +272,7 @@ std::vector<int> LotPlanner::Draft::plan_before(int robot, const TimedTrack& alo
   return group;
 }
 
-ArcPath LotPlanner::Draft::way(int robot, const TimedTrack& track) const {
+ArcPath LotPlanner::ReplanningSession::way(int robot, const TimedTrack& track) const {
   const Robot& r = robots_[std::size_t(robot)];
   ArcPath path = r.prefix;
   path.append(track.steps());
@@ -275,7 +280,7 @@ ArcPath LotPlanner::Draft::way(int robot, const TimedTrack& track) const {
   return path;
 }
 
-LotCar LotPlanner::Draft::car(int robot, const TimedTrack& track) const {
+LotCar LotPlanner::ReplanningSession::car(int robot, const TimedTrack& track) const {
   const Robot& r = robots_[std::size_t(robot)];
   LotCar car;
   car.key = r.key;
@@ -288,13 +293,13 @@ LotCar LotPlanner::Draft::car(int robot, const TimedTrack& track) const {
   return car;
 }
 
-double LotPlanner::Draft::duration_alone(int robot, const TimedTrack& track) const {
+double LotPlanner::ReplanningSession::duration_alone(int robot, const TimedTrack& track) const {
   LotMotion motion(planner_.options_.limits);
   motion.put(car(robot, track));
   return motion.forecast().arrival(0);
 }
 
-std::vector<float> LotPlanner::Draft::times_of_kept(int i) const {
+std::vector<float> LotPlanner::ReplanningSession::times_of_kept(int i) const {
   const auto k = std::size_t(i);
   const LotCar& car = motion_.cars()[k];
   const std::vector<float>& driven = forecast_.driven[k];
@@ -310,7 +315,8 @@ std::vector<float> LotPlanner::Draft::times_of_kept(int i) const {
   return times;
 }
 
-std::vector<float> LotPlanner::Draft::times_of_planned(const LotCar& car, int robot) const {
+std::vector<float> LotPlanner::ReplanningSession::times_of_planned(const LotCar& car,
+                                                                   int robot) const {
   const Robot& r = robots_[std::size_t(robot)];
   const double prefix = r.prefix.length();
   std::vector<float> times(std::size_t(car.cells.size()), float(kNever));
@@ -320,7 +326,8 @@ std::vector<float> LotPlanner::Draft::times_of_planned(const LotCar& car, int ro
   for (std::size_t c = 0; c < times.size(); ++c) {
     const double middle = std::min((double(c) + 0.5) * PathCells::kLength, car.path.length());
     if (middle < prefix) {
-      // Evenly over the time until the draft begins; the forecast knows better for cars under way.
+      // Evenly over the time until the session begins; the forecast knows better for cars under
+      // way.
       const double part = (middle - r.s) / std::max(prefix - r.s, 1e-6);
       times[c] = float(ahead() * std::max(0.0, part));
       if (robot < cars()) {
@@ -338,7 +345,7 @@ std::vector<float> LotPlanner::Draft::times_of_planned(const LotCar& car, int ro
   return times;
 }
 
-LotMotion LotPlanner::Draft::result(std::span<const int> changed) const {
+LotMotion LotPlanner::ReplanningSession::result(std::span<const int> changed) const {
   LotMotion result = motion_;
   struct Way {
     std::int64_t key;

@@ -1,4 +1,4 @@
-#include "planner/search/soft_astar.hpp"
+#include "planner/search/soft_hybrid_astar.hpp"
 
 #include <gtest/gtest.h>
 
@@ -23,7 +23,7 @@ struct Scene {
 
   /// The other robot drives along the steps.
   void place_other(const Pose& start, const std::vector<Arc>& steps) {
-    tracks[1] = TimedTrack(kCar, start, steps, kTime.bucket);
+    tracks[1] = TimedTrack(kCar, start, steps, kTime.macro_step);
     occupancy.place(1, tracks[1], car.shape());
   }
 
@@ -31,24 +31,24 @@ struct Scene {
     SoftProblem result;
     result.car = &car;
     result.cost_to_go = &cost_to_go;
-    result.others = {&occupancy, tracks, shapes, prices};
+    result.others = {&occupancy, tracks, shapes, soft_costs};
     result.start = start;
     return result;
   }
 
   [[nodiscard]] TimedTrack track(const Pose& start, const SoftPath& path) const {
-    return {kCar, start, path.steps, kTime.bucket};
+    return {kCar, start, path.steps, kTime.macro_step};
   }
 
   Map map;
   Obstacles obstacles;
   Clearance clearance;
-  MacroCar car;
+  MotionPrimitives car;
   CostToGo cost_to_go;
   Occupancy occupancy{2, kTime};
   std::vector<TimedTrack> tracks{2};
   std::vector<BoxShape> shapes{box_shape(kCar, kTime.dt), box_shape(kCar, kTime.dt)};
-  std::vector<float> prices{10.0F, 10.0F};
+  std::vector<float> soft_costs{10.0F, 10.0F};
 };
 
 /// From west to east, 50 m long and wide enough for one.
@@ -60,10 +60,10 @@ Map corridor() {
 }
 
 std::optional<SoftPath> search(const SoftProblem& problem, const SoftOptions& options = {}) {
-  return SoftAstar(2).search(problem, options, Deadline::never());
+  return SoftHybridAstar(2).search(problem, options, Deadline::never());
 }
 
-TEST(SoftAstar, DrivesTheShortestCurveIfAlone) {
+TEST(SoftHybridAstar, DrivesTheShortestCurveIfAlone) {
   const Pose start{10, 10, 0.3};
   const Pose goal{30, 25, 2.0};
   const Scene scene(empty_map(50), goal);
@@ -73,11 +73,11 @@ TEST(SoftAstar, DrivesTheShortestCurveIfAlone) {
   EXPECT_GE(int(path->steps.size()) * kTime.dt, length);
   EXPECT_LE(int(path->steps.size()) * kTime.dt, length + 5 * kTime.dt);
   EXPECT_LT(distance(drive(start, path->steps), goal), 1e-8);
-  EXPECT_EQ(path->price, 0.0);
+  EXPECT_EQ(path->soft_cost, 0.0);
 }
 
 //   Behind the horizon of the search nobody is seen: straight through the one who stands there.
-TEST(SoftAstar, SeesOthersUntilTheHorizonOnly) {
+TEST(SoftHybridAstar, SeesOthersUntilTheHorizonOnly) {
   const Pose start{10, 25, 0};
   Scene scene(empty_map(50), {40, 25, 0});
   scene.place_other({25, 25, 1.5}, {});
@@ -85,12 +85,12 @@ TEST(SoftAstar, SeesOthersUntilTheHorizonOnly) {
   EXPECT_GT(search(problem)->steps.size(), 284U);
   problem.others.horizon = 7;  // reached before the other one is
   EXPECT_EQ(search(problem)->steps.size(), 284U);
-  EXPECT_EQ(search(problem)->price, 0.0);
+  EXPECT_EQ(search(problem)->soft_cost, 0.0);
 }
 
 //   Between two walls, one action ahead and one behind are too long: 0.6 m of room to turn round
 //   in.
-TEST(SoftAstar, SlowActionsLeadOutOfTightPlaces) {
+TEST(SoftHybridAstar, SlowActionsLeadOutOfTightPlaces) {
   Map map = empty_map(50);
   map.polygons = {{{24.3, 20}, {25, 20}, {25, 30}, {24.3, 30}},
                   {{16, 20}, {18.9, 20}, {18.9, 30}, {16, 30}}};
@@ -106,34 +106,36 @@ TEST(SoftAstar, SlowActionsLeadOutOfTightPlaces) {
   for (const Arc& step : path->steps) EXPECT_LE(std::abs(step.length), kTime.dt + 1e-9);
 }
 
-//   Head on in the open: both the price and the referee-like check say that nobody is touched.
-TEST(SoftAstar, GivesWayToTheOther) {
+//   Head on in the open: both the soft-collision cost and the referee-like check say that nobody is
+//   touched.
+TEST(SoftHybridAstar, GivesWayToTheOther) {
   const Pose start{10, 25, 0};
   Scene scene(empty_map(50), {40, 25, 0});
   scene.place_other({40, 25, 3.14159265358979}, std::vector<Arc>(284, Arc{0.1059, 0.0}));
   const std::optional<SoftPath> path = search(scene.problem(start));
   ASSERT_TRUE(path);
-  EXPECT_EQ(path->price, 0.0);
+  EXPECT_EQ(path->soft_cost, 0.0);
   const TimedTrack track = scene.track(start, *path);
-  for (int t = 0; t < 400; t += kTime.bucket) {
+  for (int t = 0; t < 400; t += kTime.macro_step) {
     EXPECT_FALSE(meet(track.boxes(t), scene.shapes[0], scene.tracks[1].boxes(t), scene.shapes[1],
-                      kTime.bucket));
+                      kTime.macro_step));
   }
 }
 
-//   In a corridor there is no way past: the price is paid, and more of it the dearer the other is.
-TEST(SoftAstar, DrivesThroughTheOtherWhereItMust) {
+//   In a corridor there is no way past: the soft-collision cost is paid, and more of it the dearer
+//   the other is.
+TEST(SoftHybridAstar, DrivesThroughTheOtherWhereItMust) {
   const Pose start{5, 1.5, 0};
   Scene scene(corridor(), {45, 1.5, 0});
   scene.place_other({25, 1.5, 0}, {});
   const std::optional<SoftPath> path = search(scene.problem(start));
   ASSERT_TRUE(path);
-  EXPECT_GE(path->price, 10.0);
-  EXPECT_NEAR(path->cost, path->price + double(path->steps.size()) * kTime.dt, 1e-6);
+  EXPECT_GE(path->soft_cost, 10.0);
+  EXPECT_NEAR(path->cost, path->soft_cost + double(path->steps.size()) * kTime.dt, 1e-6);
 }
 
 //   Who may touch nobody finds no way along the corridor.
-TEST(SoftAstar, TouchesNobodyIfThatIsHard) {
+TEST(SoftHybridAstar, TouchesNobodyIfThatIsHard) {
   Scene scene(corridor(), {45, 1.5, 0});
   scene.place_other({25, 1.5, 0}, {});
   const SoftProblem problem = scene.problem({5, 1.5, 0});
@@ -144,7 +146,7 @@ TEST(SoftAstar, TouchesNobodyIfThatIsHard) {
 }
 
 //   Walls beside and behind, and the other just ahead for a while: there is nothing to do but wait.
-TEST(SoftAstar, WaitsWhereItStands) {
+TEST(SoftHybridAstar, WaitsWhereItStands) {
   Map closed = corridor();
   closed.polygons.push_back({{-9, 0}, {3.7, 0}, {3.7, 3}, {-9, 3}});
   Scene scene(closed, {45, 1.5, 0});
@@ -155,22 +157,22 @@ TEST(SoftAstar, WaitsWhereItStands) {
   const std::optional<SoftPath> path = search(scene.problem(start), {.hard = true});
   ASSERT_TRUE(path);
   const TimedTrack track = scene.track(start, *path);
-  for (int t = 0; t < 500; t += kTime.bucket) {
+  for (int t = 0; t < 500; t += kTime.macro_step) {
     EXPECT_FALSE(meet(track.boxes(t), scene.shapes[0], scene.tracks[1].boxes(t), scene.shapes[1],
-                      kTime.bucket));
+                      kTime.macro_step));
   }
 }
 
 //   Among others at rest a search that leaves out time says at once that there is no way, and one
 //   that does not waits for ever.
-TEST(SoftAstar, TimeCanBeLeftOut) {
+TEST(SoftHybridAstar, TimeCanBeLeftOut) {
   Scene scene(corridor(), {45, 1.5, 0});
   scene.place_other({25, 1.5, 0}, {});
   const SoftProblem problem = scene.problem({5, 1.5, 0});
   const SoftOptions hard{.max_expansions = 3000, .hard = true};
   SoftOptions timeless = hard;
   timeless.leave_out_time();
-  SoftAstar astar(2);
+  SoftHybridAstar astar(2);
   EXPECT_FALSE(astar.search(problem, timeless, Deadline::never()));
   const std::int64_t expansions = astar.expansions();
   EXPECT_LT(expansions, 20);
@@ -179,18 +181,18 @@ TEST(SoftAstar, TimeCanBeLeftOut) {
 }
 
 //   The other drives over the goal later on: whoever rests there before pays.
-TEST(SoftAstar, ArrivesAfterTheLastOneHasPassed) {
+TEST(SoftHybridAstar, ArrivesAfterTheLastOneHasPassed) {
   Scene scene(empty_map(50), {25, 25, 0});
   std::vector<Arc> steps(100);  // waits
   steps.insert(steps.end(), 300, Arc{0.1059, 0.0});
   scene.place_other({25, 10, 1.5707963267949}, steps);
   const std::optional<SoftPath> path = search(scene.problem({15, 25, 0}), {.max_expansions = 5000});
   ASSERT_TRUE(path);
-  EXPECT_EQ(path->price, 0.0);
+  EXPECT_EQ(path->soft_cost, 0.0);
   EXPECT_GT(path->steps.size(), 100U + 150U);
 }
 
-TEST(SoftAstar, KeepsTheDeadline) {
+TEST(SoftHybridAstar, KeepsTheDeadline) {
   const Pose start{10, 10, 0.3};
   const Scene scene(empty_map(50), {30, 25, 2.0});
   SoftProblem problem = scene.problem(start);
@@ -201,7 +203,7 @@ TEST(SoftAstar, KeepsTheDeadline) {
   EXPECT_FALSE(search(problem));
 }
 
-TEST(SoftAstar, StaysClearOfObstaclesAndInsideTheMap) {
+TEST(SoftHybridAstar, StaysClearOfObstaclesAndInsideTheMap) {
   Map map = empty_map(40);
   for (int k = 0; k < 12; ++k) map.circles.push_back({20.0 + (k % 3), 4.0 + 2.5 * k, 0.8});
   const Pose start{8, 20, 0};
@@ -216,10 +218,10 @@ TEST(SoftAstar, StaysClearOfObstaclesAndInsideTheMap) {
 }
 
 //   A budget without bound takes no memory by itself; what is expanded does.
-TEST(SoftAstar, ItsMemoryGrowsWithTheSearch) {
+TEST(SoftHybridAstar, ItsMemoryGrowsWithTheSearch) {
   const Pose start{10, 10, 0};
   const Scene open(empty_map(50), {40, 10, 0});
-  SoftAstar search(2);
+  SoftHybridAstar search(2);
   SoftOptions options{.max_expansions = std::numeric_limits<int>::max()};
   ASSERT_TRUE(search.search(open.problem(start), options, Deadline::never()));
   const std::size_t at_first = search.cells();
@@ -229,22 +231,22 @@ TEST(SoftAstar, ItsMemoryGrowsWithTheSearch) {
   Map closed = empty_map(30);
   closed.polygons = {{{20, -5}, {21, -5}, {21, 35}, {20, 35}}};
   const Scene box(closed, {26, 15, 0});
-  options = {.max_expansions = 150'000, .cell = 0.5, .cell_heading = 0.1, .cell_buckets = 1};
+  options = {.max_expansions = 150'000, .cell = 0.5, .cell_heading = 0.1, .cell_macro_steps = 1};
   EXPECT_FALSE(search.search(box.problem({10, 15, 0}), options, Deadline::never()));
   EXPECT_GT(search.expansions(), 30'000);
   EXPECT_GT(search.cells(), at_first);
 }
 
-//   A tail: planned from a bucket on, arcs are counted from there.
-TEST(SoftAstar, PlansFromALaterBucketOn) {
+//   A tail: planned from a macro step on, arcs are counted from there.
+TEST(SoftHybridAstar, PlansFromALaterBucketOn) {
   const Pose start{10, 10, 0};
   Scene scene(empty_map(50), {40, 10, 0});
   scene.place_other({25, 10, 1.5707963267949}, std::vector<Arc>(140, Arc{0.1059, 0.0}));
   SoftProblem problem = scene.problem(start);
-  problem.start_bucket = 10;  // the other has left by then
+  problem.start_macro_step = 10;  // the other has left by then
   const std::optional<SoftPath> path = search(problem);
   ASSERT_TRUE(path);
-  EXPECT_EQ(path->price, 0.0);
+  EXPECT_EQ(path->soft_cost, 0.0);
   EXPECT_NEAR(path->cost, (140.0 + double(path->steps.size())) * kTime.dt, 1e-6);
 }
 

@@ -1,4 +1,4 @@
-#include "planner/escot/fleet.hpp"
+#include "planner/escot/planning_problem.hpp"
 
 #include <fmt/format.h>
 
@@ -30,7 +30,8 @@ double longest_reach(const Instance& instance) {
 
 }  // namespace
 
-Fleet::Fleet(const Instance& instance, CollisionRule rule, const Deadline& deadline)
+PlanningProblem::PlanningProblem(const Instance& instance, CollisionRule rule,
+                                 const Deadline& deadline)
     : instance_(instance),
       rule_(rule),
       overlapping_pairs_(instance),
@@ -54,27 +55,27 @@ Fleet::Fleet(const Instance& instance, CollisionRule rule, const Deadline& deadl
   }
 }
 
-std::unique_ptr<const Exemptions> Fleet::exemptions_of(const Agent& agent) const {
+std::unique_ptr<const Exemptions> PlanningProblem::exemptions_of(const Agent& agent) const {
   if (instance_.initial_overlap == InitialOverlap::kRefuse) return nullptr;
   auto exemptions = std::make_unique<Exemptions>(agent.vehicle, instance_.map, obstacles_,
                                                  agent.start, agent.goal);
   return exemptions->empty() ? nullptr : std::move(exemptions);
 }
 
-Configuration Fleet::starts() const {
+Configuration PlanningProblem::starts() const {
   Configuration q;
   for (const Agent& agent : instance_.agents) q.push_back(agent.start);
   return q;
 }
 
-Pose Fleet::at_goal_or(int i, const Pose& pose) const {
+Pose PlanningProblem::at_goal_or(int i, const Pose& pose) const {
   const bool at_goal = std::abs(pose.x - goal(i).x) < kRounding &&
                        std::abs(pose.y - goal(i).y) < kRounding &&
                        std::abs(wrap_to_pi(pose.theta - goal(i).theta)) < kRounding;
   return at_goal ? goal(i) : pose;
 }
 
-double Fleet::lower_bound() const {
+double PlanningProblem::lower_bound() const {
   double bound = 0.0;
   for (const Agent& agent : instance_.agents) {
     const double length = curves_.length(agent.start, agent.goal, agent.vehicle.min_turning_radius);
@@ -83,12 +84,12 @@ double Fleet::lower_bound() const {
   return bound;
 }
 
-std::string Fleet::proof_of_infeasibility(const Deadline& deadline) const {
+std::string PlanningProblem::proof_of_infeasibility(const Deadline& deadline) const {
   const std::string proof = proof_by_places();
   return proof.empty() ? proof_by_passages(deadline) : proof;
 }
 
-std::string Fleet::proof_by_passages(const Deadline& deadline) const {
+std::string PlanningProblem::proof_by_passages(const Deadline& deadline) const {
   if (obstacles_.empty()) return {};
   std::map<std::pair<double, double>, Passages> all;  // by radius and freedom to be outside
   for (int i = 0; i < size() && !deadline.expired(); ++i) {
@@ -117,7 +118,7 @@ std::string Fleet::proof_by_passages(const Deadline& deadline) const {
   return {};
 }
 
-std::string Fleet::proof_by_places() const {
+std::string PlanningProblem::proof_by_places() const {
   for (const bool goals : {false, true}) {
     const char* what = goals ? "goal" : "start";
     const auto pose = [&](int i) {

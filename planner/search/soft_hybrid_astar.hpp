@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "planner/motion/cost_to_go.hpp"
-#include "planner/motion/macro_car.hpp"
+#include "planner/motion/motion_primitives.hpp"
 #include "planner/motion/reeds_shepp.hpp"
 #include "planner/problem/deadline.hpp"
 #include "planner/search/occupancy.hpp"
@@ -19,18 +19,18 @@ struct OtherRobots {
   const Occupancy* occupancy = nullptr;  ///< without the robot that is searched for
   std::span<const TimedTrack> tracks;
   std::span<const BoxShape> shapes;
-  std::span<const float> prices;  ///< of overlapping robot j for one bucket of time [s]
-  int horizon = std::numeric_limits<int>::max();  ///< nobody is seen from this bucket on
+  std::span<const float> soft_costs;  ///< of overlapping robot j for one macro step of time [s]
+  int horizon = std::numeric_limits<int>::max();  ///< nobody is seen from this macro step on
 };
 
 /// One robot's way from a pose at a time to its goal.
 struct SoftProblem {
-  const MacroCar* car = nullptr;
+  const MotionPrimitives* car = nullptr;
   const CostToGo* cost_to_go = nullptr;  ///< names the goal
   OtherRobots others;
   Pose start;
-  int start_bucket = 0;
-  int deadline = std::numeric_limits<int>::max();  ///< arrival, in instants
+  int start_macro_step = 0;
+  int deadline = std::numeric_limits<int>::max();  ///< arrival, in time steps
   int direction = 0;    ///< in which it drives at the start: 1 forwards, -1 in reverse, 0 at rest
   bool leaves = false;  ///< nobody can touch it any more once it has arrived
   std::span<const Arc> tail = {};  ///< driven from the goal of cost_to_go on: to the true goal
@@ -41,17 +41,17 @@ struct SoftOptions {
   int max_expansions = 1000;   ///< > 0
   double cell = 1.5;           ///< side of a cell in which one node is kept [m]
   double cell_heading = 0.35;  ///< [rad]
-  int cell_buckets = 2;        ///< buckets of time that share a cell
-  double reversal = 0.0;       ///< price of a change of direction [s]
+  int cell_macro_steps = 2;    ///< macro steps of time that share a cell
+  double reversal = 0.0;       ///< soft-collision cost of a change of direction [s]
   bool slowly = false;         ///< slow actions, too: for tight places
-  bool hard = false;           ///< nobody may be touched, at whatever price
-  /// May it wait anywhere for any time, or only for less than a cell's buckets at once? Ways out of
-  /// tight places are found among fewer nodes then.
+  bool hard = false;           ///< nobody may be touched, at whatever soft-collision cost
+  /// May it wait anywhere for any time, or only for less than a cell's macro steps at once? Ways
+  /// out of tight places are found among fewer nodes then.
   bool waits = true;
 
   /// For ways among others that all rest: there is nothing to wait for.
   void leave_out_time() {
-    cell_buckets = std::numeric_limits<int>::max();
+    cell_macro_steps = std::numeric_limits<int>::max();
     waits = false;
   }
   /// Smaller cells, for tight places.
@@ -62,22 +62,22 @@ struct SoftOptions {
 };
 
 struct SoftPath {
-  std::vector<Arc> steps;  ///< one per instant from the start of start_bucket on
-  double cost = 0.0;       ///< arrival and prices of all overlaps and reversals [s]
-  double price = 0.0;      ///< of overlaps alone: 0 if nobody is overlapped
+  std::vector<Arc> steps;  ///< one per time step from the start of start_macro_step on
+  double cost = 0.0;       ///< arrival and soft-collision costs of all overlaps and reversals [s]
+  double soft_cost = 0.0;  ///< of overlaps alone: 0 if nobody is overlapped
 };
 
-/// Weighted hybrid A* in (x, y, theta, t) that may drive through other robots at a price.
+/// Weighted hybrid A* in (x, y, theta, t) that may drive through other robots at a soft-collision
+/// cost.
 ///
-/// Actions last one bucket of time; Reeds-Shepp shots lead to the goal exactly, one arc per
-/// instant. Resting on the goal costs the price of whoever passes later, and the cost-to-go knows
-/// when the goal gets free. Map, obstacles and the deadline are hard. The best way found so far is
-/// returned when the expansions run out,
-/// or the time.
-/// Source of the soft collisions: LNS2, Li et al. 2022. One object per thread: it keeps its memory.
-class SoftAstar {
+/// Actions last one macro step of time; Reeds-Shepp analytic expansions lead to the goal exactly,
+/// one arc per time step. Resting on the goal costs the soft-collision cost of whoever passes
+/// later, and the cost-to-go knows when the goal gets free. Map, obstacles and the deadline are
+/// hard. The best way found so far is returned when the expansions run out, or the time. Source of
+/// the soft collisions: LNS2, Li et al. 2022. One object per thread: it keeps its memory.
+class SoftHybridAstar {
  public:
-  explicit SoftAstar(int robots)
+  explicit SoftHybridAstar(int robots)
       : found_(std::size_t(robots) + Occupancy::kPadding),
         around_list_(std::size_t(robots) + Occupancy::kPadding) {}
 
@@ -93,10 +93,10 @@ class SoftAstar {
  private:
   struct Node {
     Frame at;
-    float price;
+    float soft_cost;
     float f;
     int parent;
-    int bucket;
+    int macro_step;
     int turns;
     std::int8_t action;
     std::int8_t direction;  ///< of the last drive: 1, -1, or 0 if there was none
@@ -106,55 +106,56 @@ class SoftAstar {
     float f;
     unsigned stamp;
   };
-  /// How far the driving of a shot has got.
+  /// How far the driving of a analytic expansion has got.
   struct Ride {
     Frame at;
     double theta;
-    int bucket;
-    int instants = 0;  ///< of this bucket driven so far, their boxes in boxes_
-    double price = 0.0;
+    int macro_step;
+    int time_steps = 0;  ///< of this macro step driven so far, their boxes in boxes_
+    double soft_cost = 0.0;
   };
-  struct Shot {
+  struct AnalyticExpansion {
     int node = -1;
     ReedsSheppPath arcs;
     double cost = std::numeric_limits<double>::infinity();
-    double price = 0.0;
+    double soft_cost = 0.0;
   };
 
   void prepare();
-  void price_of_resting();
-  [[nodiscard]] float price(int bucket, const BoxPose* boxes, float travel, float radius);
-  /// Keeps whom a body within the circle might touch during a bucket, as far as others are seen.
-  void look_around(int bucket, const BoxPose& middle, float radius);
+  void soft_cost_of_resting();
+  [[nodiscard]] float soft_cost(int macro_step, const BoxPose* boxes, float travel, float radius);
+  /// Keeps whom a body within the circle might touch during a macro step, as far as others are
+  /// seen.
+  void look_around(int macro_step, const BoxPose& middle, float radius);
   /// Keeps of those around whom a motion might touch. @return whether there is anyone
-  [[nodiscard]] bool anyone_nearby(int bucket, const BoxPose& halfway, float radius,
+  [[nodiscard]] bool anyone_nearby(int macro_step, const BoxPose& halfway, float radius,
                                    const SweptBox& swept);
-  [[nodiscard]] float price_of_nearby(int bucket, const BoxPose* boxes, float travel);
-  [[nodiscard]] float price_of_action(int bucket, const Frame& from, const BoxPose& halfway,
-                                      const MacroCar::Action& action);
+  [[nodiscard]] float soft_cost_of_nearby(int macro_step, const BoxPose* boxes, float travel);
+  [[nodiscard]] float soft_cost_of_action(int macro_step, const Frame& from, const BoxPose& halfway,
+                                          const MotionPrimitives::Action& action);
   [[nodiscard]] double heading(int turns) const { return problem_->start.theta + turns * turn_; }
   [[nodiscard]] Pose pose(const Node& node) const {
     return {node.at.x, node.at.y, heading(node.turns)};
   }
   [[nodiscard]] double to_go(double x, double y, double theta) const;
-  [[nodiscard]] float estimate(double price, int bucket, double to_go) const;
+  [[nodiscard]] float estimate(double soft_cost, int macro_step, double to_go) const;
   void clear_cells(std::size_t room);
   void grow_cells();
   [[nodiscard]] Cell& cell_with(std::uint64_t key);
   /// Valid until the next call. @return where the best node of a place and time is kept
-  [[nodiscard]] Cell& cell_of(double x, double y, double theta, int bucket);
-  [[nodiscard]] double price_of_reversals(int direction, std::span<const Arc> arcs) const;
+  [[nodiscard]] Cell& cell_of(double x, double y, double theta, int macro_step);
+  [[nodiscard]] double cost_of_reversals(int direction, std::span<const Arc> arcs) const;
   [[nodiscard]] bool shoots(int expansion, const Node& node) const;
   void expand(int node);
   void try_action(int node, int a);
-  void try_shot(int node);
-  [[nodiscard]] double follow(const Pose& start, int bucket, std::span<const Arc> arcs,
+  void try_analytic_expansion(int node);
+  [[nodiscard]] double follow(const Pose& start, int macro_step, std::span<const Arc> arcs,
                               double most);
-  [[nodiscard]] bool ride_action(Ride& ride, const MacroCar::Action& action);
-  [[nodiscard]] bool ride_piece(Ride& ride, const Arc& piece, int instants);
-  void end_bucket(Ride& ride);
-  /// The way behind a shot, the tail included; valid until the next call.
-  [[nodiscard]] std::span<const Arc> to_the_end(const ReedsSheppPath& shot);
+  [[nodiscard]] bool ride_action(Ride& ride, const MotionPrimitives::Action& action);
+  [[nodiscard]] bool ride_piece(Ride& ride, const Arc& piece, int time_steps);
+  void end_macro_step(Ride& ride);
+  /// The way behind a analytic expansion, the tail included; valid until the next call.
+  [[nodiscard]] std::span<const Arc> to_the_end(const ReedsSheppPath& analytic_expansion);
   [[nodiscard]] bool waits_in_its_cell(const Node& node) const;
   void push(const Node& node);
   [[nodiscard]] SoftPath path();
@@ -169,16 +170,17 @@ class SoftAstar {
   std::size_t cell_mask_ = 0;  ///< so many cells, less one, are in use by the search under way
   std::size_t used_cells_ = 0;
   unsigned stamp_ = 0;
-  std::vector<float> rest_price_;  ///< of resting on the goal from bucket k on
-  std::vector<float> rest_cost_;   ///< least arrival time plus rest price from bucket k on
+  std::vector<float> rest_soft_cost_;  ///< of resting on the goal from macro step k on
+  std::vector<float>
+      rest_cost_;  ///< least arrival time plus rest soft-collision cost from macro step k on
   std::vector<BoxPose> boxes_;
-  Shot best_;
+  AnalyticExpansion best_;
   std::int64_t expansions_ = 0;
 
   // Of the search under way.
   const SoftProblem* problem_ = nullptr;
   SoftOptions options_;
-  double bucket_duration_ = 0.0;
+  double macro_step_duration_ = 0.0;
   double turn_ = 0.0;
   double tail_duration_ = 0.0;
   std::vector<Arc> to_the_end_;

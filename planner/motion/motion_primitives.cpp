@@ -1,4 +1,4 @@
-#include "planner/motion/macro_car.hpp"
+#include "planner/motion/motion_primitives.hpp"
 
 #include <limits>
 
@@ -58,9 +58,9 @@ float Clearance::at(double x, double y) const {
   return distance_[std::size_t(int(row) * columns_ + int(column))];
 }
 
-MacroCar::MacroCar(const Vehicle& vehicle, TimeGrid time, const Map& map,
-                   const Obstacles& obstacles, const Clearance& clearance,
-                   const Exemptions* exemptions)
+MotionPrimitives::MotionPrimitives(const Vehicle& vehicle, TimeGrid time, const Map& map,
+                                   const Obstacles& obstacles, const Clearance& clearance,
+                                   const Exemptions* exemptions)
     : vehicle_(vehicle),
       time_(time),
       map_(&map),
@@ -68,9 +68,9 @@ MacroCar::MacroCar(const Vehicle& vehicle, TimeGrid time, const Map& map,
       clearance_(&clearance),
       exemptions_(exemptions),
       shape_(box_shape(vehicle, time.dt)),
-      reach_(shape_.half_diagonal() + shape_.travel * float(time.bucket - time.bucket / 2)),
-      turn_(vehicle.max_speed * time.bucket_duration() * vehicle.max_curvature() / kSlow) {
-  const double length = vehicle.max_speed * time.bucket_duration();
+      reach_(shape_.half_diagonal() + shape_.travel * float(time.macro_step - time.macro_step / 2)),
+      turn_(vehicle.max_speed * time.macro_step_duration() * vehicle.max_curvature() / kSlow) {
+  const double length = vehicle.max_speed * time.macro_step_duration();
   const double k = vehicle.max_curvature();
   std::vector<Arc> arcs = {{length, 0.0}, {length, k},   {length, -k}, {-length, 0.0},
                            {-length, k},  {-length, -k}, {0.0, 0.0}};
@@ -85,12 +85,12 @@ MacroCar::MacroCar(const Vehicle& vehicle, TimeGrid time, const Map& map,
     if (arcs[a].length != 0.0) {
       action.travel = arcs[a].curvature == 0.0 ? float(step_length()) : shape_.travel;
     }
-    for (int t = 0; t <= time.bucket; ++t) {
-      const Arc part{arcs[a].length * t / time.bucket, arcs[a].curvature};
+    for (int t = 0; t <= time.macro_step; ++t) {
+      const Arc part{arcs[a].length * t / time.macro_step, arcs[a].curvature};
       action.boxes.push_back(box_pose(vehicle, drive(Pose{}, part)));
     }
-    action.swept = swept_box(action.boxes.data(), shape_, time.bucket);
-    const BoxPose& middle = action.boxes[std::size_t(time.bucket / 2)];
+    action.swept = swept_box(action.boxes.data(), shape_, time.macro_step);
+    const BoxPose& middle = action.boxes[std::size_t(time.macro_step / 2)];
     for (const BoxPose& box : action.boxes) {
       action.radius = std::max(action.radius, std::hypot(box.x - middle.x, box.y - middle.y));
     }
@@ -100,7 +100,7 @@ MacroCar::MacroCar(const Vehicle& vehicle, TimeGrid time, const Map& map,
   }
 }
 
-const MacroCar::Action* MacroCar::beginning_of(const Arc& arc) const {
+const MotionPrimitives::Action* MotionPrimitives::beginning_of(const Arc& arc) const {
   const auto* const begin = actions_.begin();
   const auto* const end = begin + kWait;
   const auto* const found = std::find_if(begin, end, [&](const Action& action) {
@@ -109,7 +109,7 @@ const MacroCar::Action* MacroCar::beginning_of(const Arc& arc) const {
   return found == end ? nullptr : found;
 }
 
-bool MacroCar::in_bounds(const Pose& from, const Arc& arc) const {
+bool MotionPrimitives::in_bounds(const Pose& from, const Arc& arc) const {
   const Extent e =
       map_->bounds == Bounds::kAxle ? axle_extent(from, arc) : body_extent(vehicle_, from, arc);
   constexpr double kRounding = 1e-9;
@@ -117,17 +117,17 @@ bool MacroCar::in_bounds(const Pose& from, const Arc& arc) const {
          e.max_y <= map_->height + kRounding;
 }
 
-bool MacroCar::is_clear(const Pose& from, const Arc& arc) const {
+bool MotionPrimitives::is_clear(const Pose& from, const Arc& arc) const {
   const Sweep sweep(vehicle_, from, arc);
   if (!obstacles_->hit(sweep)) return true;
   return exemptions_ != nullptr && exemptions_->allow(*obstacles_, sweep, from, arc);
 }
 
-bool MacroCar::is_free(const Pose& from, const Arc& arc) const {
+bool MotionPrimitives::is_free(const Pose& from, const Arc& arc) const {
   return in_bounds(from, arc) && is_clear(from, arc);
 }
 
-bool MacroCar::is_free(const Pose& from, const Arc& arc, const BoxPose& halfway) const {
+bool MotionPrimitives::is_free(const Pose& from, const Arc& arc, const BoxPose& halfway) const {
   const double margin = double(reach_) + std::abs(vehicle_.front - vehicle_.rear) / 2;
   const bool well_inside = halfway.x >= margin && halfway.y >= margin &&
                            halfway.x <= map_->width - margin && halfway.y <= map_->height - margin;

@@ -14,10 +14,10 @@ namespace mvtp {
 ///
 /// Robots: the cars under way, the request once per goal, those who wait, the queue behind the
 /// request in its entry lane.
-class LotPlanner::Draft {
+class LotPlanner::ReplanningSession {
  public:
-  Draft(LotPlanner& planner, const LotMotion& motion, const LotRequest* request,
-        std::span<const StandingCar> waiting);
+  ReplanningSession(LotPlanner& planner, const LotMotion& motion, const LotRequest* request,
+                    std::span<const StandingCar> waiting);
 
   [[nodiscard]] const LotForecast& forecast() const { return forecast_; }
   [[nodiscard]] int cars() const { return int(motion_.cars().size()); }
@@ -68,7 +68,7 @@ class LotPlanner::Draft {
  private:
   struct Robot {
     Vehicle body;    ///< true size
-    ArcPath prefix;  ///< what it drives until the draft begins
+    ArcPath prefix;  ///< what it drives until the session begins
     double s = 0.0;  ///< on the prefix, now
     double v = 0.0;
     int direction = 0;
@@ -100,7 +100,7 @@ class LotPlanner::Draft {
   const LotMotion& motion_;
   LotForecast forecast_;
   std::vector<Robot> robots_;
-  std::vector<std::unique_ptr<MacroCar>> macro_cars_;
+  std::vector<std::unique_ptr<MotionPrimitives>> macro_cars_;
   std::vector<MacroRobot> macro_robots_;
   std::optional<JointMotion> joint_;
 };

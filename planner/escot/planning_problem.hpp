@@ -21,14 +21,15 @@ using Configuration = std::vector<Pose>;  ///< one pose per robot, one step
 ///
 /// What all algorithms share, so that a comparison is one between algorithms. Not thread safe (the
 /// tables fill themselves); does not move, for its parts point at each other.
-class Fleet {
+class PlanningProblem {
  public:
   /// @param instance  outlives this object.
   /// @param deadline  robots that are left when it expires know no way around obstacles: so large
   ///                  a fleet is ready soon, but good for nothing any more
-  Fleet(const Instance& instance, CollisionRule rule, const Deadline& deadline = Deadline::never());
-  Fleet(const Fleet&) = delete;
-  Fleet& operator=(const Fleet&) = delete;
+  PlanningProblem(const Instance& instance, CollisionRule rule,
+                  const Deadline& deadline = Deadline::never());
+  PlanningProblem(const PlanningProblem&) = delete;
+  PlanningProblem& operator=(const PlanningProblem&) = delete;
 
   [[nodiscard]] const Instance& instance() const { return instance_; }
   [[nodiscard]] int size() const { return int(cars_.size()); }

@@ -16,12 +16,13 @@ namespace mvtp {
 /// Slow but sure plans for places where hardly two can pass. As far as possible, robots go after
 /// those whose start lies on their way, and before those whose goal does. Each needs a way among
 /// the others at rest; it drives it as early as it can, or another way earlier still.
-/// Source: revised prioritised planning, Cap et al. 2015, Algorithm 2; the order is ours.
-class TakingTurns {
+/// Source: revised prioritized planning, Cap et al. 2015, Algorithm 2; the order is ours.
+class RevisedPrioritizedPlanning {
  public:
   /// @param motion, alone, deadline  outlive this object
   /// @param alone  the robots' ways if they were alone
-  TakingTurns(JointMotion& motion, const std::vector<TimedTrack>& alone, const Deadline& deadline);
+  RevisedPrioritizedPlanning(JointMotion& motion, const std::vector<TimedTrack>& alone,
+                             const Deadline& deadline);
 
   /// Replaces all motions by those found in turn, without a horizon. Who found no way, or had no
   /// turn before the time ran out or so many expansions let nobody go, stands at its start.

@@ -1,4 +1,4 @@
-#include "planner/anytime/taking_turns.hpp"
+#include "planner/anytime/revised_prioritized_planning.hpp"
 
 #include <gtest/gtest.h>
 
@@ -17,7 +17,7 @@ class Turns : public testing::Test {
   void take(Instance instance, std::int64_t expansions = kEnough) {
     scene_.emplace(std::move(instance));
     motion_.emplace(scene_->robots, scene_->time);
-    TakingTurns turns(*motion_, scene_->alone, scene_->never);
+    RevisedPrioritizedPlanning turns(*motion_, scene_->alone, scene_->never);
     turns.run(expansions);
     gone_.clear();
     for (int i = 0; i < motion_->size(); ++i) gone_.push_back(turns.has_gone(i));

@@ -36,24 +36,25 @@ class Clearance {
   std::vector<float> distance_;  ///< empty without obstacles
 };
 
-/// A car that drives the actions of the search, one per bucket of time: straight, left, right,
+/// A car that drives the actions of the search, one per macro step of time: straight, left, right,
 /// each forwards and in reverse, at full speed, and waiting; then the first six again at a third of
 /// the speed, for tight places.
 ///
 /// The obstacles of the map are those of all cars; they and the map outlive this object.
-class MacroCar {
+class MotionPrimitives {
  public:
   /// @param exemptions from the obstacles, outlives this object; nullptr: none
-  MacroCar(const Vehicle& vehicle, TimeGrid time, const Map& map, const Obstacles& obstacles,
-           const Clearance& clearance, const Exemptions* exemptions = nullptr);
+  MotionPrimitives(const Vehicle& vehicle, TimeGrid time, const Map& map,
+                   const Obstacles& obstacles, const Clearance& clearance,
+                   const Exemptions* exemptions = nullptr);
 
   struct Action {
     Arc arc;
     int turn = 0;      ///< change of heading in units of turn()
     Frame end;         ///< of the rear axle, in the frame it starts from
-    float travel = 0;  ///< of any point of the body, per instant [m]
+    float travel = 0;  ///< of any point of the body, per time step [m]
     float radius = 0;  ///< of a circle around the body's middle half way that contains all of it
-    std::vector<BoxPose> boxes;  ///< in the frame of the rear axle at the start, bucket + 1
+    std::vector<BoxPose> boxes;  ///< in the frame of the rear axle at the start, macro step + 1
     SweptBox swept;              ///< around all of it, in the same frame
   };
   static constexpr int kWait = 6;
@@ -69,7 +70,7 @@ class MacroCar {
   [[nodiscard]] const TimeGrid& time() const { return time_; }
   /// The middle of the body, from the rear axle [m].
   [[nodiscard]] double ahead() const { return (vehicle_.front - vehicle_.rear) / 2; }
-  /// The way driven between two instants at full speed [m].
+  /// The way driven between two time steps at full speed [m].
   [[nodiscard]] double step_length() const { return vehicle_.max_speed * time_.dt; }
   /// Radius of a circle around the middle of the body half way through one action that contains
   /// it all the time [m].

@@ -1,4 +1,4 @@
-#include "planner/anytime/taking_turns.hpp"
+#include "planner/anytime/revised_prioritized_planning.hpp"
 
 #include <algorithm>
 #include <span>
@@ -15,15 +15,16 @@ constexpr int kFactor = 3;
 
 }  // namespace
 
-TakingTurns::TakingTurns(JointMotion& motion, const std::vector<TimedTrack>& alone,
-                         const Deadline& deadline)
+RevisedPrioritizedPlanning::RevisedPrioritizedPlanning(JointMotion& motion,
+                                                       const std::vector<TimedTrack>& alone,
+                                                       const Deadline& deadline)
     : motion_(motion),
       alone_(alone),
       deadline_(deadline),
       repair_(motion, alone, {}, 0, deadline),
       robots_(alone.size()) {}
 
-void TakingTurns::run(std::int64_t patience) {
+void RevisedPrioritizedPlanning::run(std::int64_t patience) {
   find_who_blocks_whom();
   std::int64_t end = patience;
   for (int i = next(); i >= 0 && repair_.expansions() < end; i = next()) {
@@ -37,13 +38,13 @@ void TakingTurns::run(std::int64_t patience) {
   }
 }
 
-void TakingTurns::find_who_blocks_whom() {
+void RevisedPrioritizedPlanning::find_who_blocks_whom() {
   std::vector<TimedTrack> goals;
   std::vector<TimedTrack> starts;
   for (int i = 0; i < motion_.size(); ++i) {
     const MacroRobot& robot = motion_.robot(i);
     goals.emplace_back(robot.car->vehicle(), robot.cost_to_go->goal(), std::vector<Arc>{},
-                       motion_.time().bucket);
+                       motion_.time().macro_step);
     starts.push_back(motion_.track_after(i, 0, {}));
   }
   const auto on_the_way_of = [&](int i) {
@@ -70,7 +71,7 @@ void TakingTurns::find_who_blocks_whom() {
 
 /// Whose turn it is: those who would block nobody if possible, with a free way, and the longest;
 /// -1 if no one is left to ask.
-int TakingTurns::next() const {
+int RevisedPrioritizedPlanning::next() const {
   const auto urgency = [&](int i) {
     const Robot& robot = robots_[std::size_t(i)];
     return std::tuple(robot.would_block > 0, robot.failures, robot.starts_on_its_way,
@@ -85,7 +86,7 @@ int TakingTurns::next() const {
   return best;
 }
 
-void TakingTurns::leaves(int i) {
+void RevisedPrioritizedPlanning::leaves(int i) {
   Robot& robot = robots_[std::size_t(i)];
   robot.gone = true;
   for (const int j : robot.has_on_its_way) --robots_[std::size_t(j)].would_block;
@@ -95,23 +96,23 @@ void TakingTurns::leaves(int i) {
   }
 }
 
-bool TakingTurns::let_go(int i) {
+bool RevisedPrioritizedPlanning::let_go(int i) {
   TimedTrack standing = motion_.remove(i);
   const Robot& robot = robots_[std::size_t(i)];
   SoftOptions options = repair_.soft_options(kExpansions);
   options.hard = true;
   if (repair_.plan(i, options)) return true;
-  const int latest = motion_.makespan() + 2 * motion_.time().bucket;  // all rest
+  const int latest = motion_.makespan() + 2 * motion_.time().macro_step;  // all rest
   if (motion_.place_later(i, alone_[std::size_t(i)].steps(), latest)) return true;
 
   options = repair_.soft_options(kRestExpansions, robot.failures > 0);
   for (int n = 0; n < robot.failures; ++n) options.max_expansions *= kFactor;
   options.hard = true;
   options.leave_out_time();
-  const int all_rest = latest / motion_.time().bucket;
+  const int all_rest = latest / motion_.time().macro_step;
   if (repair_.plan(i, options, &standing, all_rest)) {
     const TimedTrack last = motion_.remove(i);
-    const std::size_t wait = std::size_t(all_rest * motion_.time().bucket);
+    const std::size_t wait = std::size_t(all_rest * motion_.time().macro_step);
     if (motion_.place_later(i, std::span(last.steps()).subspan(wait), latest)) return true;
   }
   motion_.place(i, std::move(standing));

@@ -1,0 +1,458 @@
+#include "planner/search/soft_hybrid_astar.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <numbers>
+
+#include "planner/geometry/frame.hpp"
+
+namespace mvtp {
+namespace {
+
+constexpr int kLookAtClock = 256;  ///< expansions between two looks at the clock
+constexpr int kExpansionEvery =
+    6;  ///< expansions between two analytic expansions far from the goal
+constexpr double kExpansionRange = 3.0;  ///< within so many turning radii every node shoots
+/// The cost-to-go is no bound: so much of it may be wrong before the deadline cuts [radii].
+constexpr double kSlack = 0.1;
+constexpr double kNoSoftCost =
+    1e-3;                           ///< [s]: soft-collision costs are summed up in single precision
+constexpr double kRounding = 1e-9;  ///< of a step: no step of its own for so little
+constexpr int kRoomFor = 1 << 12;   ///< expansions, before the table of cells has to grow
+
+/// Instants that a path takes.
+int duration(std::span<const Arc> arcs, double step) {
+  int time_steps = 0;
+  for (const Arc& arc : arcs) time_steps += int(std::ceil(std::abs(arc.length) / step - kRounding));
+  return time_steps;
+}
+
+/// A box given in the frame of a car, in the world.
+BoxPose moved(const BoxPose& box, const Frame& car) {
+  const Point middle = car.world(double(box.x), double(box.y));
+  const float ux = float(car.ux);
+  const float uy = float(car.uy);
+  return {float(middle.x), float(middle.y), ux * box.ux - uy * box.uy, uy * box.ux + ux * box.uy};
+}
+
+SweptBox moved(const SweptBox& box, const Frame& car) {
+  return {moved(box.pose, car), box.half_length, box.half_width};
+}
+
+}  // namespace
+
+std::optional<SoftPath> SoftHybridAstar::search(const SoftProblem& problem,
+                                                const SoftOptions& options,
+                                                const Deadline& deadline) {
+  problem_ = &problem;
+  options_ = options;
+  prepare();
+  const Pose& start = problem.start;
+  Node root{Frame(start),
+            0.0F,
+            0.0F,
+            -1,
+            problem.start_macro_step,
+            0,
+            -1,
+            std::int8_t(problem.direction)};
+  root.f = estimate(0.0, root.macro_step, to_go(start.x, start.y, start.theta));
+  push(root);
+  for (int n = 0; n < options.max_expansions && !open_.empty(); ++n) {
+    std::pop_heap(open_.begin(), open_.end(), std::greater<>());
+    const auto [f, minus_node] = open_.back();
+    open_.pop_back();
+    if (double(f) >= best_.cost) break;
+    const int node = -minus_node;
+    const Node& top = nodes_[std::size_t(node)];
+    const Pose at = pose(top);
+    if (!waits_in_its_cell(top) && cell_of(at.x, at.y, at.theta, top.macro_step).f < top.f)
+      continue;
+    ++expansions_;
+    if (shoots(n, top)) try_analytic_expansion(node);
+    if (n % kLookAtClock == kLookAtClock - 1 && deadline.expired()) break;
+    expand(node);
+  }
+  if (best_.node < 0) return std::nullopt;
+  return path();
+}
+
+bool SoftHybridAstar::shoots(int expansion, const Node& node) const {
+  const Vehicle& vehicle = problem_->car->vehicle();
+  const double h = to_go(node.at.x, node.at.y, heading(node.turns));
+  const bool close =
+      (h - tail_duration_) * vehicle.max_speed < kExpansionRange * vehicle.min_turning_radius;
+  if (!close && expansion % kExpansionEvery != 0) return false;
+  return double(node.soft_cost) + node.macro_step * macro_step_duration_ + h < best_.cost;
+}
+
+void SoftHybridAstar::prepare() {
+  const MotionPrimitives& car = *problem_->car;
+  macro_step_duration_ = car.time().macro_step_duration();
+  turn_ = car.turn();
+  tail_duration_ = 0.0;
+  for (const Arc& arc : problem_->tail) {
+    tail_duration_ += std::abs(arc.length) / car.vehicle().max_speed;
+  }
+  nodes_.clear();
+  open_.clear();
+  best_ = AnalyticExpansion{};
+  // Room for what the expansions of most searches can make; small searches stay in the cache.
+  const std::size_t room = std::bit_ceil(
+      std::size_t(std::min(options_.max_expansions, kRoomFor)) * (options_.slowly ? 20 : 10) + 64);
+  clear_cells(room);
+  boxes_.resize(std::size_t(car.time().macro_step) + 1);
+  soft_cost_of_resting();
+}
+
+void SoftHybridAstar::soft_cost_of_resting() {
+  const MotionPrimitives& car = *problem_->car;
+  Pose end = problem_->cost_to_go->goal();
+  for (const Arc& arc : problem_->tail) end = drive(end, arc);
+  const BoxPose goal = box_pose(car.vehicle(), end);
+  boxes_.assign(boxes_.size(), goal);
+  const OtherRobots& others = problem_->others;
+  const int horizon = std::min(others.occupancy->horizon(), others.horizon);
+  rest_soft_cost_.assign(std::size_t(horizon) + 2, 0.0F);
+  rest_cost_.assign(std::size_t(horizon) + 2, 0.0F);
+  for (int k = horizon; k >= 0 && !problem_->leaves; --k) {
+    rest_soft_cost_[std::size_t(k)] =
+        rest_soft_cost_[std::size_t(k) + 1] +
+        soft_cost(k, boxes_.data(), 0.0F, car.shape().half_diagonal());
+  }
+  rest_cost_.back() = float((horizon + 1) * macro_step_duration_);
+  for (int k = horizon; k >= 0; --k) {
+    const float now = float(k * macro_step_duration_) + rest_soft_cost_[std::size_t(k)];
+    rest_cost_[std::size_t(k)] = std::min(now, rest_cost_[std::size_t(k) + 1]);
+  }
+}
+
+float SoftHybridAstar::soft_cost(int macro_step, const BoxPose* boxes, float travel, float radius) {
+  if (macro_step >= problem_->others.horizon) return 0.0F;
+  const BoxPose& middle = boxes[problem_->car->time().macro_step / 2];
+  const Occupancy& occupancy = *problem_->others.occupancy;
+  const int near = occupancy.near(macro_step, middle.x, middle.y, radius, found_.data());
+  if (near == 0) return 0.0F;
+  BoxShape own = problem_->car->shape();
+  own.travel = travel;
+  const SweptBox swept = swept_box(boxes, own, problem_->car->time().macro_step);
+  nearby_ = 0;
+  for (int k = 0; k < near; ++k) {
+    const int j = found_[std::size_t(k)];
+    if (!apart(swept, occupancy.motion(macro_step, j).swept)) found_[std::size_t(nearby_++)] = j;
+  }
+  return soft_cost_of_nearby(macro_step, boxes, travel);
+}
+
+void SoftHybridAstar::look_around(int macro_step, const BoxPose& middle, float radius) {
+  const OtherRobots& others = problem_->others;
+  around_ = 0;
+  if (macro_step >= others.horizon) return;
+  around_ = others.occupancy->near(macro_step, middle.x, middle.y, radius, around_list_.data());
+}
+
+bool SoftHybridAstar::anyone_nearby(int macro_step, const BoxPose& halfway, float radius,
+                                    const SweptBox& swept) {
+  const Occupancy& occupancy = *problem_->others.occupancy;
+  nearby_ = 0;
+  for (int k = 0; k < around_; ++k) {
+    const int j = around_list_[std::size_t(k)];
+    if (!occupancy.overlaps(macro_step, j, halfway.x, halfway.y, radius)) continue;
+    if (!apart(swept, occupancy.motion(macro_step, j).swept)) found_[std::size_t(nearby_++)] = j;
+  }
+  return nearby_ > 0;
+}
+
+float SoftHybridAstar::soft_cost_of_nearby(int macro_step, const BoxPose* boxes, float travel) {
+  const OtherRobots& others = problem_->others;
+  const int time_steps = problem_->car->time().macro_step;
+  BoxShape own = problem_->car->shape();
+  own.travel = travel;
+  const int t = macro_step * time_steps;
+  float sum = 0.0F;
+  for (int k = 0; k < nearby_; ++k) {
+    const std::size_t j = std::size_t(found_[std::size_t(k)]);
+    BoxShape other = others.shapes[j];
+    other.travel = others.occupancy->motion(macro_step, int(j)).travel;
+    if (meet(boxes, own, others.tracks[j].boxes(t), other, time_steps)) sum += others.soft_costs[j];
+  }
+  return sum;
+}
+
+/// Of those around, for an action that begins at `from`.
+float SoftHybridAstar::soft_cost_of_action(int macro_step, const Frame& from,
+                                           const BoxPose& halfway,
+                                           const MotionPrimitives::Action& action) {
+  if (around_ == 0) return 0.0F;
+  if (!anyone_nearby(macro_step, halfway, action.radius, moved(action.swept, from))) return 0.0F;
+  for (std::size_t t = 0; t < boxes_.size(); ++t) boxes_[t] = moved(action.boxes[t], from);
+  return soft_cost_of_nearby(macro_step, boxes_.data(), action.travel);
+}
+
+double SoftHybridAstar::to_go(double x, double y, double theta) const {
+  return (*problem_->cost_to_go)({x, y, theta}) / problem_->car->vehicle().max_speed +
+         tail_duration_;
+}
+
+float SoftHybridAstar::estimate(double soft_cost, int macro_step, double to_go) const {
+  const double arrival = macro_step * macro_step_duration_ + to_go;
+  const std::size_t k =
+      std::min(std::size_t(arrival / macro_step_duration_), rest_cost_.size() - 1);
+  return float(soft_cost + std::max(arrival, double(rest_cost_[k])) +
+               (options_.weight - 1.0) * to_go);
+}
+
+/// Makes the table empty, with room for so many cells. @param room  a power of two
+void SoftHybridAstar::clear_cells(std::size_t room) {
+  if (cells_.size() < room) {
+    cells_.assign(room, {0, 0.0F, 0});
+    stamp_ = 0;
+  }
+  cell_mask_ = room - 1;
+  used_cells_ = 0;
+  ++stamp_;
+}
+
+void SoftHybridAstar::grow_cells() {
+  std::vector<Cell> kept;
+  for (std::size_t i = 0; i <= cell_mask_; ++i) {
+    if (cells_[i].stamp == stamp_) kept.push_back(cells_[i]);
+  }
+  clear_cells(2 * (cell_mask_ + 1));
+  for (const Cell& cell : kept) cell_with(cell.key).f = cell.f;
+}
+
+/// The cell with this key, made if need be: linear probing in a table that is never full.
+SoftHybridAstar::Cell& SoftHybridAstar::cell_with(std::uint64_t key) {
+  std::size_t i = std::size_t(key * 0x9e3779b97f4a7c15U >> 24U) & cell_mask_;
+  while (cells_[i].stamp == stamp_ && cells_[i].key != key) i = (i + 1) & cell_mask_;
+  if (cells_[i].stamp == stamp_) return cells_[i];
+  if (4 * used_cells_ > 3 * cell_mask_) {
+    grow_cells();
+    return cell_with(key);
+  }
+  ++used_cells_;
+  return cells_[i] = {key, std::numeric_limits<float>::infinity(), stamp_};
+}
+
+SoftHybridAstar::Cell& SoftHybridAstar::cell_of(double x, double y, double theta, int macro_step) {
+  const double turns = theta / (2.0 * std::numbers::pi);
+  const auto heading =
+      std::uint64_t((turns - std::floor(turns)) * (2.0 * std::numbers::pi / options_.cell_heading));
+  const auto column = std::uint64_t(std::int64_t(std::floor(x / options_.cell)) + (1 << 18));
+  const auto row = std::uint64_t(std::int64_t(std::floor(y / options_.cell)) + (1 << 18));
+  const std::uint64_t key = ((column << 20U | row) << 8U | heading) << 16U |
+                            (std::uint64_t(macro_step / options_.cell_macro_steps) & 0xffffU);
+  return cell_with(key);
+}
+
+/// Has the robot got there by waiting in the cell of its parent? The parent was there earlier, but
+/// that does not make it better.
+bool SoftHybridAstar::waits_in_its_cell(const Node& node) const {
+  return options_.waits && node.action == MotionPrimitives::kWait &&
+         node.macro_step % options_.cell_macro_steps != 0;
+}
+
+void SoftHybridAstar::push(const Node& node) {
+  nodes_.push_back(node);
+  open_.emplace_back(node.f, -int(nodes_.size() - 1));
+  std::push_heap(open_.begin(), open_.end(), std::greater<>());
+}
+
+void SoftHybridAstar::expand(int node) {
+  // Everyone whom any of the actions might touch, once for all of them.
+  const MotionPrimitives& car = *problem_->car;
+  const Node& from = nodes_[std::size_t(node)];
+  look_around(from.macro_step, box_pose(from.at, car.ahead()), car.reach_of_all());
+  const int actions = options_.slowly ? int(car.actions().size()) : MotionPrimitives::kQuick;
+  for (int a = 0; a < actions; ++a) try_action(node, a);
+}
+
+void SoftHybridAstar::try_action(int parent, int a) {
+  const MotionPrimitives& car = *problem_->car;
+  const MotionPrimitives::Action& action = car.actions()[std::size_t(a)];
+  const Node from = nodes_[std::size_t(parent)];
+  Node child = from;
+  child.parent = parent;
+  child.action = std::int8_t(a);
+  child.macro_step = from.macro_step + 1;
+  child.turns = from.turns + action.turn;
+  if (action.arc.length != 0.0) child.direction = action.arc.length > 0.0 ? 1 : -1;
+  if (child.direction * from.direction < 0) child.soft_cost += float(options_.reversal);
+  child.at = from.at.then(action.end);
+  const double theta = heading(child.turns);
+  const double h = to_go(child.at.x, child.at.y, theta);
+  const double slack = kSlack * car.vehicle().min_turning_radius / car.vehicle().max_speed;
+  if (child.macro_step * macro_step_duration_ + h - slack > problem_->deadline * car.time().dt)
+    return;
+  child.f = estimate(double(child.soft_cost), child.macro_step, h);
+  if (double(child.f) >= best_.cost) return;
+  Cell& cell = cell_of(child.at.x, child.at.y, theta, child.macro_step);
+  const bool waits = waits_in_its_cell(child);
+  if (cell.f <= child.f && !waits) return;
+
+  const BoxPose halfway = moved(action.boxes[std::size_t(car.time().macro_step / 2)], from.at);
+  if (a != MotionPrimitives::kWait && !car.is_free(pose(from), action.arc, halfway)) return;
+  const float more = soft_cost_of_action(from.macro_step, from.at, halfway, action);
+  if (options_.hard && more > 0.0F) return;
+  child.soft_cost += more;
+  child.f += more;
+  if ((cell.f <= child.f && !waits) || double(child.f) >= best_.cost) return;
+  cell.f = std::min(cell.f, child.f);
+  push(child);
+}
+
+void SoftHybridAstar::try_analytic_expansion(int node) {
+  const MotionPrimitives& car = *problem_->car;
+  const Node& from = nodes_[std::size_t(node)];
+  const Pose start = pose(from);
+  const Pose& goal = problem_->cost_to_go->goal();
+  const ReedsSheppPath analytic_expansion =
+      reeds_shepp_path(start, goal, car.vehicle().min_turning_radius);
+  const std::span<const Arc> arcs = to_the_end(analytic_expansion);
+  const int time_steps = car.time().macro_step;
+  const int arrival = from.macro_step * time_steps + duration(arcs, car.step_length());
+  if (arrival > problem_->deadline) return;
+  const std::size_t rest =
+      std::min(std::size_t((arrival + time_steps - 1) / time_steps), rest_soft_cost_.size() - 1);
+  const double reversals = cost_of_reversals(from.direction, arcs);
+  const double cost =
+      double(from.soft_cost) + reversals + arrival * car.time().dt + double(rest_soft_cost_[rest]);
+  if (cost >= best_.cost) return;
+  const double soft_cost = follow(start, from.macro_step, arcs, best_.cost - cost);
+  if (cost + soft_cost >= best_.cost) return;
+  if (options_.hard && double(rest_soft_cost_[rest]) + soft_cost > 0.0) return;
+  best_.node = node;
+  best_.arcs = analytic_expansion;
+  best_.cost = cost + soft_cost;
+  best_.soft_cost = double(from.soft_cost) + reversals + double(rest_soft_cost_[rest]) + soft_cost;
+}
+
+std::span<const Arc> SoftHybridAstar::to_the_end(const ReedsSheppPath& analytic_expansion) {
+  if (problem_->tail.empty()) return {analytic_expansion.begin(), analytic_expansion.end()};
+  to_the_end_.assign(analytic_expansion.begin(), analytic_expansion.end());
+  to_the_end_.insert(to_the_end_.end(), problem_->tail.begin(), problem_->tail.end());
+  return to_the_end_;
+}
+
+double SoftHybridAstar::cost_of_reversals(int direction, std::span<const Arc> arcs) const {
+  double sum = 0.0;
+  for (const Arc& arc : arcs) {
+    if (arc.length * direction < 0.0) sum += options_.reversal;
+    if (arc.length != 0.0) direction = arc.length > 0.0 ? 1 : -1;
+  }
+  return sum;
+}
+
+/// The soft-collision cost of the arcs from the beginning of a macro step on, infinite if they are
+/// not free; stops once it is `most`.
+double SoftHybridAstar::follow(const Pose& start, int macro_step, std::span<const Arc> arcs,
+                               double most) {
+  const MotionPrimitives& car = *problem_->car;
+  const int whole = car.time().macro_step;
+  const double step = car.step_length();
+  Ride ride{Frame(start), start.theta, macro_step};
+  for (const Arc& arc : arcs) {
+    const MotionPrimitives::Action* action = car.beginning_of(arc);
+    for (double left = std::abs(arc.length); left > kRounding * step;) {
+      double driven = whole * step;
+      bool free = false;
+      if (action != nullptr && ride.time_steps == 0 && left >= driven) {
+        free = ride_action(ride, *action);
+      } else {
+        const int time_steps =
+            std::min(whole - ride.time_steps, int(std::ceil(left / step - kRounding)));
+        driven = std::min(left, time_steps * step);
+        free = ride_piece(ride, {std::copysign(driven, arc.length), arc.curvature}, time_steps);
+      }
+      if (!free) return std::numeric_limits<double>::infinity();
+      if (ride.soft_cost >= most) return ride.soft_cost;
+      left -= driven;
+    }
+  }
+  if (ride.time_steps > 0) end_macro_step(ride);
+  return ride.soft_cost;
+}
+
+/// For a macro step, from its beginning on. @return false if the map is in the way
+bool SoftHybridAstar::ride_action(Ride& ride, const MotionPrimitives::Action& action) {
+  const MotionPrimitives& car = *problem_->car;
+  const BoxPose halfway = moved(action.boxes[std::size_t(car.time().macro_step / 2)], ride.at);
+  if (!car.is_free({ride.at.x, ride.at.y, ride.theta}, action.arc, halfway)) return false;
+  look_around(ride.macro_step, halfway, action.radius);
+  ride.soft_cost += double(soft_cost_of_action(ride.macro_step, ride.at, halfway, action));
+  ride.at = ride.at.then(action.end);
+  ride.theta += action.arc.length * action.arc.curvature;
+  ++ride.macro_step;
+  return true;
+}
+
+/// For so many time steps, all but the last at full speed, at most to the end of the macro step.
+/// @return false if the map is in the way
+bool SoftHybridAstar::ride_piece(Ride& ride, const Arc& piece, int time_steps) {
+  const MotionPrimitives& car = *problem_->car;
+  const double ahead = car.ahead();
+  const Frame middle = ride.at.then(arc_end({piece.length / 2, piece.curvature}));
+  if (!car.is_free({ride.at.x, ride.at.y, ride.theta}, piece, box_pose(middle, ahead))) {
+    return false;
+  }
+  if (ride.time_steps == 0) boxes_[0] = box_pose(ride.at, ahead);
+  const Frame end = ride.at.then(arc_end(piece));
+  const Frame step = arc_end({std::copysign(car.step_length(), piece.length), piece.curvature});
+  for (int k = 1; k <= time_steps; ++k) {
+    ride.at = k < time_steps ? ride.at.then(step) : end;
+    boxes_[std::size_t(++ride.time_steps)] = box_pose(ride.at, ahead);
+  }
+  ride.theta += piece.length * piece.curvature;
+  if (ride.time_steps == car.time().macro_step) end_macro_step(ride);
+  return true;
+}
+
+/// Adds the soft-collision cost of what was driven of a macro step and of resting for the
+/// remainder.
+void SoftHybridAstar::end_macro_step(Ride& ride) {
+  const auto driven = boxes_.begin() + ride.time_steps;
+  std::fill(driven, boxes_.end(), *driven);
+  const MotionPrimitives& car = *problem_->car;
+  ride.soft_cost +=
+      double(soft_cost(ride.macro_step, boxes_.data(), car.shape().travel, car.reach()));
+  ++ride.macro_step;
+  ride.time_steps = 0;
+}
+
+SoftPath SoftHybridAstar::path() {
+  const MotionPrimitives& car = *problem_->car;
+  const int time_steps = car.time().macro_step;
+  const Node& last = nodes_[std::size_t(best_.node)];
+  const std::span<const Arc> arcs = to_the_end(best_.arcs);
+  double reversals = cost_of_reversals(last.direction, arcs);
+  std::vector<int> actions;
+  for (int n = best_.node; nodes_[std::size_t(n)].parent >= 0; n = nodes_[std::size_t(n)].parent) {
+    const Node& node = nodes_[std::size_t(n)];
+    actions.push_back(node.action);
+    const bool reversed = node.direction * nodes_[std::size_t(node.parent)].direction < 0;
+    reversals += reversed ? options_.reversal : 0.0;
+  }
+  SoftPath path;
+  path.cost = best_.cost;
+  path.soft_cost = reversals == 0.0 ? best_.soft_cost : std::max(0.0, best_.soft_cost - reversals);
+  if (path.soft_cost < kNoSoftCost) path.soft_cost = 0.0;
+  path.steps.reserve(actions.size() * std::size_t(time_steps) +
+                     std::size_t(duration(arcs, car.step_length())));
+  for (auto a = actions.rbegin(); a != actions.rend(); ++a) {
+    const Arc& arc = car.actions()[std::size_t(*a)].arc;
+    path.steps.insert(path.steps.end(), std::size_t(time_steps),
+                      Arc{arc.length / time_steps, arc.curvature});
+  }
+  const double step = car.step_length();
+  for (const Arc& arc : arcs) {
+    const double sign = arc.length < 0.0 ? -1.0 : 1.0;
+    for (double left = std::abs(arc.length); left > kRounding * step; left -= step) {
+      path.steps.push_back({sign * std::min(left, step), arc.curvature});
+    }
+  }
+  return path;
+}
+
+}  // namespace mvtp
