@@ -14,7 +14,8 @@ constexpr double kCrawl = 5.0;     ///< [m/s] at no more than this;
 constexpr double kStands = 0.5;    ///< [m/s] or it stands where it was held
 constexpr double kApart = 50.0;    ///< [m] to the next line: there it is held again
 constexpr double kReaction = 0.5;  ///< [s] until a driver who is to stop brakes
-constexpr int kPatience = 4;       ///< decisions for which one that was let through may stand
+constexpr int kPatience = 4;       ///< decisions for which one that was let through may stand:
+                                   ///< then it is held again, and waits for its next turn
 constexpr double kClear = 30.0;    ///< [m] between guests on different lanes who pass at a time
 
 }  // namespace
@@ -37,7 +38,10 @@ void Gate::see(const VehicleState& v, double to_line, double to_hold, bool is_fi
   guest.waits = is_first && ((to_line < kNear && v.speed < kCrawl) || v.speed < kStands);
   const double room = stopping_distance(v.speed, 0.8 * body.max_decel) + kReaction * v.speed;
   const bool anew = guest.passes && to_line > std::max(kApart, room);
-  if (guest.held || (!came && !anew)) return;
+  // It stands before its line although it may go: somebody in its way may be waiting for it.
+  const bool in_vain = guest.passes && guest.stands >= kPatience && to_hold > 0.0;
+  if (in_vain) guest.asked = decisions_;
+  if (guest.held || (!came && !anew && !in_vain)) return;
   if (to_hold > room) {
     hold(v.id);
   } else {
@@ -107,6 +111,7 @@ void Gate::let_through(const std::string& id) {
   traffic_.let_through(id, true);
   visitor.held = false;
   visitor.passes = true;
+  visitor.stands = 0;
 }
 
 void Gate::release(const std::string& id) {

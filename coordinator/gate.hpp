@@ -12,7 +12,7 @@ namespace mvtp {
 ///
 /// Whoever comes without a plan is held before its stop line. Guests, vehicles that keep their own
 /// drivers, are let through when all vehicles under control have plans around their passage,
-/// whatever signals and right of way say.
+/// whatever signals and right of way say. One that stands before its line nevertheless is held again.
 class Gate {
  public:
   explicit Gate(Traffic& traffic) : traffic_(traffic) {}

@@ -96,6 +96,35 @@ TEST_F(GateTest, LetsThroughOnceAndForgetsWhoHasGone) {
   EXPECT_FALSE(gate.passes("a"));
 }
 
+//   Somebody in its way waits for it to be gone, and it for that one.
+TEST_F(GateTest, HoldsAgainWhoStandsAlthoughItMayGo) {
+  decide({"a", "b"});
+  gate.let_through("a");
+  int decisions = 0;
+  while (gate.passes("a") && decisions < 20) {
+    gate.begin();
+    for (const std::string id : {"a", "b"}) see(id, 1.0, 0.0);
+    gate.end();
+    ++decisions;
+  }
+  EXPECT_GE(decisions, 4) << "a driver takes his time to start";
+  EXPECT_LE(decisions, 6);
+  EXPECT_THAT(traffic.held, UnorderedElementsAre("a", "b"));
+  EXPECT_THAT(traffic.passing, IsEmpty());
+  EXPECT_EQ(decide({"a", "b"}), "b") << "it waits for its next turn";
+}
+
+TEST_F(GateTest, DoesNotHoldWhoStandsInsideTheJunction) {
+  decide({"a"});
+  gate.let_through("a");
+  for (int i = 0; i < 20; ++i) {
+    gate.begin();
+    see("a", 0.0, 0.0);
+    gate.end();
+  }
+  EXPECT_TRUE(gate.passes("a"));
+}
+
 TEST_F(GateTest, ReleasesWhoHasGoneUnheld) {
   gate.begin();
   see("a", 40.0, 10.0);
