@@ -154,11 +154,15 @@ Coordinator::Trial Coordinator::best_trial(const std::map<std::string, Driven>& 
   // All at once, or else the first of them.
   for (std::size_t n = proposed.size(); n > 0; n = n > 1 ? 1 : 0) {
     with_guests = plan_trial(arrivals, excluded, upset, {proposed.begin(), proposed.begin() + n});
-    if (with_guests->decision.stepped == 0 && with_guests->refused.empty()) return *with_guests;
+    if (with_guests->decision.stepped == 0 && with_guests->refused.empty() &&
+        !waits_inside(*with_guests)) {
+      return *with_guests;
+    }
   }
   Trial trial = plan_trial(arrivals, excluded, upset, {});
   const bool worse = with_guests && (with_guests->decision.stepped > trial.decision.stepped ||
-                                     with_guests->refused.size() > trial.refused.size());
+                                     with_guests->refused.size() > trial.refused.size() ||
+                                     (waits_inside(*with_guests) && !waits_inside(trial)));
   if (with_guests && !worse) trial = *std::move(with_guests);
   for (const bool whole_groups : {false, true}) {
     const std::set<std::string> more = better_later(trial, arrivals, whole_groups);
@@ -167,6 +171,21 @@ Coordinator::Trial Coordinator::best_trial(const std::map<std::string, Driven>& 
     trial = plan_trial(arrivals, excluded, upset, std::vector<std::string>(trial.guests));
   }
   return trial;
+}
+
+/// Does somebody behind its line, not yet out of the junction, stand there for a while? It may be
+/// in the way of a guest for whom it waits.
+bool Coordinator::waits_inside(const Trial& trial) const {
+  const std::int64_t a_while = step_ + 2 * grid_.steps_per_decision;
+  return std::ranges::any_of(driven_, [&](const auto& entry) {
+    const RoadVehicle& v = entry.second.road;
+    const double out = v.s_exit_lane + corridors_.library().body(v.path).length();
+    if (v.stop_lines.empty() || v.now.s <= v.stop_lines.front() || v.now.s >= out) return false;
+    const PathTrajectory* plan = trial.decision.plan.find(v.key);
+    if (plan == nullptr) return false;
+    const InertialState then = state_at(*plan, a_while);
+    return then.v == 0.0 && then.s < out;
+  });
 }
 
 /// Arrivals without a complete plan, and those that the referee finds in contact: of two of them

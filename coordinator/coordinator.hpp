@@ -123,6 +123,7 @@ class Coordinator : public Controller {
                                                   const std::vector<std::string>& guests);
   [[nodiscard]] Trial best_trial(const std::map<std::string, Driven>& arrivals,
                                  const std::vector<std::int64_t>& upset);
+  [[nodiscard]] bool waits_inside(const Trial& trial) const;
   [[nodiscard]] std::set<std::string> better_later(const Trial& trial,
                                                    const std::map<std::string, Driven>& arrivals,
                                                    bool whole_groups) const;
