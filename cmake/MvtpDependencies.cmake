@@ -8,6 +8,7 @@ find_package(CLI11 REQUIRED)
 find_package(fmt REQUIRED)
 find_package(ZLIB REQUIRED)
 find_package(TBB REQUIRED)
+find_package(tinyxml2 REQUIRED)
 
 # fcl's own target names neither Eigen nor its headers as system headers.
 add_library(mvtp_fcl INTERFACE)
@@ -26,7 +27,6 @@ if(MVTP_WITH_SUMO)
   if(NOT TARGET SUMO::libsumocpp)
     find_package(SUMO MODULE REQUIRED)
   endif()
-  find_package(tinyxml2 REQUIRED)
 
   find_program(MVTP_SUMO_PROGRAM sumo)
   set(MVTP_SUMO_VERSION "(unknown)")
