@@ -52,3 +52,11 @@ foreach(program IN ITEMS bin/mvtp libexec/mvtp/mvtp-sumo)
     endif()
   endif()
 endforeach()
+
+# The version is the same wherever it stands.
+execute_process(COMMAND ${prefix}/bin/mvtp --version OUTPUT_VARIABLE version)
+string(REGEX MATCH "[0-9]+\\.[0-9]+\\.[0-9]+" version "${version}")
+file(READ ${SOURCE_DIR}/CITATION.cff citation)
+if(NOT citation MATCHES "version: ${version}\n")
+  message(FATAL_ERROR "CITATION.cff is not that of version ${version}")
+endif()
