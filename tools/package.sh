@@ -11,7 +11,7 @@ cd "$(dirname "$0")/.."
 
 tools/install_packages.sh dpkg-dev file
 cmake --preset release >/dev/null
-cmake --build --preset release
+cmake --build --preset release --target mvtp_manual_pages  # needs all that is installed
 rm -rf "$folder"
 cpack --config build/release/CPackConfig.cmake -B "$folder" >/dev/null
 rm -rf "$folder/_CPack_Packages"

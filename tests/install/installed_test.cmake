@@ -1,6 +1,7 @@
 # Installs into a folder of its own, as a user would; builds the examples against what is there, and
 # runs them and the program. Nothing of it may need the build tree or the source.
-#   cmake -DBUILD_DIR=... -DSOURCE_DIR=... -DWORK_DIR=... -P installed_test.cmake
+#   cmake -DBUILD_DIR=... -DSOURCE_DIR=... -DWORK_DIR=... -DCXX=... -P installed_test.cmake
+cmake_policy(VERSION 3.25)
 set(prefix ${WORK_DIR}/prefix)
 file(REMOVE_RECURSE ${WORK_DIR})
 
@@ -23,6 +24,14 @@ expect_output("" ${CMAKE_COMMAND} --build ${WORK_DIR}/examples)
 expect_output("solved: [0-9]+ steps, 0 violations.*left ends at x = 35.0 m, y = 10.0 m"
   ${WORK_DIR}/examples/solve)
 expect_output("finished after [0-9.]+ s; a came within 11.0 m of b" ${WORK_DIR}/examples/controller)
+
+# The public headers and those that they need are all there.
+include(${SOURCE_DIR}/cmake/PublicHeaders.cmake)
+while(public_headers)
+  list(POP_FRONT public_headers name path)
+  file(APPEND ${WORK_DIR}/headers.cpp "#include <mvtp/${name}>\n")
+endwhile()
+expect_output("" ${CXX} -std=c++20 -fsyntax-only -I ${prefix}/include ${WORK_DIR}/headers.cpp)
 
 # The programs.
 expect_output("^mvtp 1\\." ${prefix}/bin/mvtp --version)
