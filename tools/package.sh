@@ -23,6 +23,7 @@ ls -l "$folder"/*.deb
 $bare || exit 0
 root=$(mktemp -d)
 trap 'rm -rf "$root"' EXIT
+chmod 755 "$root"
 debootstrap --variant=minbase bookworm "$root" >/dev/null
 cp "$folder"/*.deb "$root"
 cp -r networks scenarios docs/examples "$root/opt"

@@ -127,7 +127,7 @@ Recording read_run_recording(const std::string& folder) {
     if (fs::exists(file)) continue;
     throw InputError(file,
                      "is missing; give the folder of a run of mvtp coordinate without "
-                     "--no-view and --no-fcd");
+                     "--no-view and --no-fcd, or of mvtp compare with --keep-fcd");
   }
   const Replay replay = replays_of(read_text_file(page, kMaxTextBytes), page).front();
   std::map<std::string, ReplayVehicle> bodies;
