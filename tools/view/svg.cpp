@@ -174,10 +174,11 @@ std::string to_svg(const Replay& replay, double time, const std::string& where) 
   std::string svg = fmt::format(
       "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{:.0f}\" height=\"{:.0f}\" "
       "viewBox=\"{:.2f} {:.2f} {:.2f} {:.2f}\">\n<title>{}, {:g} s</title>\n"
-      "<rect x=\"{:.2f}\" y=\"{:.2f}\" width=\"100%\" height=\"100%\" fill=\"{}\"/>\n"
+      "<rect x=\"{:.2f}\" y=\"{:.2f}\" width=\"{:.2f}\" height=\"{:.2f}\" fill=\"{}\"/>\n"
       "<g transform=\"scale(1 -1)\">\n",
       scale * width, scale * height, box.left, -box.high, width, height, escaped(replay.title),
-      time, box.left, -box.high, scene.border ? "#dcdfe3" : "#eceee8");
+      time, box.left - 1.0, -box.high - 1.0, width + 2.0, height + 2.0,
+      scene.border ? "#dcdfe3" : "#eceee8");
   svg += scene_svg(scene) + goals_svg(vehicles);
   for (const ReplayVehicleState& state : states) {
     svg += vehicle_svg(vehicles.at(state.vehicle), state);
