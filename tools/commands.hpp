@@ -11,6 +11,7 @@ namespace mvtp {
 [[nodiscard]] Action declare_bench(CLI::App& app);
 [[nodiscard]] Action declare_report(CLI::App& app);
 [[nodiscard]] Action declare_view(CLI::App& app);
+[[nodiscard]] Action declare_export(CLI::App& app);
 [[nodiscard]] Action declare_toio(CLI::App& app);
 
 // Those of the sibling executable mvtp-sumo.

@@ -15,9 +15,17 @@ void declare_options(CLI::App& app, CoordinateOptions& o) {
       ->capture_default_str()
       ->group("Input");
   std::string meanings = "Who drives:";
-  for (const ControllerName& c : controller_names()) meanings += "\n" + c.name + ": " + c.meaning;
-  app.add_option("--controller", o.controller, meanings)->capture_default_str()->group("Control");
+  std::string names;
+  for (const ControllerName& c : controller_names()) {
+    meanings += "\n" + c.name + ": " + c.meaning;
+    names += (names.empty() ? "" : "|") + c.name;
+  }
+  app.add_option("--controller", o.controller, meanings)
+      ->type_name(names)
+      ->capture_default_str()
+      ->group("Control");
   app.add_option("--output-dir", o.output_dir, "Folder of the results; made if missing")
+      ->type_name("DIR")
       ->capture_default_str()
       ->group("Output");
   app.add_flag("--no-view", o.no_view, "Do not write the replay page view.html")->group("Output");

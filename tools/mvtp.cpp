@@ -10,6 +10,7 @@ int main(int argc, char** argv) {
       mvtp::Command{"bench", "Run instances x algorithms x seeds", mvtp::declare_bench},
       mvtp::Command{"report", "The figures and tables of such runs", mvtp::declare_report},
       mvtp::Command{"view", "One page that replays plans and SUMO runs", mvtp::declare_view},
+      mvtp::Command{"export", "Trajectories for other tools", mvtp::declare_export},
       mvtp::Command{"toio", "Drive a plan with toio cubes: fit, export, check, emulate, run",
                     mvtp::declare_toio},
       mvtp::Command{"coordinate", "Run a SUMO scenario headless, coordinated", nullptr},

@@ -10,6 +10,7 @@
 #include "planner/problem/input_error.hpp"
 #include "tools/child_process.hpp"
 #include "tools/interrupt.hpp"
+#include "tools/manual/command_help.hpp"
 #include "tools/sibling.hpp"
 #include "tools/version.hpp"
 
@@ -49,6 +50,11 @@ const Command& find(std::span<const Command> commands, std::string_view name) {
   return *found;
 }
 
+int print_description(const CLI::App& app) {
+  fmt::print("{}\n", to_json(help_of(app)));
+  return kDone;
+}
+
 /// Runs the action; what it printed must have arrived for it to count as done.
 int run(const Action& action) {
   const int code = action();
@@ -60,11 +66,16 @@ int run(const Action& action) {
 
 }  // namespace
 
+bool asks_for_description(int argc, char** argv) {
+  return argc == 2 && std::string_view(argv[1]) == "describe";
+}
+
 int run_program(int argc, char** argv, std::span<const Command> commands) {
   end_with_parent();
   end_on_signals();
   try {
-    if (argc > 1 && argv[1][0] != '-' && find(commands, argv[1]).declare == nullptr) {
+    const bool describes = asks_for_description(argc, argv);
+    if (!describes && argc > 1 && argv[1][0] != '-' && find(commands, argv[1]).declare == nullptr) {
       return run_sibling("mvtp-sumo", argc, argv);
     }
 
@@ -78,6 +89,7 @@ int run_program(int argc, char** argv, std::span<const Command> commands) {
       CLI::App* sub = app.add_subcommand(command.name, command.summary);
       if (command.declare != nullptr) actions.emplace_back(sub, command.declare(*sub));
     }
+    if (describes) return run([&] { return print_description(app); });
     try {
       app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {

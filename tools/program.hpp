@@ -27,6 +27,10 @@ struct Command {
   Action (*declare)(CLI::App& app);
 };
 
+/// Is this "PROGRAM describe"? Programs answer with all their options as JSON (tools/manual/), out of
+/// which manual pages and completion are made.
+[[nodiscard]] bool asks_for_description(int argc, char** argv);
+
 /// Parses the command line, runs the chosen command and returns its exit code.
 ///
 /// What goes wrong is told in one line on stderr, "mvtp: ...": bad usage and InputError give

@@ -4,7 +4,7 @@
 
 namespace mvtp {
 
-/// "0.1.0".
+/// "1.0.0".
 [[nodiscard]] std::string version();
 
 /// The versions of this program and of SUMO, OMPL and FCL that it was built against, for --version.

@@ -1,13 +1,17 @@
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "planner/problem/input_error.hpp"
 #include "planner/problem/text_file.hpp"
 #include "tools/commands.hpp"
 #include "tools/instance_options.hpp"
+#include "tools/option_types.hpp"
 #include "tools/output_files.hpp"
 #include "tools/view/load.hpp"
 #include "tools/view/page.hpp"
+#include "tools/view/svg.hpp"
 
 namespace mvtp {
 namespace {
@@ -15,13 +19,32 @@ namespace {
 struct ViewOptions {
   ViewRequest request;
   std::string output = "view.html";
+  std::optional<double> at;
 };
+
+bool is_svg(const std::string& path) { return path.ends_with(".svg"); }
+
+/// The text of the output: a page, or the drawing of one moment.
+std::string text_of(const ViewOptions& options) {
+  const std::vector<Replay> replays = load_replays(options.request);
+  if (!options.at) return to_html(replays);
+  if (replays.size() != 1) {
+    throw InputError(
+        "--at", "draws one replay; give one file instead of " + std::to_string(replays.size()));
+  }
+  return to_svg(replays.front(), *options.at, options.request.files.front());
+}
 
 int view(const ViewOptions& options) {
   std::vector<std::string> inputs = options.request.files;
   inputs.insert(inputs.end(), options.request.instances.begin(), options.request.instances.end());
   check_output_files({options.output}, inputs);
-  write_text_file(options.output, to_html(load_replays(options.request)));
+  if (options.at.has_value() != is_svg(options.output)) {
+    throw InputError("--output", "is " + options.output +
+                                     "; give a name that ends in .svg with "
+                                     "--at, and only then");
+  }
+  write_text_file(options.output, text_of(options));
   return kDone;
 }
 
@@ -45,7 +68,11 @@ Action declare_view(CLI::App& app) {
       ->take_all()
       ->group("Input");
   add_instance_options(app, request.reading);
-  app.add_option("-o,--output", options->output, "The page to write")
+  app.add_option("--at", options->at, "Draw this moment alone [s], as FILE.svg of --output")
+      ->type_name("S")
+      ->check(number_between(0.0, 1e9))
+      ->group("Output");
+  app.add_option("-o,--output", options->output, "The page to write, or the drawing")
       ->type_name("FILE")
       ->capture_default_str()
       ->group("Output");

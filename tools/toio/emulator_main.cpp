@@ -9,6 +9,7 @@
 
 #include "planner/problem/input_error.hpp"
 #include "tools/child_process.hpp"
+#include "tools/manual/command_help.hpp"
 #include "tools/option_types.hpp"
 #include "tools/program.hpp"
 #include "tools/toio/bluetooth.hpp"
@@ -164,6 +165,10 @@ int run_emulator(int argc, char** argv) {
                "mvtp-toio-emulator");
   EmulatorOptions options;
   declare(app, options);
+  if (asks_for_description(argc, argv)) {
+    fmt::print("{}\n", to_json(help_of(app)));
+    return kDone;
+  }
   try {
     app.parse(argc, argv);
     return serve(options);

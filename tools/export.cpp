@@ -1,0 +1,174 @@
+#include <fmt/format.h>
+#include <sys/wait.h>
+
+#include <filesystem>
+#include <limits>
+#include <memory>
+#include <string>
+
+#include "planner/problem/input_error.hpp"
+#include "planner/problem/text_file.hpp"
+#include "tools/child_process.hpp"
+#include "tools/commands.hpp"
+#include "tools/export/formats.hpp"
+#include "tools/export/recording.hpp"
+#include "tools/instance_options.hpp"
+#include "tools/option_types.hpp"
+#include "tools/output_files.hpp"
+
+namespace mvtp {
+namespace {
+
+namespace fs = std::filesystem;
+
+enum class Format { kCsv, kCommonRoad, kOpenScenario, kFcd };
+
+struct ExportOptions {
+  RecordingRequest request;
+  Format format = Format::kCsv;
+  std::string output;
+  std::string network;
+  std::string ego;
+  double begin = -std::numeric_limits<double>::infinity();
+  double end = std::numeric_limits<double>::infinity();
+};
+
+/// The OpenDRIVE file beside an OpenSCENARIO file.
+std::string road_file_beside(const std::string& output) {
+  return fs::path(output).replace_extension(".xodr").string();
+}
+
+/// Lets SUMO's netconvert write a network as OpenDRIVE. @throws InputError
+void write_opendrive(const std::string& network, const std::string& output) {
+  const std::string part = output + ".part";
+  const std::string messages = output + ".log";
+  Job job;
+  job.arguments = {"/usr/bin/env",       "netconvert", "--sumo-net-file",  network,
+                   "--opendrive-output", part,         "--xml-validation", "never"};
+  job.messages = messages;
+  int status = 0;
+  const bool complete = run_jobs(std::span(&job, 1), 1, [&](std::size_t, int end) {
+    status = end;
+    return true;
+  });
+  std::error_code ignored;
+  fs::remove(messages, ignored);
+  if (!complete || !WIFEXITED(status) || WEXITSTATUS(status) != 0) {
+    fs::remove(part, ignored);
+    throw InputError(network,
+                     "netconvert cannot write it as OpenDRIVE; is SUMO installed, and is "
+                     "this a SUMO network?");
+  }
+  fs::rename(part, output);
+}
+
+/// The network whose roads go beside the scenario; empty: none.
+std::string network_of(const ExportOptions& options, const Recording& recording) {
+  if (!options.network.empty()) return options.network;
+  if (recording.network.empty() || fs::exists(recording.network)) return recording.network;
+  fmt::print(stderr, "mvtp: export: no roads: {} is not there any more; give --network\n",
+             recording.network);
+  return "";
+}
+
+std::string openscenario(const ExportOptions& options, const Recording& recording) {
+  const std::string network = network_of(options, recording);
+  if (network.empty()) return to_openscenario(recording, "");
+  const std::string road_file = road_file_beside(options.output);
+  check_output_files({options.output, road_file}, {options.request.input, network});
+  write_opendrive(network, road_file);
+  return to_openscenario(recording, fs::path(road_file).filename().string());
+}
+
+std::string text_of(const ExportOptions& options, const Recording& recording) {
+  switch (options.format) {
+    case Format::kCsv:
+      return to_csv(recording);
+    case Format::kFcd:
+      return to_fcd(recording);
+    case Format::kCommonRoad:
+      return to_commonroad(recording, options.ego);
+    case Format::kOpenScenario:
+      break;
+  }
+  return openscenario(options, recording);
+}
+
+void check(const ExportOptions& options) {
+  std::vector<std::string> inputs = {options.request.instance};
+  if (!fs::is_directory(options.request.input)) inputs.push_back(options.request.input);
+  check_output_files({options.output}, inputs);
+  if (!options.ego.empty() && options.format != Format::kCommonRoad) {
+    throw InputError("--ego", "is for --to commonroad");
+  }
+  if (!options.network.empty() && options.format != Format::kOpenScenario) {
+    throw InputError("--network", "is for --to openscenario");
+  }
+}
+
+int export_recording(const ExportOptions& options) {
+  check(options);
+  Recording recording = read_recording(options.request);
+  cut(recording, options.begin, options.end);
+  if (recording.vehicles.empty()) {
+    throw InputError(options.request.input,
+                     "has no vehicle in that time; choose --begin and --end");
+  }
+  write_text_file(options.output, text_of(options, recording));
+  return kDone;
+}
+
+void add_output_options(CLI::App& app, ExportOptions& options) {
+  add_choice<Format>(app, "--to", options.format,
+                     {{"csv", Format::kCsv},
+                      {"commonroad", Format::kCommonRoad},
+                      {"openscenario", Format::kOpenScenario},
+                      {"fcd", Format::kFcd}},
+                     "What to write: a table t,id,x,y,yaw,v,steer; CommonRoad 2020a; OpenSCENARIO "
+                     "1.2; SUMO's floating car data")
+      ->required()
+      ->group("Output");
+  app.add_option("-o,--output", options.output, "File to write")
+      ->required()
+      ->type_name("FILE")
+      ->group("Output");
+  const auto add_time = [&](const char* name, double& target, const char* description) {
+    app.add_option(name, target, description)
+        ->check(number_between(0.0, 1e9))
+        ->type_name("S")
+        ->group("Output");
+  };
+  add_time("--begin", options.begin, "Leave out what was before [s] [all]");
+  add_time("--end", options.end, "Leave out what was after [s] [all]");
+  app.add_option("--ego", options.ego,
+                 "CommonRoad: vehicle that becomes the planning problem [none: all are obstacles]")
+      ->type_name("ID")
+      ->group("Output");
+  app.add_option("--network", options.network,
+                 "OpenSCENARIO: SUMO network that goes beside it as OpenDRIVE [that of the run]")
+      ->type_name("FILE")
+      ->group("Output");
+}
+
+}  // namespace
+
+Action declare_export(CLI::App& app) {
+  const auto options = std::make_shared<ExportOptions>();
+  app.footer(
+      "Trajectories for other tools; what the files hold is in docs/file-formats.md. E.g.\n"
+      "  mvtp export plan.yaml --to csv -o plan.csv\n"
+      "  mvtp export out --to openscenario -o run.xosc");
+  app.add_option("INPUT", options->request.input, "Plan, or folder of a run of mvtp coordinate")
+      ->required()
+      ->type_name("FILE")
+      ->group("Input");
+  app.add_option("-i,--instance", options->request.instance,
+                 "Instance of the plan: its map, and its vehicles if the plan lacks them [none]")
+      ->type_name("FILE")
+      ->group("Input");
+  add_instance_options(app, options->request.reading);
+  add_output_options(app, *options);
+  return [options] { return export_recording(*options); };
+}
+
+}  // namespace mvtp

@@ -1,0 +1,44 @@
+#!/usr/bin/env bash
+# Builds the Debian packages; looks them over with lintian, where it is installed.
+#   tools/package.sh [--bare] [FOLDER]    where they go; out/packages if not given
+# --bare (root, debootstrap): also installs them into a bare Debian 12, and runs mvtp and a program
+# that uses the library there.
+set -euo pipefail
+bare=false
+[ "${1:-}" = --bare ] && { bare=true; shift; }
+folder=$(realpath -m "${1:-"$(dirname "$0")/../out/packages"}")
+cd "$(dirname "$0")/.."
+
+tools/install_packages.sh dpkg-dev file
+cmake --preset release >/dev/null
+cmake --build --preset release --target mvtp_manual_pages  # needs all that is installed
+rm -rf "$folder"
+cpack --config build/release/CPackConfig.cmake -B "$folder" >/dev/null
+rm -rf "$folder/_CPack_Packages"
+if command -v lintian >/dev/null; then
+  lintian --fail-on warning --allow-root "$folder"/*.deb
+fi
+ls -l "$folder"/*.deb
+
+$bare || exit 0
+root=$(mktemp -d)
+trap 'rm -rf "$root"' EXIT
+chmod 755 "$root"
+debootstrap --variant=minbase bookworm "$root" >/dev/null
+cp "$folder"/*.deb "$root"
+cp -r networks scenarios docs/examples "$root/opt"
+unshare --mount --pid --fork --mount-proc="$root/proc" chroot "$root" bash -euxc '
+  export DEBIAN_FRONTEND=noninteractive LC_ALL=C.UTF-8
+  apt-get update -qq
+  apt-get install -y -qq --no-install-recommends ./mvtp_*.deb >/dev/null
+  mvtp --version
+  mvtp coordinate -c opt/scenarios/crossroads/crossroads.sumocfg --output-dir run --quiet
+  test -s run/summary.json
+  test -s run/view.html
+  mvtp solve -i opt/scenarios/circle/circle8.yaml -o plan.yaml
+  mvtp validate -i opt/scenarios/circle/circle8.yaml -s plan.yaml
+  apt-get install -y -qq --no-install-recommends ./libmvtp-dev_*.deb g++ cmake make >/dev/null
+  cmake -S opt/examples -B examples >/dev/null
+  cmake --build examples >/dev/null
+  examples/solve
+  examples/controller' 2>&1

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "tools/view/replay.hpp"
+
+namespace mvtp {
+
+// What the header of a replay says; `where` names the file in messages.
+// @throws InputError if it lacks something.
+[[nodiscard]] std::vector<ReplayVehicle> vehicles_of(const Replay& replay,
+                                                     const std::string& where);
+[[nodiscard]] ReplayScene scene_of(const Replay& replay, const std::string& where);
+
+/// What the frames of a replay say: the inverse of ReplayRecorder.
+struct ReplayFrames {
+  ReplayMotion motion = ReplayMotion::kContinuous;
+  std::vector<double> times;  ///< [s]
+  /// For each of them the vehicles that are there, in the order of the tracks.
+  std::vector<std::vector<ReplayVehicleState>> states;
+};
+/// @throws InputError if the frames are damaged.
+[[nodiscard]] ReplayFrames frames_of(const Replay& replay, const std::string& where);
+
+/// Everybody at one moment, between two frames along the arc that joins them. A vehicle is there
+/// from its first frame to its last one.
+[[nodiscard]] std::vector<ReplayVehicleState> states_at(const ReplayFrames& frames, double time);
+
+}  // namespace mvtp
