@@ -159,22 +159,24 @@ TEST_F(Manual, FishCompletes) {
 }
 
 // zsh completes at a terminal only; its module zpty makes one. In place of the program a function
-// says what it would have been given.
+// says what it would have been given. Each line is typed once the prompt is there.
 TEST_F(Manual, ZshCompletes) {
   if (!installed("zsh")) GTEST_SKIP() << "no zsh";
+  const std::string setup = "fpath=('" + file("zsh") +
+                            "' $fpath); autoload -U compinit; compinit -u -D; "
+                            "zstyle ':completion:*' insert-tab false; "
+                            "mvtp() { print \"<$*>\" }; PS1='RE''ADY> '\n";
+  (void)directory_.file("setup.zsh", setup);
   (void)directory_.file("complete.zsh",
                         "zmodload zsh/zpty\n"
                         "zpty shell zsh -f -i\n"
-                        "say() { zpty -w shell $1; zpty -r -m shell text '*END*END*'; print -r -- "
-                        "$text; }\n"
-                        "say \"fpath=('" +
-                            file("zsh") +
-                            "' \\$fpath); autoload -U compinit; "
-                            "compinit -u -D; mvtp() { print \\\"<\\$*>\\\" }; print END\"\n"
-                            "for line in 'mvtp sol' 'mvtp toio expo' 'mvtp solve --time' "
-                            "'mvtp solve --algorithm escot-'; do\n"
-                            "  say $line$'\\t; print END'\n"
-                            "done\n");
+                        "zpty -w shell '. ./setup.zsh'\n"
+                        "for line in 'mvtp sol' 'mvtp toio expo' 'mvtp solve --time' "
+                        "'mvtp solve --algorithm escot-'; do\n"
+                        "  zpty -r -m shell text '*READY> *'; print -r -- $text\n"
+                        "  zpty -w shell $line$'\\t'\n"
+                        "done\n"
+                        "zpty -r -m shell text '*READY> *'; print -r -- $text\n");
   const std::string text = shell("HOME=$PWD timeout 20 zsh -f complete.zsh").out;
   for (const char* completed :
        {"<solve>", "<toio export>", "<solve --time-limit>", "<solve --algorithm escot-star>"}) {
