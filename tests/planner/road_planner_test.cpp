@@ -126,6 +126,25 @@ TEST_F(Crossing, BehindAnObstacleThatNeverLeavesThereIsNoCompletePlan) {
   EXPECT_FALSE(plan_vehicle(scene, scene.vehicles[0], {}, {}).has_value());
 }
 
+//   Bodies are 4.5 m long: it stands 0.8 m behind a bus at its stop, where drivers want 3 m.
+TEST_F(Crossing, WhoStandsTooNearBehindAnotherOneHasAPlanOnceThatOneDrivesOn) {
+  add(0, 139.7, 0.0);
+  add_standing_forecast(2, 145.0);
+  const RoadVehicle& car = scene.vehicles[0];
+  PathTrajectory& bus = scene.forecasts.front().trajectory;
+  bus.states.assign(200, {145.0, 0.0});  // 20 s
+  while (bus.states.back().s < 190.0) {
+    bus.states.push_back(advance(bus.states.back(), 1.0, scene.grid.dt));
+  }
+  bus.complete = true;
+  const RoadPairs pairs(scene);
+  const auto plan = plan_vehicle(pairs, car, {}, {});
+  ASSERT_TRUE(plan);
+  EXPECT_TRUE(plan->complete);
+  EXPECT_EQ(plan->at(scene.step + 150).s, 139.7);
+  EXPECT_FALSE(ever_touch(car, *plan, scene.forecasts.front().vehicle, bus));
+}
+
 TEST_F(Crossing, WithoutACompletePlanPbcrStopsTheVehicleInTime) {
   RoadVehicle obstacle = add(2, 120.0, 0.0);
   scene.vehicles.clear();
