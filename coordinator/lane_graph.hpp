@@ -21,6 +21,8 @@ class LaneGraph {
     int to = kNone;
     int junction = kNone;
     double length = 0.0;  ///< [m] of `via`
+    std::string signal = {};  ///< as of Connection
+    int signal_index = -1;
   };
 
   /// @param network  must outlive the graph.

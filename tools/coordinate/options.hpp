@@ -14,6 +14,10 @@ struct CoordinateOptions {
   std::string configuration;            ///< *.sumocfg
   std::vector<std::string> junctions;   ///< none: all with conflicting connections
   double zone_radius = 80.0;            ///< [m]
+  double penetration = 1.0;             ///< share of vehicles that are taken over
+  std::vector<std::string> coordinate_types;  ///< ids; none: all
+  std::vector<std::string> human_types;       ///< ids
+  std::string signal_timing = "real";         ///< or "instant"
   std::string controller = "escot";     ///< one of controller_names()
   std::string parking = "any";          ///< or "forward", "reverse"
   std::vector<std::string> breakdowns;  ///< VEHICLE@SECONDS
