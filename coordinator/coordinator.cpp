@@ -189,8 +189,8 @@ Coordinator::Trial Coordinator::without_the_late(Trial trial,
 Coordinator::Trial Coordinator::best_trial_with_humans(
     const std::map<std::string, Driven>& arrivals, const std::set<std::string>& excluded,
     const std::vector<std::int64_t>& upset) {
-  Trial trial = without_the_late(plan_trial(arrivals, excluded, upset, {}), arrivals, excluded,
-                                 upset);
+  Trial trial =
+      without_the_late(plan_trial(arrivals, excluded, upset, {}), arrivals, excluded, upset);
   for (const std::vector<std::string>& guests : offers()) {
     Trial with = plan_trial(arrivals, trial.excluded, upset, guests);
     const bool worse = with.decision.stepped > trial.decision.stepped || !with.refused.empty();

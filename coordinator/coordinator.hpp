@@ -91,9 +91,9 @@ class Coordinator : public Controller {
     RoadDecision decision;
     std::vector<Forecast> forecasts;
     std::vector<PlannedContact> contacts;
-    std::vector<std::size_t> refused;  ///< groups, ascending
-    std::vector<std::string> guests;   ///< who go over junctions with their own drivers
-    std::set<std::string> excluded;    ///< arrivals that stay as they are
+    std::vector<std::size_t> refused;   ///< groups, ascending
+    std::vector<std::string> guests;    ///< who go over junctions with their own drivers
+    std::set<std::string> excluded;     ///< arrivals that stay as they are
     std::map<std::int64_t, int> paths;  ///< of the vehicles planned, by key
   };
 

@@ -4,16 +4,19 @@
 #include <cmath>
 #include <set>
 
+#include "planner/algorithms/whole_trajectory.hpp"
 #include "planner/motion/inertial_car.hpp"
 
 namespace mvtp {
 namespace {
 
-constexpr double kMiss = 0.2;        ///< [m] outside its tube that count
-constexpr double kSlackBefore = 1.0; ///< [s] that new plans keep ahead of a driver
-constexpr double kSlackBehind = 0.5; ///< [s] and behind him
-constexpr double kLeaders = 80.0;    ///< [m] ahead in which others are followed
-constexpr double kKeepLane = 45.0;   ///< [m] before its line a driver keeps his lane
+constexpr double kMiss = 0.2;  ///< [m] outside its tube that count
+/// [s] that new plans keep ahead of a driver: two decisions, since one surprise must not break a
+/// plan before the next is made.
+constexpr double kSlackBefore = 1.0;
+constexpr double kSlackBehind = 0.5;  ///< [s] and behind him: one decision
+constexpr double kLeaders = 80.0;     ///< [m] ahead in which others are followed
+constexpr double kKeepLane = 45.0;    ///< [m] before its line a driver keeps his lane
 
 double way(const PathTrajectory& t, std::int64_t k) {
   return std::min(t.at(k).s, t.states.back().s) - t.states.front().s;
@@ -108,16 +111,28 @@ void HumanDrivers::see(const VehicleState& v, const CourseQuery& query, double t
   agent.granted |= inside;
   agent.seen = true;
   agent.corridor = placed->corridor;
+  set_driver(agent, placed->road, v.speed_factor, type);
+  if (inside) return;
+  if (!agent.granted) {
+    const double wanted = SpeedEnvelope(agent.driver.limits, 1e9).at(placed->road.now.s);
+    agent.waited += grid_.decision() * std::max(0.0, 1.0 - v.speed / std::max(0.1, wanted));
+  }
+  traffic_.keep_lane(v.id, !agent.links.empty() && to_line < kKeepLane);
+}
+
+/// What bounds its motion, and where its tail is clear of the junction.
+void HumanDrivers::set_driver(Agent& agent, const RoadVehicle& road, double speed_factor,
+                              const VehicleType& type) const {
   const Corridor& corridor = corridors_[agent.corridor];
-  agent.driver = {.road = placed->road,
+  agent.driver = {.road = road,
                   .limits = corridor.lane_limits,
                   .max_accel = type.body.max_accel,
                   .max_decel = type.body.max_decel,
-                  .line = placed->road.now.s + agent.to_line};
+                  .line = road.now.s + agent.to_line};
   agent.driver.road.min_gap = type.min_gap;
   agent.driver.road.tau = type.tau;
   for (double& limit : agent.driver.limits) {
-    limit = std::min(limit * v.speed_factor, type.body.max_speed);
+    limit = std::min(limit * speed_factor, type.body.max_speed);
   }
   agent.s_clear = agent.driver.line;
   for (std::size_t i = 0; i < corridor.course.pieces.size(); ++i) {
@@ -126,14 +141,6 @@ void HumanDrivers::see(const VehicleState& v, const CourseQuery& query, double t
     agent.s_clear = corridor.stations[i] + agent.length;
     break;
   }
-  if (!inside && !agent.granted) {
-    const double wanted = agent.driver.limits[std::min(
-        agent.driver.limits.size() - 1,
-        std::size_t(std::max(0.0, placed->road.now.s) / GuidePath::kSpacing))];
-    agent.waited += grid_.decision() * std::max(0.0, 1.0 - v.speed / std::max(0.1, wanted));
-  }
-  const bool leads_on = !agent.links.empty();
-  if (!inside) traffic_.keep_lane(v.id, leads_on && to_line < kKeepLane);
 }
 
 /// Did it stay inside what was expected of it at the last decision?
@@ -163,9 +170,8 @@ void HumanDrivers::end() {
 void HumanDrivers::predict_all() {
   std::vector<Agent*> order;
   for (auto& [id, agent] : agents_) order.push_back(&agent);
-  std::ranges::stable_sort(order, {}, [](const Agent* a) {
-    return a->inside ? -1e3 - a->position : a->to_line;
-  });
+  std::ranges::stable_sort(
+      order, {}, [](const Agent* a) { return a->inside ? -1e3 - a->position : a->to_line; });
   for (Agent* agent : order) agent->forecast = {};
   for (Agent* agent : order) predict(*agent);
 }
@@ -248,8 +254,8 @@ const Forecast* HumanDrivers::passage(const std::string& id) const {
 
 /// Would it begin to brake for red before the next decision?
 bool HumanDrivers::is_due(const Agent& agent) const {
-  const double brakes_at = stopping_distance(agent.speed, agent.driver.max_decel) +
-                           agent.driver.road.tau * agent.speed;
+  const double brakes_at =
+      stopping_distance(agent.speed, agent.driver.max_decel) + agent.driver.road.tau * agent.speed;
   return agent.to_line <= brakes_at + agent.speed * grid_.decision() + agent.driver.road.min_gap;
 }
 
@@ -284,8 +290,7 @@ bool HumanDrivers::has_room_behind(const Agent& agent) const {
     if (lane == LaneGraph::kNone || graph_.edge_of(lane) == LaneGraph::kNone) return false;
     const std::optional<double> s = corridor.station(lane, v.lane_position, agent.s_clear);
     if (!s || *s < agent.s_clear - agent.length) return false;
-    const double rest =
-        *s - length_of(v.type) + stopping_distance(v.speed, agent.driver.max_decel);
+    const double rest = *s - length_of(v.type) + stopping_distance(v.speed, agent.driver.max_decel);
     return rest < needed;
   });
 }
@@ -313,6 +318,13 @@ bool HumanDrivers::can_stop_after(const Agent& agent, double seconds) const {
          agent.driver.line;
 }
 
+/// When it is over its line at the latest, from now on [s].
+double HumanDrivers::latest_at_line(const Agent& agent) const {
+  const PathTrajectory& latest = *agent.forecast.latest;
+  const std::int64_t over = arrival_step(latest, agent.driver.line);
+  return double(over - step_) * grid_.dt;
+}
+
 /// Those who pass if the first gets green: it and whoever follows it so closely that he could not
 /// stop when the light turns yellow at the earliest.
 std::vector<const HumanDrivers::Agent*> HumanDrivers::with_followers(const Agent& first) const {
@@ -324,25 +336,13 @@ std::vector<const HumanDrivers::Agent*> HumanDrivers::with_followers(const Agent
     behind.emplace_back(-v.lane_position, agent == agents_.end() ? nullptr : &agent->second);
   }
   std::ranges::sort(behind);
-  double green = heads_.timing().least_green;
-  const auto passes_at = [&](const Agent& agent) {
-    const std::int64_t k = [&] {
-      std::int64_t i = step_;
-      while (i < agent.forecast.latest->end() &&
-             agent.forecast.latest->at(i).s < agent.driver.line) {
-        ++i;
-      }
-      return i - step_;
-    }();
-    return double(k) * grid_.dt;
-  };
-  green = std::max(green, passes_at(first));
+  double green = std::max(heads_.timing().least_green, latest_at_line(first));
   for (const auto& [place, agent] : behind) {
     // Whoever turns elsewhere stands at red, and all behind it.
     const bool goes_along = agent != nullptr && !agent->granted && agent->links == first.links;
     if (!goes_along || can_stop_after(*agent, green)) break;
     group.push_back(agent);
-    green = std::max(green, passes_at(*agent));
+    green = std::max(green, latest_at_line(*agent));
   }
   return group;
 }
@@ -367,21 +367,22 @@ std::vector<std::vector<std::string>> HumanDrivers::propose() {
     const std::vector<const Agent*> group = with_followers(*first);
     const bool clear = std::ranges::all_of(group, [&](const Agent* a) {
       return std::ranges::none_of(passing, [&](const Agent* p) {
-        const bool cross = std::ranges::any_of(a->links, [&](int k) {
-          return std::ranges::any_of(p->links, [&](int l) { return heads_.cross(k, l); });
-        });
-        // Two who get green at once may not cross at all: lights protect.
-        return (cross && std::ranges::count(passing, p) > 0 && !p->granted) || may_meet(*a, *p);
+        return (!p->granted && cross(*a, *p)) || may_meet(*a, *p);
       });
     });
     if (!clear) continue;
     std::vector<std::string>& ids = proposals.emplace_back();
-    for (const Agent* a : group) {
-      ids.push_back(a->id);
-      passing.push_back(a);
-    }
+    for (const Agent* a : group) ids.push_back(a->id);
+    passing.insert(passing.end(), group.begin(), group.end());
   }
   return proposals;
+}
+
+/// Would their lights exclude each other? Two who get green at once may not cross at all.
+bool HumanDrivers::cross(const Agent& a, const Agent& b) const {
+  return std::ranges::any_of(a.links, [&](int k) {
+    return std::ranges::any_of(b.links, [&](int l) { return heads_.cross(k, l); });
+  });
 }
 
 void HumanDrivers::grant(const std::string& id) {
@@ -410,8 +411,7 @@ bool HumanDrivers::may_meet(const std::vector<std::string>& ids, int path,
     const Agent& agent = found->second;
     const Tube tube{agent.forecast.trajectory, *agent.forecast.latest};
     const Tube ours{plan, plan};
-    const ContactTable& contacts =
-        corridors_.library().contacts(agent.forecast.vehicle.path, path);
+    const ContactTable& contacts = corridors_.library().contacts(agent.forecast.vehicle.path, path);
     return mvtp::may_meet(contacts, tube, agent.s_clear, ours, PathTrajectory::kGone / 2.0, step_,
                           slack_before(), slack_behind());
   });
@@ -424,8 +424,8 @@ std::vector<std::string> HumanDrivers::who_waits_for(const Agent& agent) const {
   for (const VehicleState& v : traffic_.vehicles()) {
     if (v.id == agent.id || distance(v.pose, agent.pose) > 2.0 * kLeaders) continue;
     const auto origin = origins_.find(v.id);
-    const bool same = origin != origins_.end() && own != origins_.end() &&
-                      origin->second == own->second;
+    const bool same =
+        origin != origins_.end() && own != origins_.end() && origin->second == own->second;
     if (!same) ids.push_back(v.id);
   }
   return ids;

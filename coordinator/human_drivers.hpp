@@ -15,9 +15,9 @@
 namespace mvtp {
 
 /// Human-driven vehicles at signals that the coordinator owns. Each is an agent of the planner
-/// whose only decision is when it gets green: its passage is planned first, then the light is shown,
-/// as late as it does not brake for red. A green that is shown is never taken back, but where the
-/// vehicle leaves the lane.
+/// whose only decision is when it gets green: its passage is planned first, then the light is
+/// shown, as late as it does not brake for red. A green that is shown is never taken back, but
+/// where the vehicle leaves the lane.
 ///
 /// Safety: as long as a driver is inside his tube, those under control keep clear of him, and so do
 /// other drivers. Liveness: one at red waits before the line, where it is in nobody's way across.
@@ -95,6 +95,8 @@ class HumanDrivers {
 
   [[nodiscard]] std::vector<int> links_of(const CourseQuery& query) const;
   void check_tube(Agent& agent, const Pose& pose);
+  void set_driver(Agent& agent, const RoadVehicle& road, double speed_factor,
+                  const VehicleType& type) const;
   void remember_lanes();
   [[nodiscard]] std::vector<std::string> who_waits_for(const Agent& agent) const;
   void predict_all();
@@ -106,6 +108,8 @@ class HumanDrivers {
   [[nodiscard]] bool may_have_green(const Agent& agent) const;
   [[nodiscard]] bool has_room_behind(const Agent& agent) const;
   [[nodiscard]] std::vector<const Agent*> with_followers(const Agent& first) const;
+  [[nodiscard]] double latest_at_line(const Agent& agent) const;
+  [[nodiscard]] bool cross(const Agent& a, const Agent& b) const;
   [[nodiscard]] bool can_stop_after(const Agent& agent, double seconds) const;
   [[nodiscard]] bool may_meet(const Agent& a, const Agent& b) const;
   [[nodiscard]] bool come_from_one_lane(const Agent& a, const Agent& b) const;
@@ -124,7 +128,7 @@ class HumanDrivers {
   PlanOf plan_of_;
   std::int64_t step_ = 0;
   std::map<std::string, Agent> agents_;
-  std::map<std::string, std::string> origins_;  ///< the last lane before a junction, by vehicle
+  std::map<std::string, std::string> origins_;     ///< the last lane before a junction, by vehicle
   mutable std::map<std::string, double> lengths_;  ///< [m] by type
   std::int64_t tube_misses_ = 0;
   std::int64_t unplanned_ = 0;

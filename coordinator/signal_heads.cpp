@@ -86,9 +86,9 @@ SignalHeads::SignalHeads(Traffic& traffic, const LaneGraph& graph,
       for (const int b : links) {
         const LaneGraph::Link& first = graph.link(a);
         const LaneGraph::Link& second = graph.link(b);
-        const bool meet = first.from != second.from &&
-                          (first.to == second.to ||
-                           are_close(middle_of(graph, first), middle_of(graph, second)));
+        const bool meet =
+            first.from != second.from &&
+            (first.to == second.to || are_close(middle_of(graph, first), middle_of(graph, second)));
         if (meet) heads_[std::size_t(a)].crossing.push_back(b);
       }
     }

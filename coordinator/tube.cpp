@@ -7,14 +7,14 @@ namespace mvtp {
 namespace {
 
 // What SUMO's drivers do (sigma 0 ... 0.5) lies between these; measured on the crossroads.
-constexpr double kFastest = 1.01;     ///< share of the wanted speed
-constexpr double kSlowest = 0.92;     ///< the same
-constexpr double kLeastAccel = 0.6;   ///< share of the vehicle's acceleration
-constexpr double kGentle = 0.6;       ///< share of its deceleration before lower limits
-constexpr double kStart = 0.5;        ///< [s] until one that stands moves at its green
-constexpr double kLateFollow = 0.5;   ///< [s] of headway beside his own
-constexpr double kLeastGap = 1.0;     ///< [m] that a follower keeps, more than any margin
-constexpr double kHorizon = 100.0;    ///< [s] as that of plans
+constexpr double kFastest = 1.01;    ///< share of the wanted speed
+constexpr double kSlowest = 0.92;    ///< the same
+constexpr double kLeastAccel = 0.6;  ///< share of the vehicle's acceleration
+constexpr double kGentle = 0.6;      ///< share of its deceleration before lower limits
+constexpr double kStart = 0.5;       ///< [s] until one that stands moves at its green
+constexpr double kLateFollow = 0.5;  ///< [s] of headway beside his own
+constexpr double kLeastGap = 1.0;    ///< [m] that a follower keeps, more than any margin
+constexpr double kHorizon = 100.0;   ///< [s] as that of plans
 
 SpeedEnvelope envelope(const std::vector<double>& limits, double share, double braking) {
   std::vector<double> scaled = limits;

@@ -16,18 +16,18 @@ struct Tube {
 
 /// What bounds the driver: his vehicle, and how fast he wants to drive where.
 struct TubeDriver {
-  RoadVehicle road;           ///< `now` and the path
-  std::vector<double> limits; ///< [m/s] that he keeps to, per GuidePath::kSpacing of the path
-  double max_accel = 2.6;     ///< [m/s^2] of the vehicle
-  double max_decel = 4.5;     ///< [m/s^2]
-  double line = 0.0;          ///< station of his stop line [m]
+  RoadVehicle road;            ///< `now` and the path
+  std::vector<double> limits;  ///< [m/s] that he keeps to, per GuidePath::kSpacing of the path
+  double max_accel = 2.6;      ///< [m/s^2] of the vehicle
+  double max_decel = 4.5;      ///< [m/s^2]
+  double line = 0.0;           ///< station of his stop line [m]
 };
 
 /// Whoever is ahead of him in his lane: he follows it.
 struct TubeLeader {
-  double gap = 0.0;    ///< [m] from bumper to bumper now
-  double speed = 0.0;      ///< [m/s] now
-  double max_accel = 2.6;  ///< [m/s^2]
+  double gap = 0.0;                          ///< [m] from bumper to bumper now
+  double speed = 0.0;                        ///< [m/s] now
+  double max_accel = 2.6;                    ///< [m/s^2]
   const PathTrajectory* earliest = nullptr;  ///< what it may do; none: it speeds up as it can
   const PathTrajectory* latest = nullptr;    ///< none: it keeps its speed
   /// Until it has driven so far it is ahead of him [m]; then their ways part.

@@ -569,7 +569,7 @@ class Backend final : public SumoTraffic {
   std::set<std::string> unrestored_;  ///< handed back, but SUMO does not know the whole route yet
   std::set<std::string> leaving_;     ///< parked, without a stop from the next step on
   std::map<std::string, Resumption> lane_changes_;
-  std::set<std::string> relying_;             ///< on protected greens
+  std::set<std::string> relying_;            ///< on protected greens
   std::map<std::string, int> lane_keepers_;  ///< their own lane-change modes
   SumoSignals signals_;
 };

@@ -49,7 +49,7 @@ class Surroundings {
     const RoadVehicle* vehicle;
     const Vehicle* body;
     bool forecast;
-    bool yields;  ///< a forecast whose driver keeps clear of whoever is in his way
+    bool yields;          ///< a forecast whose driver keeps clear of whoever is in his way
     bool relies = false;  ///< as of Forecast
     int before = 0;       ///< steps of slack; see Forecast
     int behind = 0;

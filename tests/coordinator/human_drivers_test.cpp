@@ -94,8 +94,8 @@ TEST(HumanDrivers, DoNotWaitForEverBesideAStreamOfControlledCars) {
   ClosedLoop run = loop(trips, options);
   run.run_until(90.0);
   EXPECT_THAT(run.broken, IsEmpty());
-  const auto still_there = std::ranges::any_of(run.traffic.vehicles(),
-                                               [](const auto& v) { return v.id == "bike"; });
+  const auto still_there =
+      std::ranges::any_of(run.traffic.vehicles(), [](const auto& v) { return v.id == "bike"; });
   EXPECT_FALSE(still_there);
 }
 

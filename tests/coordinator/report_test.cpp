@@ -55,10 +55,8 @@ TEST(Report, DelaysAreThoseOfControlledAndOfHumanDrivenVehicles) {
   RunReport report;
   const auto add = [&](const char* id, std::optional<double> departure, double arrival,
                        bool coordinated) {
-    report.vehicles.push_back({.id = id,
-                               .departure = departure,
-                               .arrival = arrival,
-                               .coordinated = coordinated});
+    report.vehicles.push_back(
+        {.id = id, .departure = departure, .arrival = arrival, .coordinated = coordinated});
   };
   add("ours", 0.0, 10.0, true);
   add("human", 0.0, 20.0, false);

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "planner/algorithms/whole_trajectory.hpp"
 #include "tests/coordinator/fake_traffic.hpp"
 #include "tests/coordinator/walk.hpp"
 
@@ -51,7 +52,8 @@ TEST(Tube, SlowsDownForALowerLimit) {
   }
   const Tube t = predict(d);
   for (std::int64_t k = 7; k < t.earliest.end(); ++k) {
-    if (t.earliest.at(k).s > 102.0) EXPECT_LT(t.earliest.at(k).v, 6.7);
+    if (t.earliest.at(k).s <= 102.0) continue;
+    EXPECT_LT(t.earliest.at(k).v, 6.7);
   }
 }
 
@@ -65,10 +67,9 @@ TEST(Tube, NobodyDrivesThroughHisLeader) {
 
 TEST(Tube, AFollowerStartsAfterHisLeader) {
   const Tube leader = predict(driver(99.0, 0.0));
-  const Tube t = predict(driver(92.0, 0.0), {{.gap = 2.5,
-                                               .speed = 0.0,
-                                               .earliest = &leader.earliest,
-                                               .latest = &leader.latest}});
+  const Tube t =
+      predict(driver(92.0, 0.0),
+              {{.gap = 2.5, .speed = 0.0, .earliest = &leader.earliest, .latest = &leader.latest}});
   const Tube alone = predict(driver(92.0, 0.0));
   EXPECT_LT(t.latest.at(7 + 30).s, alone.latest.at(7 + 30).s - 1.0);
   EXPECT_LT(t.earliest.at(7 + 30).s, alone.earliest.at(7 + 30).s + 1e-9);
@@ -78,8 +79,8 @@ TEST(Tube, AFollowerStartsAfterHisLeader) {
 class TwoTubes : public testing::Test {
  protected:
   TwoTubes() {
-    for (const auto& [from, to] : {std::pair(Point{-100, 0}, Point{200, 0}),
-                                   std::pair(Point{0, -100}, Point{0, 200})}) {
+    for (const auto& [from, to] :
+         {std::pair(Point{-100, 0}, Point{200, 0}), std::pair(Point{0, -100}, Point{0, 200})}) {
       const std::vector<Point> line = {from, to};
       library.add(GuidePath(line), fake_type("car").body);
     }
@@ -99,6 +100,62 @@ TEST_F(TwoTubes, MeetWhereBothMayBeAtTheCrossing) {
 
 TEST_F(TwoTubes, DoNotMeetBehindTheirEnds) {
   EXPECT_FALSE(meet(predict(driver(70.0, 10.0)), predict(driver(70.0, 10.0)), 80.0));
+}
+
+/// One of ours on the first path, and a driver who has green on the second.
+class OursAndATube : public TwoTubes {
+ protected:
+  OursAndATube() {
+    scene.library = &library;
+    scene.step = 7;
+    RoadVehicle ours{.key = 0, .path = 0, .now = {40.0, 10.0}};
+    ours.envelope = std::make_shared<SpeedEnvelope>(std::vector<double>(1201, kLimit), 3.5);
+    ours.exit_lane = 0;
+    ours.s_exit_lane = 110.0;
+    ours.s_handback = 250.0;
+    ours.s_end = 270.0;
+    scene.vehicles.push_back(ours);
+    let_come(60.0);
+  }
+  void let_come(double s) {
+    Tube tube = predict(driver(s, 10.0));
+    Forecast human{.vehicle = driver(s, 10.0).road,
+                   .trajectory = std::move(tube.earliest),
+                   .latest = std::move(tube.latest),
+                   .yields = false};
+    human.vehicle.key = -1;
+    human.vehicle.path = 1;
+    scene.forecasts = {human};
+  }
+  [[nodiscard]] std::optional<PathTrajectory> plan() const {
+    return plan_vehicle(RoadPairs(scene), scene.vehicles.front(), {}, {});
+  }
+  [[nodiscard]] bool fits(const PathTrajectory& t) const {
+    return still_fits(RoadPairs(scene), scene.vehicles.front(), t, {}, {});
+  }
+  RoadScene scene;
+};
+
+TEST_F(OursAndATube, NewPlansKeepSlackAndOldOnesNeedNot) {
+  const auto tight = plan();
+  ASSERT_TRUE(tight.has_value());
+  EXPECT_TRUE(fits(*tight));
+  scene.forecasts.front().slack_before = 10;
+  scene.forecasts.front().slack_behind = 10;
+  const auto careful = plan();
+  ASSERT_TRUE(careful.has_value());
+  EXPECT_GT(careful->end(), tight->end());
+  EXPECT_TRUE(fits(*tight));
+}
+
+TEST_F(OursAndATube, BrakingInTheWayOfADriverWhoReliesOnHisGreenIsNoWayOut) {
+  // It comes to rest within the decision, right on the crossing, where he is by then.
+  scene.vehicles.front().now = {98.0, 2.0};
+  let_come(91.0);
+  const PathTrajectory stop = stop_after(scene, scene.vehicles.front().now, -4.5, 4.5);
+  EXPECT_TRUE(fits(stop));
+  scene.forecasts.front().relies = true;
+  EXPECT_FALSE(fits(stop));
 }
 
 }  // namespace

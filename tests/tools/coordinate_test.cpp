@@ -212,7 +212,7 @@ TEST_F(Coordinate, HumanDriversGetTheirGreensFromUs) {
   const std::string signalised =
       std::string(MVTP_SCENARIOS) + "/crossroads/crossroads.static.sumocfg";
   const Outcome mixed = run("coordinate -c '" + signalised +
-                           "' --end 120 --penetration 0.5 --seed 1 --no-view --no-fcd --quiet");
+                            "' --end 120 --penetration 0.5 --seed 1 --no-view --no-fcd --quiet");
   EXPECT_EQ(mixed.exit_code, 1) << mixed.err;  // cut off before all have arrived
   const json j = summary();
   EXPECT_EQ(j["penetration"], 0.5);
