@@ -431,6 +431,16 @@ std::vector<std::string> HumanDrivers::who_waits_for(const Agent& agent) const {
   return ids;
 }
 
+/// Is there a driver without a planned passage who could not stop any more at the next decision?
+/// Behind a vehicle under control there may be: a green is shorter then than it should be.
+bool HumanDrivers::must_end(int link) const {
+  return std::ranges::any_of(agents_, [&](const auto& entry) {
+    const Agent& agent = entry.second;
+    return !agent.granted && std::ranges::count(agent.links, link) > 0 &&
+           !can_stop_after(agent, grid_.decision());
+  });
+}
+
 void HumanDrivers::settle() {
   for (const auto& [id, agent] : agents_) {
     if (agent.granted) traffic_.rely_on_signal(id, who_waits_for(agent));
@@ -441,7 +451,8 @@ void HumanDrivers::settle() {
   }
   for (int k = 0; k < graph_.links(); ++k) {
     if (!heads_.owns(k) || heads_.light(k) != Light::kGreen || needed.contains(k)) continue;
-    if (heads_.shown_for(k) >= heads_.timing().least_green - 1e-6) heads_.end_green(k);
+    const bool is_over = heads_.shown_for(k) >= heads_.timing().least_green - 1e-6;
+    if (is_over || must_end(k)) heads_.end_green(k);
   }
 }
 

@@ -108,6 +108,7 @@ class HumanDrivers {
   [[nodiscard]] bool may_have_green(const Agent& agent) const;
   [[nodiscard]] bool has_room_behind(const Agent& agent) const;
   [[nodiscard]] std::vector<const Agent*> with_followers(const Agent& first) const;
+  [[nodiscard]] bool must_end(int link) const;
   [[nodiscard]] double latest_at_line(const Agent& agent) const;
   [[nodiscard]] bool cross(const Agent& a, const Agent& b) const;
   [[nodiscard]] bool can_stop_after(const Agent& agent, double seconds) const;
