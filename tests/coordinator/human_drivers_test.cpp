@@ -47,6 +47,7 @@ TEST_P(MixedTraffic, ArrivesWithoutContact) {
   EXPECT_EQ(run.audit.figures().overlap_pairs, 0);
   EXPECT_EQ(run.traffic.arrived(), run.number_of_trips);
   EXPECT_GT(run.coordinator.humans()->greens(), 0);
+  EXPECT_EQ(run.coordinator.humans()->unplanned_passages(), 0);
 }
 
 std::string name_of(const testing::TestParamInfo<Mix>& info) {
