@@ -60,6 +60,13 @@ Coordinator::Coordinator(Traffic& traffic, const DrivableArea& area,
       gate_(traffic) {
   grid_.dt = traffic.step_length();
   grid_.steps_per_decision = std::max(1, int(std::lround(options.decision / grid_.dt)));
+  if (options.share.is_whole()) return;
+  const auto plan_of = [this](const std::string& id) -> const PathTrajectory* {
+    const auto driven = driven_.find(id);
+    return driven == driven_.end() ? nullptr : plan_.find(driven->second.key);
+  };
+  humans_.emplace(traffic, graph_, corridors_, predictor_, coordinated_, options.signals, grid_,
+                  plan_of);
 }
 
 std::vector<ZoneFigures> Coordinator::zones() const {
@@ -86,6 +93,7 @@ void Coordinator::decide() {
   if (step_ % grid_.steps_per_decision == 0) {
     remember_lanes();
     replan();
+    if (owns_signals()) humans_->settle();
   } else {
     static_cast<void>(leave_corridors(/*may_go_on=*/false));
     hold_departures();
@@ -148,12 +156,11 @@ void Coordinator::replan() {
 /// that the referee refuses.
 Coordinator::Trial Coordinator::best_trial(const std::map<std::string, Driven>& arrivals,
                                            const std::vector<std::int64_t>& upset) {
-  const std::vector<std::string> proposed = gate_.propose();
   std::set<std::string> excluded = too_late(arrivals);
+  if (owns_signals()) return best_trial_with_humans(arrivals, excluded, upset);
   std::optional<Trial> with_guests;
-  // All at once, or else the first of them.
-  for (std::size_t n = proposed.size(); n > 0; n = n > 1 ? 1 : 0) {
-    with_guests = plan_trial(arrivals, excluded, upset, {proposed.begin(), proposed.begin() + n});
+  for (const std::vector<std::string>& guests : offers()) {
+    with_guests = plan_trial(arrivals, excluded, upset, guests);
     if (with_guests->decision.stepped == 0 && with_guests->refused.empty() &&
         !waits_inside(*with_guests)) {
       return *with_guests;
@@ -164,6 +171,14 @@ Coordinator::Trial Coordinator::best_trial(const std::map<std::string, Driven>& 
                                      with_guests->refused.size() > trial.refused.size() ||
                                      (waits_inside(*with_guests) && !waits_inside(trial)));
   if (with_guests && !worse) trial = *std::move(with_guests);
+  return without_the_late(std::move(trial), arrivals, std::move(excluded), upset);
+}
+
+/// The same trial without those arrivals that get no complete plan, or one that is refused.
+Coordinator::Trial Coordinator::without_the_late(Trial trial,
+                                                 const std::map<std::string, Driven>& arrivals,
+                                                 std::set<std::string> excluded,
+                                                 const std::vector<std::int64_t>& upset) {
   for (const bool whole_groups : {false, true}) {
     const std::set<std::string> more = better_later(trial, arrivals, whole_groups);
     if (more.empty()) continue;
@@ -186,6 +201,59 @@ bool Coordinator::waits_inside(const Trial& trial) const {
     const InertialState then = state_at(*plan, a_while);
     return then.v == 0.0 && then.s < out;
   });
+}
+
+/// The plan with as many human drivers getting green as is possible, and worth what it costs the
+/// vehicles under control.
+Coordinator::Trial Coordinator::best_trial_with_humans(
+    const std::map<std::string, Driven>& arrivals, const std::set<std::string>& excluded,
+    const std::vector<std::int64_t>& upset) {
+  Trial trial =
+      without_the_late(plan_trial(arrivals, excluded, upset, {}), arrivals, excluded, upset);
+  for (const std::vector<std::string>& guests : offers()) {
+    Trial with = plan_trial(arrivals, trial.excluded, upset, guests);
+    const bool worse = with.decision.stepped > trial.decision.stepped || !with.refused.empty();
+    if (worse || !is_clear_of(guests, with)) continue;
+    const bool comparable = trial.decision.stepped == 0;
+    const double loss = with.decision.cost - trial.decision.cost;
+    if (comparable && loss > humans_->worth(guests)) continue;
+    return with;
+  }
+  return trial;
+}
+
+/// Does nobody under control come where these drivers may be? Planning lets a vehicle brake fully
+/// wherever it is; a green is not shown on that.
+bool Coordinator::is_clear_of(const std::vector<std::string>& guests, const Trial& trial) const {
+  for (const JointPlan::Entry& e : trial.decision.plan.entries) {
+    const auto path = trial.paths.find(e.key);
+    if (path == trial.paths.end()) continue;
+    if (humans_->may_meet(guests, path->second, *e.trajectory)) return false;
+  }
+  return true;
+}
+
+/// Guests who may go over junctions now, in the order in which that is tried: all at once, or else
+/// the first alone. Drivers at signals come in groups that only go together.
+std::vector<std::vector<std::string>> Coordinator::offers() {
+  std::vector<std::vector<std::string>> groups;
+  for (const std::string& guest : gate_.propose()) groups.push_back({guest});
+  if (owns_signals()) {
+    for (auto& group : humans_->propose()) groups.push_back(std::move(group));
+  }
+  if (groups.size() < 2) return groups;
+  std::vector<std::string> all;
+  for (const auto& group : groups) all.insert(all.end(), group.begin(), group.end());
+  return {all, groups.front()};
+}
+
+/// The passage of a guest is planned.
+void Coordinator::let_pass(const std::string& guest) {
+  if (humans_ && humans_->knows(guest)) {
+    humans_->grant(guest);
+  } else {
+    gate_.let_through(guest);
+  }
 }
 
 /// Arrivals without a complete plan, and those that the referee finds in contact: of two of them
@@ -283,7 +351,10 @@ Coordinator::Trial Coordinator::plan_trial(const std::map<std::string, Driven>& 
     arriving.insert(arrival.key);
   }
   RoadScene now{.library = &corridors_.library(), .grid = grid_, .step = step_};
-  for (const auto& [id, driven] : present) now.vehicles.push_back(driven->road);
+  for (const auto& [id, driven] : present) {
+    now.vehicles.push_back(driven->road);
+    trial.paths.emplace(driven->key, driven->road.path);
+  }
   std::ranges::sort(now.vehicles, {}, &RoadVehicle::key);
   now.forecasts = trial.forecasts = predict_others(present, guests);
   prepare_tables(now);
@@ -303,6 +374,10 @@ Coordinator::Trial Coordinator::plan_trial(const std::map<std::string, Driven>& 
 /// Nobody is under control: whoever waits with its own driver may go, one after the other.
 void Coordinator::admit_guests_freely() {
   for (const std::string& guest : gate_.propose()) gate_.let_through(guest);
+  if (!owns_signals()) return;
+  for (const auto& group : humans_->propose()) {
+    for (const std::string& id : group) humans_->grant(id);
+  }
 }
 
 /// Contact tables of all paths in use, before threads look into them.
@@ -344,7 +419,7 @@ void Coordinator::accept(const Trial& trial, bool late,
   groups_ = trial.decision.members;
   forecasts_ = trial.forecasts;
   if (!late) {
-    for (const std::string& guest : trial.guests) gate_.let_through(guest);
+    for (const std::string& guest : trial.guests) let_pass(guest);
   }
   for (const auto& [id, arrival] : arrivals) {
     const bool goes_on = driven_.contains(id);
@@ -616,15 +691,18 @@ void Coordinator::remember_lanes() {
 std::vector<Coordinator::Newcomer> Coordinator::find_newcomers() {
   std::vector<Newcomer> newcomers;
   gate_.begin();
+  if (owns_signals()) humans_->begin(step_);
   for (const VehicleState& v : traffic_.vehicles()) {
     const int lane = graph_.find_lane(v.lane);
     if (lane == LaneGraph::kNone) continue;
-    if (!finder_.may_approach(lane, v.lane_position) && !gate_.passes(v.id)) continue;
+    const bool passes = gate_.passes(v.id) || (humans_ && humans_->knows(v.id));
+    if (!finder_.may_approach(lane, v.lane_position) && !passes) continue;
     if (driven_.contains(v.id) || traffic_.is_taken_over(v.id)) continue;
     if (v.halted_by_stop || is_entering(v)) continue;
     std::vector<int> route = route_of(v);
     const CourseQuery query = query_for(v, route);
-    if (!is_car_like(type_of(v.type).vehicle_class)) {
+    const bool is_human = !options_.share.contains(v.id, v.type);
+    if (is_human || !is_car_like(type_of(v.type).vehicle_class)) {
       see_guest(v, query);
     } else if (auto newcomer = newcomer_at(v, query, route)) {
       gate_.keep(v.id);
@@ -634,6 +712,7 @@ std::vector<Coordinator::Newcomer> Coordinator::find_newcomers() {
     }
   }
   gate_.end();
+  if (owns_signals()) humans_->end();
   // Whoever is nearer to the line has arrived earlier; lanes keep their order this way.
   std::ranges::stable_sort(newcomers, {}, &Newcomer::to_line);
   return newcomers;
@@ -662,6 +741,7 @@ bool Coordinator::turns_yet(const Newcomer& newcomer) {
 void Coordinator::see_guest(const VehicleState& v, const CourseQuery& query) {
   const std::optional<double> to_line = finder_.distance_to_line(query);
   const bool is_inside = graph_.edge_of(query.lane) == LaneGraph::kNone;
+  if (see_human(v, query, to_line)) return;
   if (to_line && *to_line <= options_.corridors.takeover) {
     ++guest_sightings_;
     const double lane_end = graph_.lane(query.lane).length - query.position;
@@ -670,6 +750,23 @@ void Coordinator::see_guest(const VehicleState& v, const CourseQuery& query) {
   } else if (is_inside && gate_.passes(v.id)) {
     gate_.see(v, 0.0, 0.0, true, type_of(v.type).body);
   }
+}
+
+/// A driver who gets his green from us, or who has had it and is still inside the junction.
+bool Coordinator::see_human(const VehicleState& v, const CourseQuery& query,
+                            std::optional<double> to_line) {
+  if (!humans_) return false;
+  if (!owns_signals()) return humans_->decides_for(query);  // the signal's own program does
+  if (graph_.edge_of(query.lane) == LaneGraph::kNone) {
+    if (!humans_->knows(v.id)) return false;
+    humans_->see(v, query, 0.0, type_of(v.type));
+    return true;
+  }
+  const bool near = to_line && *to_line <= options_.corridors.takeover;
+  if (!near || !humans_->decides_for(query)) return false;
+  ++guest_sightings_;
+  humans_->see(v, query, *to_line, type_of(v.type));
+  return true;
 }
 
 /// Is nobody ahead of it on its lane but guests who are let through?
@@ -773,8 +870,13 @@ std::vector<Forecast> Coordinator::predict_others(
 
 std::vector<Forecast> Coordinator::predict_one(const VehicleState& v,
                                                const std::vector<std::string>& guests) {
+  const bool is_let_pass = std::ranges::count(guests, v.id) > 0;
+  if (const Forecast* passage = humans_ ? humans_->passage(v.id) : nullptr;
+      passage != nullptr && (is_let_pass || humans_->passes(v.id))) {
+    return {*passage};
+  }
   const std::vector<int> route = route_of(v);
-  const bool passes = gate_.passes(v.id) || std::ranges::count(guests, v.id) > 0;
+  const bool passes = gate_.passes(v.id) || is_let_pass;
   return predictor_.predict(v, query_for(v, route), type_of(v.type).body,
                             passes ? Intent::kPasses : Intent::kWaits, time_at_stop(v), grid_,
                             step_);
@@ -796,6 +898,7 @@ bool Coordinator::planner_is_dead() const {
 /// Without a plan nobody may enter: newcomers stop before the line while vehicles are under
 /// control; after that the junction is left to the traffic's own right of way.
 void Coordinator::hold_back(const std::vector<Newcomer>& newcomers) {
+  if (humans_) humans_->release_all();
   if (driven_.empty()) return gate_.release_all();
   for (const Newcomer& n : newcomers) gate_.hold(n.state->id);
 }
@@ -812,6 +915,7 @@ void Coordinator::hold_departures() {
     const std::vector<int> route = route_of(v);
     const CourseQuery query = query_for(v, route);
     const std::optional<double> to_line = finder_.distance_to_line(query);
+    if (owns_signals() && humans_->decides_for(query)) continue;  // its light is red
     if (to_line && *to_line < kAtLine) see_guest(v, query);
   }
 }

@@ -8,9 +8,11 @@
 #include <unordered_map>
 #include <vector>
 
+#include "coordinator/controlled_share.hpp"
 #include "coordinator/controller.hpp"
 #include "coordinator/corridor.hpp"
 #include "coordinator/gate.hpp"
+#include "coordinator/human_drivers.hpp"
 #include "coordinator/path_approach.hpp"
 #include "coordinator/prediction.hpp"
 #include "coordinator/referee.hpp"
@@ -28,6 +30,8 @@ struct CoordinatorOptions {
   /// dropped. 0: no planning at all, as if the planner had died.
   double replan_budget_ms = 1e9;
   double budget_from = 0.0;
+  ControlledShare share;  ///< who is taken over
+  SignalTiming signals;   ///< where human-driven vehicles get their greens from us
 };
 
 /// A vehicle under control.
@@ -66,6 +70,8 @@ class Coordinator : public Controller {
   /// Sightings of vehicles near a stop line that keep their own drivers.
   [[nodiscard]] std::int64_t guest_sightings() const { return guest_sightings_; }
   [[nodiscard]] const CorridorMap& corridors() const { return corridors_; }
+  /// Drivers at signals that are ours; none if everybody is automated.
+  [[nodiscard]] const HumanDrivers* humans() const { return humans_ ? &*humans_ : nullptr; }
 
   /// What the planner sees now; public so that the invariants can be tested from outside.
   [[nodiscard]] RoadScene scene() const;
@@ -85,9 +91,10 @@ class Coordinator : public Controller {
     RoadDecision decision;
     std::vector<Forecast> forecasts;
     std::vector<PlannedContact> contacts;
-    std::vector<std::size_t> refused;  ///< groups, ascending
-    std::vector<std::string> guests;   ///< who go over junctions with their own drivers
-    std::set<std::string> excluded;    ///< arrivals that stay as they are
+    std::vector<std::size_t> refused;   ///< groups, ascending
+    std::vector<std::string> guests;    ///< who go over junctions with their own drivers
+    std::set<std::string> excluded;     ///< arrivals that stay as they are
+    std::map<std::int64_t, int> paths;  ///< of the vehicles planned, by key
   };
 
   void replan();
@@ -133,6 +140,18 @@ class Coordinator : public Controller {
                                  const std::set<std::string>& excluded,
                                  const std::vector<std::int64_t>& upset,
                                  const std::vector<std::string>& guests);
+  [[nodiscard]] Trial without_the_late(Trial trial, const std::map<std::string, Driven>& arrivals,
+                                       std::set<std::string> excluded,
+                                       const std::vector<std::int64_t>& upset);
+  [[nodiscard]] Trial best_trial_with_humans(const std::map<std::string, Driven>& arrivals,
+                                             const std::set<std::string>& excluded,
+                                             const std::vector<std::int64_t>& upset);
+  [[nodiscard]] bool is_clear_of(const std::vector<std::string>& guests, const Trial& trial) const;
+  [[nodiscard]] std::vector<std::vector<std::string>> offers();
+  void let_pass(const std::string& guest);
+  [[nodiscard]] bool owns_signals() const { return humans_ && !planner_is_dead(); }
+  [[nodiscard]] bool see_human(const VehicleState& state, const CourseQuery& query,
+                               std::optional<double> to_line);
   void accept(const Trial& trial, bool late, const std::map<std::string, Driven>& arrivals);
   void admit_guests_freely();
   [[nodiscard]] bool turns_yet(const Newcomer& newcomer);
@@ -164,6 +183,7 @@ class Coordinator : public Controller {
   const DrivableArea& area_;
   Predictor predictor_;
   Gate gate_;
+  std::optional<HumanDrivers> humans_;
   DecisionGrid grid_;
   std::int64_t step_ = 0;
   std::int64_t next_key_ = 0;

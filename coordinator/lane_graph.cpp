@@ -34,7 +34,9 @@ void LaneGraph::add_link(const Connection& c, int junction) {
   Link link{.from = lane_numbers_.at(c.from_lane),
             .via = {},
             .to = lane_numbers_.at(c.to_lane),
-            .junction = junction};
+            .junction = junction,
+            .signal = c.signal,
+            .signal_index = c.signal_index};
   for (const std::string& via : c.via) {
     link.via.push_back(lane_numbers_.at(via));
     link.length += lane(link.via.back()).length;

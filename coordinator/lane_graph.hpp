@@ -20,7 +20,9 @@ class LaneGraph {
     std::vector<int> via;  ///< internal lanes in driving order; may be empty
     int to = kNone;
     int junction = kNone;
-    double length = 0.0;  ///< [m] of `via`
+    double length = 0.0;      ///< [m] of `via`
+    std::string signal = {};  ///< as of Connection
+    int signal_index = -1;
   };
 
   /// @param network  must outlive the graph.

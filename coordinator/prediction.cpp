@@ -97,6 +97,29 @@ int Predictor::path_of(const VehicleState& v, const CourseQuery& query, const Ve
   return place_on(corridors_[own], corridors_[own].stations.front(), 1.0) ? own : LaneGraph::kNone;
 }
 
+std::optional<Predictor::Placed> Predictor::place(const VehicleState& v, const CourseQuery& query,
+                                                  const Vehicle& body) {
+  double s = 0.0;
+  const int number = path_of(v, query, body, s);
+  if (number == LaneGraph::kNone) return std::nullopt;
+  const Corridor& corridor = corridors_[number];
+  RoadVehicle road;
+  road.key = -1;
+  road.path = corridor.path;
+  road.now = {s, v.speed};
+  road.cruise_speed =
+      std::max(1.0, std::min(v.speed_factor * corridor.lane_limits.back(), body.max_speed));
+  const ExitRoot root = exit_roots_[std::size_t(query.lane)];
+  if (root.lane != LaneGraph::kNone) {
+    road.exit_lane = root.lane;
+    road.s_exit_lane =
+        corridor.station(query.lane, 0.0, s - query.position).value_or(s) - root.offset;
+  }
+  road.s_end = corridors_.library().path(corridor.path).length();
+  road.s_handback = road.s_end;
+  return Placed{number, road};
+}
+
 std::vector<Forecast> Predictor::predict(const VehicleState& v, const CourseQuery& query,
                                          const Vehicle& body, Intent intent, double stands,
                                          const DecisionGrid& grid, std::int64_t step) {
@@ -107,24 +130,10 @@ std::vector<Forecast> Predictor::predict(const VehicleState& v, const CourseQuer
   // may be in the lane beside them.
   const bool is_far = to_line && *to_line > takeover_ + kAlongside;
   if (is_far && root.lane == LaneGraph::kNone && !is_inside) return {};
-  double s = 0.0;
-  const int number = path_of(v, query, body, s);
-  if (number == LaneGraph::kNone) return {};
-  const Corridor& corridor = corridors_[number];
-
-  RoadVehicle road;
-  road.key = -1;
-  road.path = corridor.path;
-  road.now = {s, v.speed};
-  road.cruise_speed =
-      std::max(1.0, std::min(v.speed_factor * corridor.lane_limits.back(), body.max_speed));
-  if (root.lane != LaneGraph::kNone) {
-    road.exit_lane = root.lane;
-    road.s_exit_lane =
-        corridor.station(query.lane, 0.0, s - query.position).value_or(s) - root.offset;
-  }
-  road.s_end = corridors_.library().path(corridor.path).length();
-  road.s_handback = road.s_end;
+  const std::optional<Placed> placed = place(v, query, body);
+  if (!placed) return {};
+  const RoadVehicle& road = placed->road;
+  const double s = road.now.s;
   Forecast forecast{.vehicle = road, .trajectory = {}, .latest = std::nullopt};
   if (stands > 0.0) {
     forecast.trajectory = predict_stop(road, stands, grid, step);

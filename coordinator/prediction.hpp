@@ -39,6 +39,15 @@ class Predictor {
   /// kNone where no coordinated junction is near behind.
   [[nodiscard]] ExitRoot exit_root(int lane) const { return exit_roots_[std::size_t(lane)]; }
 
+  /// A vehicle on the path that it follows when nobody controls it.
+  struct Placed {
+    int corridor = 0;
+    RoadVehicle road;
+  };
+  /// nullopt if the lanes it is on do not lead along its route.
+  [[nodiscard]] std::optional<Placed> place(const VehicleState& vehicle, const CourseQuery& query,
+                                            const Vehicle& body);
+
   /// The motions to be expected of a vehicle along its route; none if it is leaving the sight of
   /// all.
   /// @param intent  what it does at the next coordinated stop line.

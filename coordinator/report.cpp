@@ -39,12 +39,22 @@ std::vector<double> delays_of(const RunReport& report) {
   return collect(report.vehicles, [&](const VehicleRecord& v) { return delay_of(v, report.end); });
 }
 
-Json delay_json(const RunReport& report) {
-  const std::vector<double> delays = delays_of(report);
+Json delay_json(const std::vector<double>& delays) {
   return {{"mean", mean(delays)},
           {"p50", quantile(delays, 0.5)},
           {"p95", quantile(delays, 0.95)},
           {"max", largest(delays)}};
+}
+
+/// Of the vehicles that were ever under control, or of the others that departed.
+Json delay_by_driver(const RunReport& report, bool coordinated) {
+  std::vector<double> delays;
+  for (const VehicleRecord& v : report.vehicles) {
+    if (v.coordinated == coordinated && v.departure) delays.push_back(delay_of(v, report.end));
+  }
+  Json delay = delay_json(delays);
+  delay["vehicles"] = delays.size();
+  return delay;
 }
 
 Json audit_json(const AuditFigures& a) {
@@ -121,7 +131,15 @@ std::string summary_json(const RunReport& r) {
   j["never_departed"] = std::int64_t(r.vehicles.size()) - departed;
   j["completed"] = completed;
   j["throughput_veh_h"] = throughput(r);
-  j["delay_s"] = delay_json(r);
+  j["delay_s"] = delay_json(delays_of(r));
+  j["penetration"] = r.penetration;
+  j["delay_controlled_s"] = delay_by_driver(r, true);
+  j["delay_human_s"] = delay_by_driver(r, false);
+  if (r.humans) {
+    j["greens"] = r.humans->greens;
+    j["tube_misses"] = r.humans->tube_misses;
+    j["unplanned_passages"] = r.humans->unplanned_passages;
+  }
   j["time_loss_s"] = field_mean([](const VehicleRecord& v) { return v.time_loss; });
   j["depart_delay_s"] = field_mean([&](const VehicleRecord& v) { return depart_delay(v, r.end); });
   j["waiting_time_s"] = field_mean([](const VehicleRecord& v) { return v.waiting_time; });

@@ -32,6 +32,13 @@ struct VehicleRecord {
 /// vehicle that is not there yet.
 [[nodiscard]] double delay_of(const VehicleRecord& vehicle, double end);
 
+/// What came of human-driven vehicles at signals that are ours.
+struct HumanFigures {
+  std::int64_t greens = 0;              ///< shown
+  std::int64_t tube_misses = 0;         ///< drivers outside what was expected, over the decisions
+  std::int64_t unplanned_passages = 0;  ///< drivers who went over their lines without a plan
+};
+
 /// Everything that a run leaves behind.
 struct RunReport {
   std::vector<VehicleRecord> vehicles;
@@ -40,10 +47,12 @@ struct RunReport {
   std::vector<AuditEvent> events;
   std::vector<LotReport> lots;
   std::int64_t sumo_collisions = 0;
+  double penetration = 1.0;                 ///< as asked for
+  std::optional<HumanFigures> humans;       ///< none: no signal was ours
   std::int64_t left_to_sumo_sightings = 0;  ///< vehicles near a stop line, over the decisions
-  double begin = 0.0;      ///< [s] simulated time
-  double end = 0.0;        ///< [s]
-  double wall_time = 0.0;  ///< [s] of the simulation loop
+  double begin = 0.0;                       ///< [s] simulated time
+  double end = 0.0;                         ///< [s]
+  double wall_time = 0.0;                   ///< [s] of the simulation loop
   std::string controller;
   std::string status;   ///< as of to_string(RunStatus)
   std::string message;  ///< what went wrong, in one line; empty if nothing did

@@ -42,6 +42,8 @@ struct Connection {
   std::string from_lane;
   std::vector<std::string> via;  ///< the chain of internal lanes, in driving order; may be empty
   std::string to_lane;
+  std::string signal = {};  ///< id of the traffic signal that it obeys; empty: none
+  int signal_index = -1;    ///< which of the signal's lights
 };
 
 struct Junction {
@@ -61,6 +63,8 @@ struct RoadNetwork {
   std::map<std::string, Junction> junctions;
   /// lanes of each normal edge, rightmost first
   std::map<std::string, std::vector<std::string>> edges;
+  /// How many lights each traffic signal has, those of people on foot included.
+  std::map<std::string, int> signals;
   bool left_hand = false;       ///< traffic keeps to the left
   bool opposite_lanes = false;  ///< drivers may overtake in the lane of the other direction
 };

@@ -60,6 +60,9 @@ struct Pedestrian {
   double radius = 0.3;  ///< of the body [m]
 };
 
+/// What one light of a traffic signal shows; green protects: nobody who crosses has green too.
+enum class Light : char { kRed = 'r', kYellow = 'y', kGreen = 'G' };
+
 /// The traffic that a coordinator drives: SUMO in production, a fake in tests.
 ///
 /// Time advances in steps. A vehicle is driven by the traffic's own car following until taken over;
@@ -117,6 +120,16 @@ class Traffic {
   virtual void let_through(const std::string& /*id*/, bool /*pass*/) {}
   /// Keeps a vehicle that is not taken over from driving faster [m/s]; infinity: no matter.
   virtual void cap_speed(const std::string& /*id*/, double /*speed*/) {}
+  /// The driver of a vehicle that is not taken over relies on his signal: he does not yield at
+  /// junctions to these vehicles, which wait for him there. Nobody named: he yields as ever.
+  virtual void rely_on_signal(const std::string& /*id*/,
+                              const std::vector<std::string>& /*waiting*/) {}
+  /// Keeps a vehicle that is not taken over in its lane (true), as a solid line does.
+  virtual void keep_lane(const std::string& /*id*/, bool /*keep*/) {}
+  /// From the next step on a light shows this, until the signal is shown otherwise or freed.
+  virtual void show(const std::string& /*signal*/, int /*index*/, Light /*light*/) {}
+  /// The signal runs its own program again.
+  virtual void free_signal(const std::string& /*signal*/) {}
   /// Lowers the limit of a lane for every driver [m/s].
   virtual void limit_speed(const std::string& lane, double speed) = 0;
 

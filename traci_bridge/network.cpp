@@ -146,10 +146,15 @@ class NetworkReader {
       if (network_.lanes.at(from).internal && !via.empty()) next[{from, to}] = via;
     }
     for (const Element* element : elements) {
+      count_light(*element);
       if (!between_known_edges(*element)) continue;
       const auto [from, to] = ends(*element);
       if (network_.lanes.at(from).internal) continue;
       Connection connection{.from_lane = from, .via = {}, .to_lane = to};
+      connection.signal = attribute(*element, "tl");
+      if (!connection.signal.empty()) {
+        connection.signal_index = file_.index(*element, "linkIndex");
+      }
       std::string via = attribute(*element, "via");
       while (!via.empty()) {
         if (!network_.lanes.contains(via) || contains(connection.via, via)) {
@@ -162,6 +167,14 @@ class NetworkReader {
       }
       junction_behind(*element, from).connections.push_back(std::move(connection));
     }
+  }
+
+  /// Lights are numbered from 0 on; connections of footpaths have some too.
+  void count_light(const Element& element) {
+    const std::string signal = attribute(element, "tl");
+    if (signal.empty()) return;
+    int& lights = network_.signals[signal];
+    lights = std::max(lights, file_.index(element, "linkIndex") + 1);
   }
 
   /// False for connections of footpaths.

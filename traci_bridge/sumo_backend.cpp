@@ -20,6 +20,7 @@
 #include "traci_bridge/sumo_log.hpp"
 #include "traci_bridge/sumo_reading.hpp"
 #include "traci_bridge/sumo_routes.hpp"
+#include "traci_bridge/sumo_signals.hpp"
 
 namespace mvtp {
 
@@ -38,6 +39,8 @@ constexpr int kObey = 0;
 // Safe speed, acceleration and braking as ever, but no right of way, no signal, no foe inside.
 constexpr int kHeedNobody = 39;
 constexpr int kOwnSpeedMode = 31;
+// No lane change but those that avoid a collision, which are none where nobody changes.
+constexpr int kKeepLane = 512;
 /// A vehicle that was just handed back first finds its place in its lane [s]; SUMO changes lanes at
 /// once, 3 m aside, where its sublane model is off.
 constexpr double kNoLaneChange = 1.0;
@@ -111,6 +114,8 @@ class Backend final : public SumoTraffic {
   void take_over(const std::string& id) override {
     if (controlled_.contains(id)) return;
     hold(id, false);
+    rely_on_signal(id, {});
+    keep_lane(id, false);
     unrestored_.erase(id);
     ask([&] {
       const Characteristics& vehicle = characteristics(id);
@@ -207,6 +212,38 @@ class Backend final : public SumoTraffic {
     });
   }
 
+  void rely_on_signal(const std::string& id, const std::vector<std::string>& waiting) override {
+    if (!is_here(id) || (waiting.empty() && !relying_.contains(id))) return;
+    std::string words;
+    for (const std::string& other : waiting) words += (words.empty() ? "" : " ") + other;
+    ask([&] { api::Vehicle::setParameter(id, "junctionModel.ignoreIDs", words); });
+    if (waiting.empty()) {
+      relying_.erase(id);
+    } else {
+      relying_.insert(id);
+    }
+  }
+
+  void keep_lane(const std::string& id, bool keep) override {
+    if (controlled_.contains(id) || !is_here(id) || keep == lane_keepers_.contains(id)) return;
+    ask([&] {
+      if (keep) {
+        lane_keepers_[id] = pending_lane_change_mode(id);
+        api::Vehicle::setLaneChangeMode(id, kKeepLane);
+      } else {
+        api::Vehicle::setLaneChangeMode(id, lane_keepers_.extract(id).mapped());
+      }
+    });
+  }
+
+  void show(const std::string& signal, int index, Light light) override {
+    ask([&] { signals_.show(signal, index, light); });
+  }
+
+  void free_signal(const std::string& signal) override {
+    ask([&] { signals_.free(signal); });
+  }
+
   void cap_speed(const std::string& id, double speed) override {
     ask([&] {
       const bool slower = speed < api::Vehicle::getAllowedSpeed(id);
@@ -279,6 +316,7 @@ class Backend final : public SumoTraffic {
     ask([&] {
       resume_lane_changes();
       leave_parking_areas();
+      signals_.send();
       std::erase_if(unrestored_, [&](const std::string& id) { return routes_.restore(id, time_); });
       for (const auto& [id, vehicle] : controlled_) {
         if (leaving_.contains(id)) continue;
@@ -408,6 +446,8 @@ class Backend final : public SumoTraffic {
     std::erase_if(capped_, gone);
     std::erase_if(unrestored_, gone);
     std::erase_if(leaving_, gone);
+    std::erase_if(relying_, gone);
+    std::erase_if(lane_keepers_, is_gone);
   }
 
   /// Does it depart in a parking area? SUMO puts such a vehicle on the lane beside it for one step.
@@ -529,6 +569,9 @@ class Backend final : public SumoTraffic {
   std::set<std::string> unrestored_;  ///< handed back, but SUMO does not know the whole route yet
   std::set<std::string> leaving_;     ///< parked, without a stop from the next step on
   std::map<std::string, Resumption> lane_changes_;
+  std::set<std::string> relying_;            ///< on protected greens
+  std::map<std::string, int> lane_keepers_;  ///< their own lane-change modes
+  SumoSignals signals_;
 };
 
 }  // namespace

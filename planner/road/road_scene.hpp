@@ -77,6 +77,13 @@ struct Forecast {
   PathTrajectory trajectory;  ///< the earliest
   std::optional<PathTrajectory> latest;
   bool yields = true;  ///< to whoever is in its way; else only to those ahead on its own lane
+  /// Its driver relies on a signal and brakes for nobody across his way: braking there is no way
+  /// out.
+  bool relies = false;
+  /// Steps that new plans keep beside what is expected, before the earliest and behind the latest:
+  /// plans that are kept need not, so that a small surprise does not break them.
+  int slack_before = 0;
+  int slack_behind = 0;
 };
 
 /// The vehicles on the road at the moment of a decision.

@@ -14,13 +14,14 @@ Surroundings::Surroundings(const RoadPairs& pairs, const RoadVehicle& vehicle,
       options_(options) {
   const RoadScene& scene = pairs.scene();
   const std::size_t self = pairs.index(vehicle.key);
-  const bool count = forecasts == Forecasts::kCount;
+  const bool count = forecasts != Forecasts::kIgnore;
   for (std::size_t f = 0; count && f < scene.forecasts.size(); ++f) {
     if (pairs.follows(f, self)) continue;
     const Forecast& forecast = scene.forecasts[f];
     add({pairs.towards_forecast(self, f), &forecast.trajectory,
          forecast.latest ? &*forecast.latest : nullptr, &forecast.vehicle,
-         &scene.body(forecast.vehicle), true, forecast.yields});
+         &scene.body(forecast.vehicle), true, forecast.yields, forecast.relies});
+    if (forecasts == Forecasts::kWithSlack) add_slack(forecast);
   }
   for (const JointPlan::Entry& e : before) {
     if (e.key == vehicle.key) continue;
@@ -41,8 +42,10 @@ bool Surroundings::step_is_clear(std::int64_t k, const InertialState& from, doub
   const bool stays = to.s == vehicle_.now.s;
   const auto is_clear_of = [&](const Other& other) {
     const bool yields_in_time = other.latest == nullptr || k == now_ || stays;
-    return (other.forecast && brakes_fully && yields_in_time) ||
-           !meets(other, k, from, a, to, reach);
+    const bool may_brake = other.forecast && brakes_fully && yields_in_time;
+    const bool helps =
+        !other.relies || other.contact.contact->is_behind(from, other.hindmost_state(k));
+    return (may_brake && helps) || !meets(other, k, from, a, to, reach);
   };
   // Whoever stood in the way the last time will mostly do so again.
   if (last_blocker_ < others_.size() && !is_clear_of(others_[last_blocker_])) return false;
@@ -150,6 +153,19 @@ void Surroundings::add(const Other& other) {
   others_.push_back(other);
 }
 
+/// To the last of the others, if it is this forecast: none where the vehicle is within it already.
+void Surroundings::add_slack(const Forecast& forecast) {
+  if (others_.empty() || others_.back().vehicle != &forecast.vehicle || !forecast.latest) return;
+  Other& other = others_.back();
+  const double s = vehicle_.now.s;
+  const bool within =
+      other.contact.table().meets(s, s, other.hindmost(now_ - forecast.slack_behind),
+                                  other.trajectory->at(now_ + forecast.slack_before).s);
+  if (within) return;
+  other.before = forecast.slack_before;
+  other.behind = forecast.slack_behind;
+}
+
 bool Surroundings::meets(const Other& other, std::int64_t k, const InertialState& from, double a,
                          const InertialState& to, double reach) const {
   const ContactTable& contacts = other.contact.table();
@@ -184,7 +200,8 @@ bool Surroundings::meets_anywhere(const Other& other, std::int64_t k, const Iner
                                   double a, const InertialState& to) const {
   const ContactTable& contacts = other.contact.table();
   const auto is_there = [&](double s, double s_end, std::int64_t k_from, std::int64_t k_to) {
-    return contacts.meets(s, s_end, other.hindmost(k_from), other.trajectory->at(k_to).s);
+    return contacts.meets(s, s_end, other.hindmost(k_from - other.behind),
+                          other.trajectory->at(k_to + other.before).s);
   };
   const int n = grid_.steps_per_decision;
   if (k == now_ && is_there(from.s, from.s, k, k)) {

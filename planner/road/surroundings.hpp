@@ -12,7 +12,8 @@ namespace mvtp {
 /// Everything that one vehicle's plan is tested against, gathered once.
 class Surroundings {
  public:
-  enum class Forecasts { kCount, kIgnore };
+  /// kWithSlack: for a new plan.
+  enum class Forecasts { kCount, kWithSlack, kIgnore };
 
   Surroundings(const RoadPairs& pairs, const RoadVehicle& vehicle,
                std::span<const JointPlan::Entry> before, const WholeTrajectoryOptions& options,
@@ -48,7 +49,10 @@ class Surroundings {
     const RoadVehicle* vehicle;
     const Vehicle* body;
     bool forecast;
-    bool yields;  ///< a forecast whose driver keeps clear of whoever is in his way
+    bool yields;          ///< a forecast whose driver keeps clear of whoever is in his way
+    bool relies = false;  ///< as of Forecast
+    int before = 0;       ///< steps of slack; see Forecast
+    int behind = 0;
 
     /// Where it is at least at step k, and how fast then.
     [[nodiscard]] InertialState hindmost_state(std::int64_t k) const {
@@ -65,6 +69,7 @@ class Surroundings {
   [[nodiscard]] std::optional<double> place_on_next(const Other& other,
                                                     const InertialState& state) const;
   void add(const Other& other);
+  void add_slack(const Forecast& forecast);
 
   void count_work() const {
     constexpr std::int64_t kOwn = 4;  // what the decision itself takes, in looks

@@ -227,7 +227,7 @@ std::optional<PathTrajectory> plan_vehicle(const RoadPairs& pairs, const RoadVeh
                                            std::span<const JointPlan::Entry> before,
                                            const WholeTrajectoryOptions& options,
                                            const PlanLimits& limits) {
-  const Surroundings around(pairs, vehicle, before, options);
+  const Surroundings around(pairs, vehicle, before, options, Surroundings::Forecasts::kWithSlack);
   auto trajectory = VehiclePlanner(pairs.scene(), vehicle, around, options, limits).plan();
   if (limits.work) limits.work->left -= around.work();
   return trajectory;

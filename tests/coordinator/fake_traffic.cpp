@@ -188,6 +188,11 @@ void FakeTraffic::let_through(const std::string& id, bool pass) {
   if (pass) ++passages_[id];
 }
 
+void FakeTraffic::rely_on_signal(const std::string& id, const std::vector<std::string>& waiting) {
+  const auto found = cars_.find(id);
+  if (found != cars_.end()) found->second.waiting = {waiting.begin(), waiting.end()};
+}
+
 bool FakeTraffic::is_held(const std::string& id) const {
   const auto car = cars_.find(id);
   return car != cars_.end() && car->second.held_on != kNone;
@@ -411,7 +416,7 @@ double FakeTraffic::room_to_bodies(const Car& car, double reach, double& speed) 
       if (std::hypot(other.pose.x - from.x, other.pose.y - from.y) > 40.0) continue;
       const auto known = std::ranges::find(other.trail, ahead.front().lane);
       const bool same_origin = other.lane == ahead.front().lane || known != other.trail.end();
-      if (car.passes && !same_origin) continue;
+      if ((car.passes || car.waiting.contains(id)) && !same_origin) continue;
       for (double s = std::max(0.0, -on.distance + 0.5); s < length; s += kStep) {
         if (on.distance + s >= room) break;
         const Point p = point_on(on.lane, s);
@@ -434,6 +439,9 @@ bool FakeTraffic::may_enter(Car& car, int k, double distance) {
   const LaneGraph::Link& link = graph_.link(k);
   const double braking = stopping(car.speed, car.type.body.max_decel);
   if (car.held_on == link.from) return distance + 0.1 < kLineGap;
+  if (const auto light = lights_.find({link.signal, link.signal_index}); light != lights_.end()) {
+    return light->second == Light::kGreen || distance < braking;
+  }
   if (car.passes || !graph_.junction(link.junction).has_conflicts) return true;
   if (car.granted == link.junction) return true;
   if (distance < braking) return true;  // too late

@@ -68,6 +68,13 @@ class FakeTraffic : public Traffic {
   void place(const std::string& id, const Pose& pose, double speed) override;
   void hold(const std::string& id, bool stop) override;
   void let_through(const std::string& id, bool pass) override;
+  void rely_on_signal(const std::string& id, const std::vector<std::string>& waiting) override;
+  void show(const std::string& signal, int index, Light light) override {
+    lights_[{signal, index}] = light;
+  }
+  void free_signal(const std::string& signal) override {
+    std::erase_if(lights_, [&](const auto& shown) { return shown.first.first == signal; });
+  }
   void limit_speed(const std::string& lane, double speed) override {
     network_.lanes.at(lane).speed_limit = speed;
   }
@@ -102,6 +109,7 @@ class FakeTraffic : public Traffic {
     double next_speed = 0.0;
     bool placed = false;
     bool passes = false;
+    std::set<std::string> waiting;   ///< vehicles that it does not yield to
     int held_on = LaneGraph::kNone;  ///< lane before the end of which it stops
     int granted = LaneGraph::kNone;  ///< junction that it may enter
     double stood = 0.0;              ///< [s] at its stop
@@ -150,6 +158,7 @@ class FakeTraffic : public Traffic {
   std::map<std::string, Car> cars_;
   std::map<int, std::vector<Span>> occupants_;  ///< of lanes
   std::set<std::string> frozen_;
+  std::map<std::pair<std::string, int>, Light> lights_;  ///< of signals that are shown
   std::map<std::string, int> passages_;
   std::vector<VehicleState> states_;
 };

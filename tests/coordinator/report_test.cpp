@@ -44,10 +44,29 @@ TEST(Report, TheDocsNameEveryKeyOfTheSummaryAndNoOther) {
   RunReport report;
   report.message = "SUMO ended";
   report.lots.resize(2);
+  report.humans.emplace();
   const nlohmann::json summary = nlohmann::json::parse(summary_json(report));
   EXPECT_THAT(documented("### `summary.json`"), ContainerEq(keys_of(summary)));
   EXPECT_THAT(documented("`audit`:"), ContainerEq(keys_of(summary["audit"])));
   EXPECT_THAT(documented("`parking`:"), ContainerEq(keys_of(summary["parking"])));
+}
+
+TEST(Report, DelaysAreThoseOfControlledAndOfHumanDrivenVehicles) {
+  RunReport report;
+  const auto add = [&](const char* id, std::optional<double> departure, double arrival,
+                       bool coordinated) {
+    report.vehicles.push_back(
+        {.id = id, .departure = departure, .arrival = arrival, .coordinated = coordinated});
+  };
+  add("ours", 0.0, 10.0, true);
+  add("human", 0.0, 20.0, false);
+  add("other human", 0.0, 40.0, false);
+  add("never there", std::nullopt, 100.0, false);
+  const nlohmann::json summary = nlohmann::json::parse(summary_json(report));
+  EXPECT_EQ(summary["delay_controlled_s"]["mean"], 10.0);
+  EXPECT_EQ(summary["delay_controlled_s"]["vehicles"], 1);
+  EXPECT_EQ(summary["delay_human_s"]["mean"], 30.0);
+  EXPECT_EQ(summary["delay_human_s"]["vehicles"], 2);
 }
 
 }  // namespace

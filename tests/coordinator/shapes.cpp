@@ -492,6 +492,19 @@ NetworkShape seam_shape() {
   return shape;
 }
 
+NetworkShape with_signals(NetworkShape shape) {
+  for (auto& [id, junction] : shape.network.junctions) {
+    if (!junction.has_conflicts) continue;
+    int lights = 0;
+    for (Connection& c : junction.connections) {
+      c.signal = id;
+      c.signal_index = lights++;
+    }
+    shape.network.signals[id] = lights;
+  }
+  return shape;
+}
+
 std::vector<NetworkShape> all_shapes() {
   return {crossroads_shape(), grid_shape(),  t_shape(),         five_arms_shape(),
           roundabout_shape(), chain_shape(), two_lanes_shape(), left_hand_shape(),

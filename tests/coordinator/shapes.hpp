@@ -93,6 +93,9 @@ struct NetworkShape {
 /// Two arms with a bend of a small node in one, which has no conflicts, just before crossroads.
 [[nodiscard]] NetworkShape seam_shape();
 
+/// The same with a traffic signal at every junction with conflicts, named as that.
+[[nodiscard]] NetworkShape with_signals(NetworkShape shape);
+
 [[nodiscard]] std::vector<NetworkShape> all_shapes();
 /// Those where bodies of 12 and 18 m can turn.
 [[nodiscard]] std::vector<NetworkShape> roomy_shapes();

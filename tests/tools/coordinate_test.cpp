@@ -119,6 +119,16 @@ TEST_F(Coordinate, WrongOptionsAreOneLine) {
     expect_refused(run + "--junction nowhere --controller " + controller,
                    "--junction nowhere: the network has no junction with this id; there is C");
   }
+  expect_refused(run + "--penetration 1.5",
+                 "coordinate: --penetration: is \"1.5\"; give a number from 0 to 1" + help);
+  for (const char* option : {"--coordinate-types", "--human-types"}) {
+    expect_refused(run + option + " cat", std::string(option) +
+                                              " cat: the scenario has no vehicle type with this "
+                                              "id; did you mean car[^\n]*");
+  }
+  expect_refused(run + "--coordinate-types car --human-types car",
+                 "--human-types car: is named in --coordinate-types too; leave it out of one of "
+                 "them");
   expect_refused(run + "-- --bogus 3",
                  "[^\n]*crossroads[.]sumocfg: SUMO does not start: [^\n]*bogus[^\n]*");
   expect_refused(run + "-- --seed 3", "SUMO option --seed: [^\n]*");
@@ -196,6 +206,24 @@ TEST_F(Coordinate, AShortRunLeavesEveryFileAndEveryFigure) {
     EXPECT_FALSE(content_of(directory_.path(std::string("out/") + name)).empty()) << name;
   }
   expect_no_files_but(7);
+}
+
+TEST_F(Coordinate, HumanDriversGetTheirGreensFromUs) {
+  const std::string signalised =
+      std::string(MVTP_SCENARIOS) + "/crossroads/crossroads.static.sumocfg";
+  const Outcome mixed = run("coordinate -c '" + signalised +
+                            "' --end 120 --penetration 0.5 --seed 1 --no-view --no-fcd --quiet");
+  EXPECT_EQ(mixed.exit_code, 1) << mixed.err;  // cut off before all have arrived
+  const json j = summary();
+  EXPECT_EQ(j["penetration"], 0.5);
+  EXPECT_EQ(j["audit"]["overlap_pairs"], 0);
+  EXPECT_GT(j["delay_controlled_s"]["vehicles"], 0);
+  EXPECT_GT(j["delay_human_s"]["vehicles"], 0);
+  EXPECT_EQ(int(j["delay_controlled_s"]["vehicles"]) + int(j["delay_human_s"]["vehicles"]),
+            j["vehicles"]);
+  EXPECT_GT(j["greens"], 0);
+  EXPECT_TRUE(j.contains("tube_misses"));
+  EXPECT_TRUE(j.contains("unplanned_passages"));
 }
 
 TEST_F(Coordinate, TheSameCommandGivesTheSameVehicles) {

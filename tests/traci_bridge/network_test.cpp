@@ -44,6 +44,15 @@ TEST(ReadNetwork, TheCrossroadsHaveFourArmsAndTwelveWays) {
   EXPECT_FALSE(network.junctions.at("E").has_conflicts);
 }
 
+TEST(ReadNetwork, ConnectionsKnowTheirLights) {
+  const RoadNetwork network = read_network(project_file("networks/crossroads-static.net.xml"));
+  const Connection& c = connection(network.junctions.at("C"), "Wi_0", "Eo_0");
+  EXPECT_EQ(c.signal, "C");
+  EXPECT_EQ(c.signal_index, 10);
+  EXPECT_EQ(network.signals.at("C"), 12);
+  EXPECT_THAT(crossroads().signals, IsEmpty());
+}
+
 TEST(ReadNetwork, LanesHaveTheirShapeAndLimits) {
   const RoadNetwork network = crossroads();
   const Lane& lane = network.lanes.at("Ei_0");

@@ -47,12 +47,13 @@ class SumoTrafficTest : public testing::Test {
   }
 
   std::string write_scenario(const std::string& vehicles) {
+    const std::string network = "networks/" + network_ + ".net.xml";
     directory_.write(
         "test.rou.xml",
         R"(<routes><vType id="car" length="4.5" width="1.8" sigma="0" speedDev="0"/>)" + vehicles +
             "</routes>");
     return directory_.write("test.sumocfg", "<configuration><net-file value=\"" +
-                                                project_file("networks/crossroads.net.xml") +
+                                                project_file(network) +
                                                 R"("/><route-files value="test.rou.xml"/>
                                                 <step-length value="0.1"/></configuration>)");
   }
@@ -66,6 +67,7 @@ class SumoTrafficTest : public testing::Test {
 
   TemporaryDirectory directory_;
   SumoOptions options_;
+  std::string network_ = "crossroads";
 };
 
 const VehicleState* find(const Traffic& traffic, const std::string& id) {
@@ -254,6 +256,63 @@ TEST_F(SumoTrafficTest, AVehicleTooCloseToBrakeIsNotHeld) {
   traffic->hold("a", true);
   run_until(*traffic, 3.0);
   EXPECT_EQ(at(*traffic, "a").lane, "Eo_0");
+}
+
+// Light 10 is that from Wi_0 to Eo_0, light 7 that from Si_0 to No_0.
+TEST_F(SumoTrafficTest, DriversHeedTheLightsThatAreShown) {
+  network_ = "crossroads-static";
+  const auto traffic = open(vehicle("a", 0, "Wi Eo", "departPos=\"150\""));
+  traffic->show("C", 10, Light::kRed);
+  run_until(*traffic, 50.0);  // its own program has had a green
+  EXPECT_EQ(at(*traffic, "a").lane, "Wi_0");
+  EXPECT_NEAR(at(*traffic, "a").speed, 0.0, 1e-9);
+  traffic->show("C", 10, Light::kGreen);
+  run_until(*traffic, 55.0);
+  EXPECT_NE(at(*traffic, "a").lane, "Wi_0");
+}
+
+TEST_F(SumoTrafficTest, AFreedSignalRunsItsOwnProgram) {
+  network_ = "crossroads-static";
+  const auto traffic = open(vehicle("a", 0, "Wi Eo", "departPos=\"150\""));
+  traffic->show("C", 10, Light::kRed);
+  run_until(*traffic, 50.0);
+  traffic->free_signal("C");
+  run_until(*traffic, 150.0);  // one cycle takes 90 s
+  EXPECT_EQ(find(*traffic, "a"), nullptr);
+}
+
+TEST_F(SumoTrafficTest, ALightThatTheSignalDoesNotHaveIsAnError) {
+  network_ = "crossroads-static";
+  const auto traffic = open(vehicle("a", 0, "Wi Eo"));
+  EXPECT_THAT(message_of([&] {
+                traffic->show("C", 12, Light::kRed);
+                return 0;
+              }),
+              HasSubstr("traffic signal \"C\" has no light 12"));
+}
+
+TEST_F(SumoTrafficTest, WhoReliesOnHisSignalYieldsToNobodyNamed) {
+  network_ = "crossroads-static";
+  for (const bool relies : {false, true}) {
+    // Left-turners yield to oncoming traffic even where both have a green arrow.
+    const auto traffic = open(vehicle("a", 0, "Wi No", "departPos=\"250\"") +
+                              vehicle("b", 0, "Ei Wo", "departPos=\"245\""));
+    traffic->step();
+    traffic->show("C", 11, Light::kGreen);
+    traffic->show("C", 4, Light::kGreen);
+    if (relies) traffic->rely_on_signal("a", {"b"});
+    double least = 1e9;
+    while (find(*traffic, "a") != nullptr && at(*traffic, "a").lane != "No_0") {
+      traffic->step();
+      least = std::min(least, at(*traffic, "a").speed);
+    }
+    if (relies) {
+      EXPECT_GT(least, 5.0);
+    } else {
+      EXPECT_LT(least, 2.0);
+    }
+    traffic->close();
+  }
 }
 
 TEST_F(SumoTrafficTest, ALowerLimitHoldsForEveryDriver) {

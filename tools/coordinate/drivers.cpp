@@ -40,6 +40,25 @@ bool belongs_to_lots(const Junction& junction, std::span<const ParkingLot> lots,
   });
 }
 
+/// @throws InputError for a vehicle type that the scenario does not have, or that is named twice
+void check_types(const CoordinateOptions& options, const Traffic& traffic) {
+  const std::vector<std::string> known = traffic.types();
+  const auto check = [&](const char* option, const std::vector<std::string>& types) {
+    for (const std::string& type : types) {
+      if (type.starts_with("DEFAULT_") || std::ranges::count(known, type) > 0) continue;
+      throw InputError(fmt::format("{} {}", option, type),
+                       "the scenario has no vehicle type with this id; " + suggestion(type, known));
+    }
+  };
+  check("--coordinate-types", options.coordinate_types);
+  check("--human-types", options.human_types);
+  for (const std::string& type : options.human_types) {
+    if (std::ranges::count(options.coordinate_types, type) == 0) continue;
+    throw InputError("--human-types " + type,
+                     "is named in --coordinate-types too; leave it out of one of them");
+  }
+}
+
 CoordinatorOptions coordinator_options(const CoordinateOptions& options,
                                        const std::set<std::string>& junctions) {
   CoordinatorOptions coordinator;
@@ -48,6 +67,13 @@ CoordinatorOptions coordinator_options(const CoordinateOptions& options,
   coordinator.limits.margins = {options.margin_along, options.margin_across};
   coordinator.junctions.assign(junctions.begin(), junctions.end());
   coordinator.escot.seed = options.seed;
+  coordinator.share = {
+      .penetration = options.penetration,
+      .coordinate_types = {options.coordinate_types.begin(), options.coordinate_types.end()},
+      .human_types = {options.human_types.begin(), options.human_types.end()},
+      .seed = options.seed};
+  coordinator.signals =
+      options.signal_timing == "instant" ? SignalTiming::instant() : SignalTiming::real();
   coordinator.escot.crossing.tries = options.tries;
   coordinator.escot.threads = options.threads;
   if (options.replan_budget_ms >= 0.0) coordinator.replan_budget_ms = options.replan_budget_ms;
@@ -81,6 +107,7 @@ Drivers::Drivers(const CoordinateOptions& options, Traffic& traffic, const Driva
     throw InputError("--controller " + options.controller,
                      "is for parking lots, and the scenario has none; choose escot or sumo");
   }
+  check_types(options, traffic);
   if (!options.dump_instances.empty()) {
     if (options.controller == kSumoController || junctions.empty()) {
       throw InputError("--dump-instances",
@@ -133,7 +160,13 @@ void Drivers::report_to(RunReport& report) const {
     append(report.left_to_sumo, controller->left_to_sumo());
   }
   std::ranges::stable_sort(report.replans, {}, &Replan::time);
-  if (coordinator_) report.left_to_sumo_sightings = coordinator_->guest_sightings();
+  if (!coordinator_) return;
+  report.left_to_sumo_sightings = coordinator_->guest_sightings();
+  if (const HumanDrivers* humans = coordinator_->humans()) {
+    report.humans = {.greens = humans->greens(),
+                     .tube_misses = humans->tube_misses(),
+                     .unplanned_passages = humans->unplanned_passages()};
+  }
 }
 
 void Drivers::report_lots(RunReport& report, const TripLog& log, std::span<const Trip> trips,

@@ -17,6 +17,34 @@ const std::array kControllers = {
     ControllerName{"one-at-a-time", "on lots: one vehicle drives, the others wait", false, true},
     ControllerName{kSumoController, "SUMO's own control, for comparison", true, true}};
 
+/// Who of the traffic is automated; the others are human-driven.
+void declare_share(CLI::App& app, CoordinateOptions& o) {
+  app.add_option("--penetration", o.penetration,
+                 "Share of the vehicles that are automated and taken over at junctions, by a hash\n"
+                 "of id and seed; the others keep SUMO's drivers")
+      ->check(number_between(0.0, 1.0))
+      ->capture_default_str()
+      ->group("Control");
+  app.add_option("--coordinate-types", o.coordinate_types,
+                 "Vehicle types of which vehicles are taken over, A,B or repeated (default: all)")
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->type_name("ID,ID,...")
+      ->group("Control");
+  app.add_option("--human-types", o.human_types,
+                 "Vehicle types that keep SUMO's drivers, A,B or repeated (default: none)")
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->type_name("ID,ID,...")
+      ->group("Control");
+  app.add_option("--signal-timing", o.signal_timing,
+                 "Lights for human-driven vehicles: real (yellow 3 s at 50 km/h, 1 s all red, 5 s\n"
+                 "least green) or instant (they turn at once)")
+      ->check(CLI::IsMember({"real", "instant"}))
+      ->capture_default_str()
+      ->group("Control");
+}
+
 /// Options of planning, on roads and on lots.
 void declare_planning(CLI::App& app, CoordinateOptions& o) {
   app.add_option("--tries", o.tries, "Orders of passage tried per replan (0: order of arrival)")
@@ -100,6 +128,7 @@ void declare_run_options(CLI::App& app, CoordinateOptions& o) {
       ->check(number_between(0.0, 1.3))
       ->capture_default_str()
       ->group("Control");
+  declare_share(app, o);
   declare_planning(app, o);
   app.add_option("sumo", o.sumo, "Options for SUMO itself, behind --")->group("Input");
 }

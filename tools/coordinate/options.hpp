@@ -11,12 +11,16 @@ namespace mvtp {
 
 /// The command line of `mvtp coordinate`.
 struct CoordinateOptions {
-  std::string configuration;            ///< *.sumocfg
-  std::vector<std::string> junctions;   ///< none: all with conflicting connections
-  double zone_radius = 80.0;            ///< [m]
-  std::string controller = "escot";     ///< one of controller_names()
-  std::string parking = "any";          ///< or "forward", "reverse"
-  std::vector<std::string> breakdowns;  ///< VEHICLE@SECONDS
+  std::string configuration;                  ///< *.sumocfg
+  std::vector<std::string> junctions;         ///< none: all with conflicting connections
+  double zone_radius = 80.0;                  ///< [m]
+  double penetration = 1.0;                   ///< share of vehicles that are taken over
+  std::vector<std::string> coordinate_types;  ///< ids; none: all
+  std::vector<std::string> human_types;       ///< ids
+  std::string signal_timing = "real";         ///< or "instant"
+  std::string controller = "escot";           ///< one of controller_names()
+  std::string parking = "any";                ///< or "forward", "reverse"
+  std::vector<std::string> breakdowns;        ///< VEHICLE@SECONDS
   std::string output_dir = "out";
   bool gui = false;
   bool quiet = false;
@@ -31,8 +35,8 @@ struct CoordinateOptions {
   double margin_across = 0.4;  ///< [m]
   bool no_view = false;
   bool no_fcd = false;
-  std::string dump_instances;  ///< folder; empty: none
-  int dump_every = 20;         ///< decisions with at least two vehicles
+  std::string dump_instances;     ///< folder; empty: none
+  int dump_every = 20;            ///< decisions with at least two vehicles
   std::vector<std::string> sumo;  ///< more options for SUMO, behind "--"
 };
 

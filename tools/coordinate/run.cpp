@@ -64,6 +64,7 @@ class Run {
     report_.controller = options.controller;
     report_.command = command;
     report_.seed = options.seed;
+    report_.penetration = options.controller == kSumoController ? 0.0 : options.penetration;
     report_.mvtp_version = version();
     report_.sumo_version = sumo_version();
     report_.begin = report_.end = traffic_->time();

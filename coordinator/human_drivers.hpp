@@ -1,0 +1,138 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "coordinator/corridor.hpp"
+#include "coordinator/prediction.hpp"
+#include "coordinator/signal_heads.hpp"
+#include "coordinator/tube.hpp"
+
+namespace mvtp {
+
+/// Human-driven vehicles at signals that the coordinator owns. Each is an agent of the planner
+/// whose only decision is when it gets green: its passage is planned first, then the light is
+/// shown, as late as it does not brake for red. A green that is shown is never taken back, but
+/// where the vehicle leaves the lane.
+///
+/// Safety: as long as a driver is inside his tube, those under control keep clear of him, and so do
+/// other drivers. Liveness: one at red waits before the line, where it is in nobody's way across.
+class HumanDrivers {
+ public:
+  /// The plan that a vehicle under control follows; nullptr if it is not under control.
+  using PlanOf = std::function<const PathTrajectory*(const std::string&)>;
+
+  HumanDrivers(Traffic& traffic, const LaneGraph& graph, CorridorMap& corridors,
+               Predictor& predictor, const std::vector<bool>& coordinated,
+               const SignalTiming& timing, const DecisionGrid& grid, PlanOf plan_of);
+
+  /// Is the next coordinated line on its route one with an owned light?
+  [[nodiscard]] bool decides_for(const CourseQuery& query) const;
+
+  /// A decision begins: who is not seen until the end of it has gone.
+  void begin(std::int64_t step);
+  /// Somebody on the last lane before his light, `to_line` [m] before his line, or inside.
+  void see(const VehicleState& vehicle, const CourseQuery& query, double to_line,
+           const VehicleType& type);
+  void end();
+
+  [[nodiscard]] bool knows(const std::string& id) const { return agents_.contains(id); }
+  /// Has it green, or is it behind its line?
+  [[nodiscard]] bool passes(const std::string& id) const;
+  /// What it does if it passes; nullptr if it is not known.
+  [[nodiscard]] const Forecast* passage(const std::string& id) const;
+
+  /// Groups of drivers that may get green now, the longest waiting first: each group wholly or not
+  /// at all, and any of them beside each other. Nobody of a group meets a driver who has green.
+  [[nodiscard]] std::vector<std::vector<std::string>> propose();
+  /// The passage of this one is planned: shows it green.
+  void grant(const std::string& id);
+  /// What it is worth that these pass now [s]: what they have waited, and what a stop costs those
+  /// who still move. Others should not lose more by it: who waits until his own loss is as great
+  /// loses at most twice what is inevitable (the rent-or-buy rule).
+  [[nodiscard]] double worth(const std::vector<std::string>& ids) const;
+  /// Would one of them meet a vehicle under control that follows this plan on its path?
+  [[nodiscard]] bool may_meet(const std::vector<std::string>& ids, int path,
+                              const PathTrajectory& plan) const;
+
+  /// Everything is decided: ends greens that nobody needs any more.
+  void settle();
+  /// Nobody plans: the signals run their own programs, and drivers do as SUMO's do.
+  void release_all();
+
+  [[nodiscard]] std::int64_t greens() const { return heads_.greens(); }
+  /// Drivers who left their tubes within a decision, summed over the decisions.
+  [[nodiscard]] std::int64_t tube_misses() const { return tube_misses_; }
+  /// Drivers who could not stop any more before a red light, or got green without a plan.
+  [[nodiscard]] std::int64_t unplanned_passages() const { return unplanned_; }
+
+ private:
+  struct Agent {
+    std::string id;
+    std::string lane;
+    std::vector<int> links;  ///< connections by which it may go on; one light each
+    double to_line = 0.0;    ///< [m]
+    double position = 0.0;   ///< on its lane [m]
+    double speed = 0.0;
+    Pose pose;
+    double length = 0.0;
+    bool granted = false;
+    bool inside = false;
+    bool seen = false;
+    std::int64_t came = 0;  ///< step
+    double waited = 0.0;    ///< [s] lost before the line so far
+    int corridor = 0;
+    TubeDriver driver;
+    double s_clear = 0.0;  ///< station behind the junction where its tail is clear of it [m]
+    Forecast forecast;     ///< its tube from this decision on, with green
+    /// How far it may have come at the next decision, at least and at most [m].
+    std::optional<std::pair<double, double>> expected;
+  };
+
+  [[nodiscard]] std::vector<int> links_of(const CourseQuery& query) const;
+  void check_tube(Agent& agent, const Pose& pose);
+  void set_driver(Agent& agent, const RoadVehicle& road, double speed_factor,
+                  const VehicleType& type) const;
+  void remember_lanes();
+  [[nodiscard]] std::vector<std::string> who_waits_for(const Agent& agent) const;
+  void predict_all();
+  void predict(Agent& agent);
+  [[nodiscard]] std::optional<double> lead_of(const Agent& agent, const VehicleState& v) const;
+  [[nodiscard]] std::vector<TubeLeader> leaders_of(const Agent& agent) const;
+  [[nodiscard]] bool is_due(const Agent& agent) const;
+  [[nodiscard]] bool is_first(const Agent& agent) const;
+  [[nodiscard]] bool may_have_green(const Agent& agent) const;
+  [[nodiscard]] bool has_room_behind(const Agent& agent) const;
+  [[nodiscard]] std::vector<const Agent*> with_followers(const Agent& first) const;
+  [[nodiscard]] bool must_end(int link) const;
+  [[nodiscard]] double latest_at_line(const Agent& agent) const;
+  [[nodiscard]] bool cross(const Agent& a, const Agent& b) const;
+  [[nodiscard]] bool can_stop_after(const Agent& agent, double seconds) const;
+  [[nodiscard]] bool may_meet(const Agent& a, const Agent& b) const;
+  [[nodiscard]] bool come_from_one_lane(const Agent& a, const Agent& b) const;
+  void drop(const Agent& agent);
+  [[nodiscard]] int slack_before() const;
+  [[nodiscard]] int slack_behind() const;
+  [[nodiscard]] double length_of(const std::string& type) const;
+
+  Traffic& traffic_;
+  const LaneGraph& graph_;
+  CorridorMap& corridors_;
+  Predictor& predictor_;
+  const std::vector<bool>& coordinated_;
+  DecisionGrid grid_;
+  SignalHeads heads_;
+  PlanOf plan_of_;
+  std::int64_t step_ = 0;
+  std::map<std::string, Agent> agents_;
+  std::map<std::string, std::string> origins_;     ///< the last lane before a junction, by vehicle
+  mutable std::map<std::string, double> lengths_;  ///< [m] by type
+  std::int64_t tube_misses_ = 0;
+  std::int64_t unplanned_ = 0;
+};
+
+}  // namespace mvtp

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "planner/road/road_scene.hpp"
+
+namespace mvtp {
+
+/// All that a human driver may do on his way over a junction: at each time he is anywhere between
+/// the earliest and the latest motion.
+struct Tube {
+  PathTrajectory earliest;
+  PathTrajectory latest;
+};
+
+/// What bounds the driver: his vehicle, and how fast he wants to drive where.
+struct TubeDriver {
+  RoadVehicle road;            ///< `now` and the path
+  std::vector<double> limits;  ///< [m/s] that he keeps to, per GuidePath::kSpacing of the path
+  double max_accel = 2.6;      ///< [m/s^2] of the vehicle
+  double max_decel = 4.5;      ///< [m/s^2]
+  double line = 0.0;           ///< station of his stop line [m]
+};
+
+/// Whoever is ahead of him in his lane: he follows it.
+struct TubeLeader {
+  double gap = 0.0;                          ///< [m] from bumper to bumper now
+  double speed = 0.0;                        ///< [m/s] now
+  double max_accel = 2.6;                    ///< [m/s^2]
+  const PathTrajectory* earliest = nullptr;  ///< what it may do; none: it speeds up as it can
+  const PathTrajectory* latest = nullptr;    ///< none: it keeps its speed
+  /// Until it has driven so far it is ahead of him [m]; then their ways part.
+  double until = 1e9;
+};
+
+/// The tube of a driver who has green, from `step` on, to the end of his path.
+///
+/// The latest motion behind a leader is Newell's: the leader's own, later by the driver's headway
+/// and shorter by the distance at rest [Newell 2002].
+[[nodiscard]] Tube predict_tube(const TubeDriver& driver, const std::vector<TubeLeader>& leaders,
+                                const DecisionGrid& grid, std::int64_t step);
+
+/// May two drivers meet who do anything inside their tubes, as long as neither is further than its
+/// `end` [m]?
+/// @param before, behind  steps by which `a` may be earlier and later than its tube says.
+[[nodiscard]] bool may_meet(const ContactTable& contacts, const Tube& a, double a_end,
+                            const Tube& b, double b_end, std::int64_t step, int before = 0,
+                            int behind = 0);
+
+}  // namespace mvtp

@@ -1,0 +1,147 @@
+#include "coordinator/human_drivers.hpp"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <map>
+#include <tuple>
+
+#include "tests/coordinator/closed_loop.hpp"
+
+namespace mvtp {
+namespace {
+
+using testing::Combine;
+using testing::IsEmpty;
+using testing::Range;
+using testing::Values;
+
+CoordinatorOptions share(double penetration, const SignalTiming& timing = SignalTiming::real()) {
+  CoordinatorOptions options;
+  options.share = {.penetration = penetration, .seed = 1};
+  options.signals = timing;
+  return options;
+}
+
+/// Cars on crossroads with a traffic signal.
+std::vector<FakeTrip> cars(unsigned seed, int vehicles = 24) {
+  return random_trips(with_signals(crossroads_shape()), {.vehicles = vehicles, .seed = seed});
+}
+
+ClosedLoop loop(std::vector<FakeTrip> trips, const CoordinatorOptions& options) {
+  return {with_signals(crossroads_shape()), std::move(trips), 0.1, options};
+}
+
+/// Penetration, instant lights, seed.
+using Mix = std::tuple<double, bool, unsigned>;
+class MixedTraffic : public testing::TestWithParam<Mix> {};
+
+TEST_P(MixedTraffic, ArrivesWithoutContact) {
+  const auto& [penetration, instant, seed] = GetParam();
+  const SignalTiming timing = instant ? SignalTiming::instant() : SignalTiming::real();
+  ClosedLoop run = loop(cars(seed), share(penetration, timing));
+  run.run_until(600.0);
+  EXPECT_THAT(run.broken, IsEmpty());
+  EXPECT_EQ(run.audit.figures().overlap_pairs, 0);
+  EXPECT_EQ(run.traffic.arrived(), run.number_of_trips);
+  EXPECT_GT(run.coordinator.humans()->greens(), 0);
+  EXPECT_EQ(run.coordinator.humans()->unplanned_passages(), 0);
+}
+
+std::string name_of(const testing::TestParamInfo<Mix>& info) {
+  const bool instant = std::get<1>(info.param);
+  return fmt::format("p{}_{}_seed_{}", int(100 * std::get<0>(info.param)),
+                     instant ? "instant" : "real", std::get<2>(info.param));
+}
+
+INSTANTIATE_TEST_SUITE_P(Seeds, MixedTraffic,
+                         Combine(Values(0.0, 0.3, 0.7), Values(false, true), Range(1U, 5U)),
+                         name_of);
+
+TEST(HumanDrivers, AreNeverTakenOverNorHeld) {
+  ClosedLoop run = loop(cars(1), share(0.0));
+  while (run.traffic.running() && run.traffic.time() < 400.0) {
+    run.step();
+    for (const VehicleState& v : run.traffic.vehicles()) {
+      EXPECT_FALSE(run.traffic.is_held(v.id)) << v.id;
+      EXPECT_FALSE(run.traffic.passes(v.id)) << v.id;
+    }
+  }
+  EXPECT_EQ(run.taken_over, 0);
+}
+
+TEST(HumanDrivers, OneAloneHardlySlowsDown) {
+  ClosedLoop run = loop({{"a", 0.0, "W-C", "C-E"}}, share(0.0));
+  double least = 1e9;
+  while (run.traffic.running() && run.traffic.time() < 60.0) {
+    run.step();
+    for (const VehicleState& v : run.traffic.vehicles()) least = std::min(least, v.speed);
+  }
+  EXPECT_GT(least, 12.0);
+  EXPECT_EQ(run.coordinator.humans()->greens(), 1);
+  EXPECT_EQ(run.coordinator.humans()->unplanned_passages(), 0);
+}
+
+TEST(HumanDrivers, DoNotWaitForEverBesideAStreamOfControlledCars) {
+  std::vector<FakeTrip> trips = {{"bike", 0.0, "S-C", "C-N", "bike"}};
+  for (int i = 0; i < 60; ++i) {
+    trips.push_back({fmt::format("w{}", i), 3.0 * i, "W-C", "C-E"});
+    trips.push_back({fmt::format("e{}", i), 3.0 * i + 1.5, "E-C", "C-W"});
+  }
+  CoordinatorOptions options;
+  options.share.human_types = {"bike"};
+  ClosedLoop run = loop(trips, options);
+  run.run_until(90.0);
+  EXPECT_THAT(run.broken, IsEmpty());
+  const auto still_there =
+      std::ranges::any_of(run.traffic.vehicles(), [](const auto& v) { return v.id == "bike"; });
+  EXPECT_FALSE(still_there);
+}
+
+/// Who sees at each step what the lights show.
+class WatchedTraffic : public FakeTraffic {
+ public:
+  explicit WatchedTraffic(std::vector<FakeTrip> trips)
+      : FakeTraffic(with_signals(crossroads_shape()).network, std::move(trips)) {}
+  void show(const std::string& signal, int index, Light light) override {
+    FakeTraffic::show(signal, index, light);
+    lights[index] = light;
+  }
+  std::map<int, Light> lights;
+};
+
+TEST(HumanDrivers, GreensProtectAndNobodyDrivesAtRed) {
+  WatchedTraffic traffic(cars(3, 40));
+  const DrivableArea area(traffic.network());
+  Coordinator coordinator(traffic, area, share(0.4));
+  Simulation simulation(traffic);
+  simulation.add(coordinator);
+  const LaneGraph graph(traffic.network());
+  const SignalHeads heads(traffic, graph, select_junctions(graph, {}, 50.0), SignalTiming::real());
+  std::map<std::string, std::string> last;
+  while (traffic.running() && traffic.time() < 400.0) {
+    simulation.step();
+    for (int a = 0; a < graph.links(); ++a) {
+      for (int b = 0; b < graph.links(); ++b) {
+        if (!heads.owns(a) || !heads.owns(b) || !heads.cross(a, b)) continue;
+        const Light first = traffic.lights[graph.link(a).signal_index];
+        const Light second = traffic.lights[graph.link(b).signal_index];
+        EXPECT_FALSE(first != Light::kRed && second != Light::kRed) << traffic.time() << " s";
+      }
+    }
+    for (const VehicleState& v : traffic.vehicles()) {
+      const int lane = graph.find_lane(v.lane);
+      const bool enters = graph.edge_of(lane) == LaneGraph::kNone && last[v.id] != v.lane;
+      last[v.id] = v.lane;
+      if (!enters || coordinator.drives(v.id)) continue;
+      const int index = graph.link(graph.links_over(lane).front()).signal_index;
+      EXPECT_NE(traffic.lights[index], Light::kRed) << v.id << " at " << traffic.time() << " s";
+    }
+  }
+  EXPECT_FALSE(traffic.running());
+}
+
+}  // namespace
+}  // namespace mvtp
