@@ -97,9 +97,33 @@ class Coordinator : public Controller {
     std::map<std::int64_t, int> paths;  ///< of the vehicles planned, by key
   };
 
+  /// [s] without a complete plan, or turned away, until a vehicle that stands counts as stuck.
+  static constexpr double kPatience = 5.0;
+
+  // The loop.
+  [[nodiscard]] static InertialState state_at(const PathTrajectory& t, std::int64_t k);
   void replan();
   void follow_plans();
   void forget_the_vanished();
+  [[nodiscard]] bool planner_is_dead() const;
+  void hold_departures();
+  void hold_back(const std::vector<Newcomer>& newcomers);
+  [[nodiscard]] const VehicleType& type_of(const std::string& id);
+  void let_pass(const std::string& guest);
+  [[nodiscard]] bool owns_signals() const { return humans_ && !planner_is_dead(); }
+  void accept(const Trial& trial, bool late, const std::map<std::string, Driven>& arrivals);
+  void admit_guests_freely();
+  [[nodiscard]] bool is_surprise(const VehicleState& v) const;
+  void brake_for_surprises();
+  void brake_for(const VehicleState& v);
+  [[nodiscard]] std::vector<std::int64_t> stagnating_groups();
+  void notice_the_stuck();
+  void place_all();
+  [[nodiscard]] const GuidePath& path_of(const Driven& driven) const;
+  [[nodiscard]] const VehicleState* find_state(const std::string& id) const;
+
+  // Taking over and handing back: coordinator_takeover.cpp
+  [[nodiscard]] static bool can_wait(double speed, const Vehicle& body, double to_line);
   [[nodiscard]] std::map<std::string, Driven> leave_corridors(bool may_go_on);
   void stay(const std::string& id);
   [[nodiscard]] bool ends_soon(const Driven& driven) const;
@@ -117,13 +141,18 @@ class Coordinator : public Controller {
   [[nodiscard]] bool is_impatient(const std::string& id) const;
   [[nodiscard]] Driven admit(const Newcomer& newcomer, std::int64_t key);
   void announce(const std::string& id, const Driven& driven);
+  [[nodiscard]] bool see_human(const VehicleState& state, const CourseQuery& query,
+                               std::optional<double> to_line);
+  [[nodiscard]] bool turns_yet(const Newcomer& newcomer);
+  [[nodiscard]] bool is_entering(const VehicleState& state);
+  void see_guest(const VehicleState& state, const CourseQuery& query);
+  [[nodiscard]] bool is_first_on_lane(const VehicleState& v) const;
+  void remember_lanes();
+
+  // The plan to be accepted: coordinator_trials.cpp
   [[nodiscard]] static std::vector<std::int64_t> without_plan(
       const RoadScene& now, const JointPlan& incumbent, const std::vector<std::int64_t>& upset);
   [[nodiscard]] double time_at_stop(const VehicleState& state) const;
-  [[nodiscard]] bool planner_is_dead() const;
-  void hold_departures();
-  void hold_back(const std::vector<Newcomer>& newcomers);
-  [[nodiscard]] const VehicleType& type_of(const std::string& id);
   [[nodiscard]] std::vector<Forecast> predict_others(
       const std::map<std::string, const Driven*>& present, const std::vector<std::string>& guests);
   [[nodiscard]] std::vector<Forecast> predict_one(const VehicleState& v,
@@ -148,26 +177,7 @@ class Coordinator : public Controller {
                                              const std::vector<std::int64_t>& upset);
   [[nodiscard]] bool is_clear_of(const std::vector<std::string>& guests, const Trial& trial) const;
   [[nodiscard]] std::vector<std::vector<std::string>> offers();
-  void let_pass(const std::string& guest);
-  [[nodiscard]] bool owns_signals() const { return humans_ && !planner_is_dead(); }
-  [[nodiscard]] bool see_human(const VehicleState& state, const CourseQuery& query,
-                               std::optional<double> to_line);
-  void accept(const Trial& trial, bool late, const std::map<std::string, Driven>& arrivals);
-  void admit_guests_freely();
-  [[nodiscard]] bool turns_yet(const Newcomer& newcomer);
-  [[nodiscard]] bool is_entering(const VehicleState& state);
-  void see_guest(const VehicleState& state, const CourseQuery& query);
-  [[nodiscard]] bool is_first_on_lane(const VehicleState& v) const;
-  [[nodiscard]] bool is_surprise(const VehicleState& v) const;
-  void brake_for_surprises();
-  void brake_for(const VehicleState& v);
   void prepare_tables(const RoadScene& now);
-  [[nodiscard]] std::vector<std::int64_t> stagnating_groups();
-  void notice_the_stuck();
-  void remember_lanes();
-  void place_all();
-  [[nodiscard]] const GuidePath& path_of(const Driven& driven) const;
-  [[nodiscard]] const VehicleState* find_state(const std::string& id) const;
 
   /// The normal lane that a vehicle is on, and the one it was on before.
   struct Trail {

@@ -1,0 +1,381 @@
+// How vehicles come under control of a coordinator, and how they are handed back.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string_view>
+#include <utility>
+
+#include "coordinator/audit.hpp"
+#include "coordinator/coordinator.hpp"
+
+namespace mvtp {
+namespace {
+
+constexpr double kSpareRoom = 10.0;       ///< [m] before a line, beside what it takes to stop there
+constexpr double kApproachReserve = 0.9;  ///< share of its acceleration used off its path,
+constexpr double kLeastShare = 0.5;       ///< and where the path bends besides
+
+/// Comfortable braking towards lower speed limits.
+double envelope_braking(const Vehicle& body) { return std::min(3.5, 0.8 * body.max_decel); }
+
+/// The classes of road vehicles; what runs on rails, on foot or on two wheels without an engine
+/// keeps its own driver.
+bool is_car_like(const std::string& vehicle_class) {
+  constexpr std::array<std::string_view, 12> kNot = {
+      "pedestrian",    "bicycle", "tram",      "rail",      "rail_urban", "rail_fast",
+      "rail_electric", "ship",    "container", "cable_car", "subway",     "aircraft"};
+  return std::ranges::find(kNot, vehicle_class) == kNot.end();
+}
+
+}  // namespace
+
+/// May it be taken over later? It has room to stop before its line.
+bool Coordinator::can_wait(double speed, const Vehicle& body, double to_line) {
+  return to_line >= stopping_distance(speed, envelope_braking(body)) + kSpareRoom;
+}
+
+/// One that could not go on into the next corridor drives to the end of its own, where its driver
+/// takes over.
+void Coordinator::stay(const std::string& id) {
+  const Driven& driven = driven_.at(id);
+  const PathTrajectory* plan = plan_.find(driven.key);
+  const bool ends =
+      plan == nullptr || (plan->complete && plan->end() <= step_ + grid_.steps_per_decision);
+  if (ends) hand_back(id);
+}
+
+/// Tells the traffic along which edges the vehicle will be placed.
+void Coordinator::announce(const std::string& id, const Driven& driven) {
+  std::vector<std::string> edges;
+  const CorridorCourse& course = corridors_[driven.corridor].course;
+  if (graph_.edge_of(course.pieces.front().lane) == LaneGraph::kNone) {
+    edges.push_back(graph_.edge_id(driven.route.front()));
+  }
+  for (const CorridorPiece& piece : course.pieces) {
+    const int edge = graph_.edge_of(piece.lane);
+    if (edge != LaneGraph::kNone) edges.push_back(graph_.edge_id(edge));
+  }
+  traffic_.drive_along(id, edges);
+}
+
+/// Hands back those at the end of their corridor; but those with a stop line near are to go on into
+/// the next corridor.
+std::map<std::string, Driven> Coordinator::leave_corridors(bool may_go_on) {
+  std::map<std::string, Driven> going_on;
+  std::vector<std::string> finished;
+  for (const auto& [id, driven] : driven_) {
+    if (driven.road.now.s < driven.road.s_handback) continue;
+    const std::optional<Newcomer> next =
+        planner_is_dead() ? std::nullopt : next_corridor(driven, *find_state(id));
+    if (!next) {
+      if (driver_has_room(driven) || ends_soon(driven)) finished.push_back(id);
+    } else if (may_go_on) {
+      Driven& arrival = going_on.emplace(id, admit(*next, driven.key)).first->second;
+      // The traffic's speed is that along the lanes, which the two corridors may scale otherwise.
+      arrival.road.now.v = driven.road.now.v;
+    }
+  }
+  for (const std::string& id : finished) hand_back(id);
+  return going_on;
+}
+
+/// Is there no place left for a later hand-back?
+bool Coordinator::ends_soon(const Driven& driven) const {
+  const InertialState& now = driven.road.now;
+  return planner_is_dead() || now.s + now.v * grid_.dt >= corridors_[driven.corridor].s_latest ||
+         now.s + now.v * grid_.decision() >= driven.road.s_end;
+}
+
+/// Would the driver who gets it back have his headway to whoever is ahead? Else it is driven on
+/// for a while, and slows down as gently as its plan can.
+bool Coordinator::driver_has_room(const Driven& driven) {
+  constexpr double kSight = 60.0;  // [m]
+  const Corridor& corridor = corridors_[driven.corridor];
+  const InertialState& now = driven.road.now;
+  const double b = corridors_.library().body(driven.road.path).max_decel;
+  const Pose here = path_of(driven).at(now.s);
+  return std::ranges::none_of(traffic_.vehicles(), [&](const VehicleState& v) {
+    const int lane = graph_.find_lane(v.lane);
+    if (lane == LaneGraph::kNone || distance(here, v.pose) > kSight) return false;
+    const std::optional<double> s = corridor.station(lane, v.lane_position, now.s);
+    if (!s || *s <= now.s) return false;
+    const Vehicle& ahead = type_of(v.type).body;
+    const double wanted = drivers_gap(driven.road, now.v, b, v.speed, ahead.max_decel);
+    return *s - now.s - ahead.length() < wanted;
+  });
+}
+
+void Coordinator::hand_back(const std::string& id) {
+  const Driven& driven = driven_.at(id);
+  traffic_.hand_back(id);
+  handed_back_.push_back(id);
+  predictor_.handed_back(id, driven.corridor);
+  std::erase_if(plan_.entries, [&](const auto& e) { return e.key == driven.key; });
+  driven_.erase(id);
+}
+
+/// The corridor through the next junctions, for a vehicle near the end of its own; nullopt if there
+/// is none for it, or no stop line near.
+std::optional<Coordinator::Newcomer> Coordinator::next_corridor(const Driven& driven,
+                                                                const VehicleState& state) {
+  const Corridor& corridor = corridors_[driven.corridor];
+  const std::size_t here = corridor.piece_at(driven.road.now.s);
+  const CorridorPiece& piece = corridor.course.pieces[here];
+  if (graph_.edge_of(piece.lane) == LaneGraph::kNone) return std::nullopt;
+  // How many edges of the route lie behind.
+  std::size_t done =
+      graph_.edge_of(corridor.course.pieces.front().lane) == LaneGraph::kNone ? 1 : 0;
+  for (std::size_t i = 0; i < here; ++i) {
+    done += graph_.edge_of(corridor.course.pieces[i].lane) != LaneGraph::kNone ? 1 : 0;
+  }
+  std::vector<int> route(driven.route.begin() + std::ptrdiff_t(std::min(done, driven.route.size())),
+                         driven.route.end());
+  CourseQuery query = query_for(state, route);
+  query.lane = piece.last_lane();
+  query.position = (driven.road.now.s - corridor.stations[here]) / corridor.scales[here];
+  std::optional<Newcomer> next = newcomer_at(state, query, route);
+  if (!next) return std::nullopt;
+  // What its body cannot drive is its driver's: it is taken over again behind that.
+  const Corridor& ahead = corridors_[next->corridor];
+  if (ahead.lines.front() - next->to_line < ahead.s_drivable) return std::nullopt;
+  return next;
+}
+
+std::optional<Coordinator::Newcomer> Coordinator::newcomer_at(const VehicleState& state,
+                                                              CourseQuery query,
+                                                              std::vector<int> route) {
+  query.edges = route;
+  const std::optional<CorridorCourse> course = finder_.find(query);
+  if (!course) return std::nullopt;
+  const VehicleType& type = type_of(state.type);
+  const int number = corridors_.corridor_for(*course, type.body);
+  const Corridor& corridor = corridors_[number];
+  if (!corridor.undriven.empty()) {
+    const auto& pieces = corridor.course.pieces;
+    undriven_.try_emplace(
+        fmt::format("type {} from lane {} to lane {}", type.id,
+                    graph_.lane(pieces[std::size_t(corridor.course.lines.front())].last_lane()).id,
+                    graph_.lane(corridor.exit_lane).id),
+        corridor.undriven);
+    return std::nullopt;
+  }
+  const double s = corridor.station(query.lane, query.position, 0.0).value_or(0.0);
+  if (s < corridor.s_drivable && !can_wait(state.speed, type.body, corridor.lines.front() - s)) {
+    return std::nullopt;
+  }
+  if (!approach_to(corridor, state, s)
+           .is_drivable(corridors_.library().path(corridor.path), type.body, area_)) {
+    return std::nullopt;  // it stands too much askew, for now
+  }
+  predictor_.watch(corridor);
+  return Newcomer{.state = &state,
+                  .corridor = number,
+                  .to_line = corridor.lines.front() - s,
+                  .route = std::move(route)};
+}
+
+CourseQuery Coordinator::query_for(const VehicleState& v, std::span<const int> route) {
+  const VehicleType& type = type_of(v.type);
+  CourseQuery query{.lane = graph_.find_lane(v.lane),
+                    .position = v.lane_position,
+                    .edges = route,
+                    .length = type.body.length(),
+                    .vehicle_class = &type.vehicle_class};
+  const auto trail = trails_.find(v.id);
+  if (trail != trails_.end()) {
+    const bool is_there = trail->second.lane == query.lane;
+    query.previous_lane = is_there ? trail->second.before : trail->second.lane;
+  }
+  if (const std::optional<Stop> stop = traffic_.next_stop(v.id)) {
+    const int edge = graph_.find_edge(stop->edge);
+    const auto at = std::ranges::find(route, edge);
+    if (at != route.end()) {
+      query.stop_edge = std::size_t(at - route.begin());
+      query.stop_position = stop->position;
+    }
+  }
+  return query;
+}
+
+std::vector<int> Coordinator::route_of(const VehicleState& v) const {
+  std::vector<int> route;
+  for (const std::string& edge : traffic_.route_edges(v.id)) {
+    const int number = graph_.find_edge(edge);
+    if (number == LaneGraph::kNone) break;
+    route.push_back(number);
+  }
+  return route;
+}
+
+/// Which normal lanes vehicles have come over: their tails may still be there.
+void Coordinator::remember_lanes() {
+  std::unordered_map<std::string, Trail> trails;
+  for (const VehicleState& v : traffic_.vehicles()) {
+    Trail trail;
+    if (const auto known = trails_.find(v.id); known != trails_.end()) trail = known->second;
+    const int lane = graph_.find_lane(v.lane);
+    if (lane != LaneGraph::kNone && graph_.edge_of(lane) != LaneGraph::kNone &&
+        lane != trail.lane) {
+      const bool changed =
+          trail.lane != LaneGraph::kNone && graph_.edge_of(lane) == graph_.edge_of(trail.lane);
+      if (!changed) trail.before = trail.lane;
+      trail.lane = lane;
+    }
+    trails.emplace(v.id, trail);
+  }
+  trails_ = std::move(trails);
+}
+
+std::vector<Coordinator::Newcomer> Coordinator::find_newcomers() {
+  std::vector<Newcomer> newcomers;
+  gate_.begin();
+  if (owns_signals()) humans_->begin(step_);
+  for (const VehicleState& v : traffic_.vehicles()) {
+    const int lane = graph_.find_lane(v.lane);
+    if (lane == LaneGraph::kNone) continue;
+    const bool passes = gate_.passes(v.id) || (humans_ && humans_->knows(v.id));
+    if (!finder_.may_approach(lane, v.lane_position) && !passes) continue;
+    if (driven_.contains(v.id) || traffic_.is_taken_over(v.id)) continue;
+    if (v.halted_by_stop || is_entering(v)) continue;
+    std::vector<int> route = route_of(v);
+    const CourseQuery query = query_for(v, route);
+    const bool is_human = !options_.share.contains(v.id, v.type);
+    if (is_human || !is_car_like(type_of(v.type).vehicle_class)) {
+      see_guest(v, query);
+    } else if (auto newcomer = newcomer_at(v, query, route)) {
+      gate_.keep(v.id);
+      if (!turns_yet(*newcomer)) newcomers.push_back(std::move(*newcomer));
+    } else {
+      see_guest(v, query);
+    }
+  }
+  gate_.end();
+  if (owns_signals()) humans_->end();
+  // Whoever is nearer to the line has arrived earlier; lanes keep their order this way.
+  std::ranges::stable_sort(newcomers, {}, &Newcomer::to_line);
+  return newcomers;
+}
+
+/// Does it enter the network just now, its tail still behind the beginning of its first lane?
+bool Coordinator::is_entering(const VehicleState& v) {
+  const double length = type_of(v.type).body.length();
+  const auto trail = trails_.find(v.id);
+  const bool came = trail != trails_.end() && trail->second.before != LaneGraph::kNone;
+  return !came && v.lane_position < length + 3.0 &&
+         area_.share_outside(v.pose, type_of(v.type).body, Audit::kRoadTolerance) > 0.0;
+}
+
+/// Is it, or its tail, still in a turn behind it? Then it is taken over later, if there is room to
+/// stop.
+bool Coordinator::turns_yet(const Newcomer& newcomer) {
+  const VehicleState& v = *newcomer.state;
+  if (!can_wait(v.speed, type_of(v.type).body, newcomer.to_line)) return false;
+  const Corridor& corridor = corridors_[newcomer.corridor];
+  const double s = corridor.lines.front() - newcomer.to_line;
+  return s < corridor.s_drivable || approach_to(corridor, v, s).is_aslant();
+}
+
+/// A vehicle near a stop line that keeps its own driver.
+void Coordinator::see_guest(const VehicleState& v, const CourseQuery& query) {
+  const std::optional<double> to_line = finder_.distance_to_line(query);
+  const bool is_inside = graph_.edge_of(query.lane) == LaneGraph::kNone;
+  if (see_human(v, query, to_line)) return;
+  if (to_line && *to_line <= options_.corridors.takeover) {
+    ++guest_sightings_;
+    const double lane_end = graph_.lane(query.lane).length - query.position;
+    gate_.see(v, *to_line, is_inside ? 0.0 : std::min(*to_line, lane_end), is_first_on_lane(v),
+              type_of(v.type).body);
+  } else if (is_inside && gate_.passes(v.id)) {
+    gate_.see(v, 0.0, 0.0, true, type_of(v.type).body);
+  }
+}
+
+/// A driver who gets his green from us, or who has had it and is still inside the junction.
+bool Coordinator::see_human(const VehicleState& v, const CourseQuery& query,
+                            std::optional<double> to_line) {
+  if (!humans_) return false;
+  if (!owns_signals()) return humans_->decides_for(query);  // the signal's own program does
+  if (graph_.edge_of(query.lane) == LaneGraph::kNone) {
+    if (!humans_->knows(v.id)) return false;
+    humans_->see(v, query, 0.0, type_of(v.type));
+    return true;
+  }
+  const bool near = to_line && *to_line <= options_.corridors.takeover;
+  if (!near || !humans_->decides_for(query)) return false;
+  ++guest_sightings_;
+  humans_->see(v, query, *to_line, type_of(v.type));
+  return true;
+}
+
+/// Is nobody ahead of it on its lane but guests who are let through?
+bool Coordinator::is_first_on_lane(const VehicleState& v) const {
+  return std::ranges::none_of(traffic_.vehicles(), [&](const VehicleState& other) {
+    return other.lane_position > v.lane_position && other.lane == v.lane && !gate_.passes(other.id);
+  });
+}
+
+/// From where a vehicle is onto the path of a corridor, about `station` along it.
+PathApproach Coordinator::approach_to(const Corridor& corridor, const VehicleState& v,
+                                      double station) const {
+  constexpr double kNear = 3.0;  // [m]
+  const GuidePath& path = corridors_.library().path(corridor.path);
+  return {path, v.pose, path.project({v.pose.x, v.pose.y}, station - kNear, station + kNear)};
+}
+
+/// Has it been turned away for long?
+bool Coordinator::is_impatient(const std::string& id) const {
+  const auto times = turned_away_.find(id);
+  return times != turned_away_.end() && times->second * grid_.decision() > kPatience;
+}
+
+Driven Coordinator::admit(const Newcomer& newcomer, std::int64_t key) {
+  const VehicleState& v = *newcomer.state;
+  const VehicleType& type = type_of(v.type);
+  Driven driven{.key = key, .corridor = newcomer.corridor, .route = newcomer.route};
+  const CorridorCourse& course = corridors_[newcomer.corridor].course;
+  const double expected = corridors_[newcomer.corridor].lines.front() - newcomer.to_line;
+  driven.approach = approach_to(corridors_[driven.corridor], v, expected);
+  if (driven.approach.is_notable()) {
+    // Beside its path the vehicle drives a little faster or slower than along it.
+    Vehicle body = type.body;
+    const double beside = driven.approach.ground_acceleration(
+        corridors_.library().path(corridors_[driven.corridor].path), v.speed);
+    const double left = 1.0 - beside / std::min(body.max_accel, body.max_decel);
+    // In steps, so that vehicles share corridors.
+    const double share = std::clamp(std::floor(left * 10.0) / 10.0, kLeastShare, kApproachReserve);
+    body.max_accel *= share;
+    body.max_decel *= share;
+    driven.corridor = corridors_.corridor_for(course, body);
+  }
+  const Corridor& c = corridors_[driven.corridor];
+
+  std::vector<double> limits = c.lateral_limits;
+  for (std::size_t i = 0; i < limits.size(); ++i) {
+    limits[i] = std::min({limits[i], v.speed_factor * c.lane_limits[i], type.body.max_speed});
+  }
+  RoadVehicle& road = driven.road;
+  road.key = driven.key;
+  road.stuck = v.speed == 0.0 && is_impatient(v.id);
+  road.path = c.path;
+  road.now = {driven.approach.begin(), v.speed * c.ratios[c.piece_at(expected)]};
+  road.cruise_speed = std::min(v.speed_factor * c.lane_limits.back(), type.body.max_speed);
+  road.envelope = std::make_shared<SpeedEnvelope>(std::move(limits), envelope_braking(type.body));
+  road.min_gap = type.min_gap;
+  road.tau = type.tau;
+  road.stop_lines = c.stops;
+  const ExitRoot root = predictor_.exit_root(c.course.pieces.front().lane);
+  if (root.lane != LaneGraph::kNone) {
+    road.entry_lane = root.lane;
+    road.s_entry_lane = c.stations.front() - root.offset;
+  }
+  road.exit_lane = c.exit_lane;
+  road.s_exit_lane = c.s_exit;
+  road.s_handback = c.s_handback;
+  road.s_end = c.s_end;
+  return driven;
+}
+
+}  // namespace mvtp

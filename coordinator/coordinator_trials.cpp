@@ -1,0 +1,289 @@
+// How a coordinator finds the plan to be accepted: which arrivals and which guests are in it.
+
+#include <algorithm>
+#include <cmath>
+
+#include "coordinator/coordinator.hpp"
+#include "coordinator/referee.hpp"
+
+namespace mvtp {
+
+/// The plan with all arrivals; with guests that go over junctions too, if that leaves nobody
+/// without a plan; without those arrivals that come too late, that get no complete plan, or one
+/// that the referee refuses.
+Coordinator::Trial Coordinator::best_trial(const std::map<std::string, Driven>& arrivals,
+                                           const std::vector<std::int64_t>& upset) {
+  std::set<std::string> excluded = too_late(arrivals);
+  if (owns_signals()) return best_trial_with_humans(arrivals, excluded, upset);
+  std::optional<Trial> with_guests;
+  for (const std::vector<std::string>& guests : offers()) {
+    with_guests = plan_trial(arrivals, excluded, upset, guests);
+    if (with_guests->decision.stepped == 0 && with_guests->refused.empty() &&
+        !waits_inside(*with_guests)) {
+      return *with_guests;
+    }
+  }
+  Trial trial = plan_trial(arrivals, excluded, upset, {});
+  const bool worse = with_guests && (with_guests->decision.stepped > trial.decision.stepped ||
+                                     with_guests->refused.size() > trial.refused.size() ||
+                                     (waits_inside(*with_guests) && !waits_inside(trial)));
+  if (with_guests && !worse) trial = *std::move(with_guests);
+  return without_the_late(std::move(trial), arrivals, std::move(excluded), upset);
+}
+
+/// The same trial without those arrivals that get no complete plan, or one that is refused.
+Coordinator::Trial Coordinator::without_the_late(Trial trial,
+                                                 const std::map<std::string, Driven>& arrivals,
+                                                 std::set<std::string> excluded,
+                                                 const std::vector<std::int64_t>& upset) {
+  for (const bool whole_groups : {false, true}) {
+    const std::set<std::string> more = better_later(trial, arrivals, whole_groups);
+    if (more.empty()) continue;
+    excluded.insert(more.begin(), more.end());
+    trial = plan_trial(arrivals, excluded, upset, std::vector<std::string>(trial.guests));
+  }
+  return trial;
+}
+
+/// Does somebody behind its line, not yet out of the junction, stand there for a while? It may be
+/// in the way of a guest for whom it waits.
+bool Coordinator::waits_inside(const Trial& trial) const {
+  const std::int64_t a_while = step_ + 2 * grid_.steps_per_decision;
+  return std::ranges::any_of(driven_, [&](const auto& entry) {
+    const RoadVehicle& v = entry.second.road;
+    const double out = v.s_exit_lane + corridors_.library().body(v.path).length();
+    if (v.stop_lines.empty() || v.now.s <= v.stop_lines.front() || v.now.s >= out) return false;
+    const PathTrajectory* plan = trial.decision.plan.find(v.key);
+    if (plan == nullptr) return false;
+    const InertialState then = state_at(*plan, a_while);
+    return then.v == 0.0 && then.s < out;
+  });
+}
+
+/// The plan with as many human drivers getting green as is possible, and worth what it costs the
+/// vehicles under control.
+Coordinator::Trial Coordinator::best_trial_with_humans(
+    const std::map<std::string, Driven>& arrivals, const std::set<std::string>& excluded,
+    const std::vector<std::int64_t>& upset) {
+  Trial trial =
+      without_the_late(plan_trial(arrivals, excluded, upset, {}), arrivals, excluded, upset);
+  for (const std::vector<std::string>& guests : offers()) {
+    Trial with = plan_trial(arrivals, trial.excluded, upset, guests);
+    const bool worse = with.decision.stepped > trial.decision.stepped || !with.refused.empty();
+    if (worse || !is_clear_of(guests, with)) continue;
+    const bool comparable = trial.decision.stepped == 0;
+    const double loss = with.decision.cost - trial.decision.cost;
+    if (comparable && loss > humans_->worth(guests)) continue;
+    return with;
+  }
+  return trial;
+}
+
+/// Does nobody under control come where these drivers may be? Planning lets a vehicle brake fully
+/// wherever it is; a green is not shown on that.
+bool Coordinator::is_clear_of(const std::vector<std::string>& guests, const Trial& trial) const {
+  for (const JointPlan::Entry& e : trial.decision.plan.entries) {
+    const auto path = trial.paths.find(e.key);
+    if (path == trial.paths.end()) continue;
+    if (humans_->may_meet(guests, path->second, *e.trajectory)) return false;
+  }
+  return true;
+}
+
+/// Guests who may go over junctions now, in the order in which that is tried: all at once, or else
+/// the first alone. Drivers at signals come in groups that only go together.
+std::vector<std::vector<std::string>> Coordinator::offers() {
+  std::vector<std::vector<std::string>> groups;
+  for (const std::string& guest : gate_.propose()) groups.push_back({guest});
+  if (owns_signals()) {
+    for (auto& group : humans_->propose()) groups.push_back(std::move(group));
+  }
+  if (groups.size() < 2) return groups;
+  std::vector<std::string> all;
+  for (const auto& group : groups) all.insert(all.end(), group.begin(), group.end());
+  return {all, groups.front()};
+}
+
+/// Arrivals without a complete plan, and those that the referee finds in contact: of two of them
+/// the one further back.
+/// @param whole_groups  all of a group that it refuses.
+std::set<std::string> Coordinator::better_later(const Trial& trial,
+                                                const std::map<std::string, Driven>& arrivals,
+                                                bool whole_groups) const {
+  std::set<std::int64_t> keys;
+  for (const auto& [id, arrival] : arrivals) {
+    if (!trial.excluded.contains(id)) keys.insert(arrival.key);
+  }
+  std::set<std::int64_t> touching;
+  for (const PlannedContact& c : trial.contacts) {
+    touching.insert(keys.contains(c.second) ? c.second : c.first);
+  }
+  std::set<std::string> later;
+  for (const auto& [id, arrival] : arrivals) {
+    if (!keys.contains(arrival.key)) continue;
+    const bool refused = std::ranges::any_of(trial.refused, [&](std::size_t g) {
+      return std::ranges::binary_search(trial.decision.members[g], arrival.key);
+    });
+    const bool has_plan = trial.decision.plan.find(arrival.key)->complete;
+    if ((refused && (whole_groups || touching.contains(arrival.key))) ||
+        (!has_plan && may_come_later(id, arrival))) {
+      later.insert(id);
+    }
+  }
+  return later;
+}
+
+/// Arrivals whose new paths lead into somebody, however hard they brake: those are better off as
+/// they are. So are the others until they are admitted.
+std::set<std::string> Coordinator::too_late(const std::map<std::string, Driven>& arrivals) {
+  std::set<std::string> late;
+  if (arrivals.empty()) return late;
+  RoadScene now{.library = &corridors_.library(), .grid = grid_, .step = step_};
+  std::map<std::string, const Driven*> present;
+  for (const auto& [id, driven] : driven_) {
+    present[id] = &driven;
+    now.vehicles.push_back(driven.road);
+  }
+  std::map<std::int64_t, std::string> in_order;
+  std::map<std::string, std::vector<Forecast>> with_drivers;
+  for (const auto& [id, arrival] : arrivals) {
+    in_order.emplace(arrival.key, id);
+    if (!driven_.contains(id)) with_drivers[id] = predict_one(*find_state(id), {});
+    present[id] = &arrival;
+  }
+  now.forecasts = predict_others(present, {});
+  for (const auto& [key, id] : in_order) {
+    const RoadVehicle& road = arrivals.at(id).road;
+    const auto runs_into = [&](const RoadVehicle& other) {
+      return other.key != road.key && RoadContact(now, road, other, 0.0).braking_is_too_late();
+    };
+    bool hits = std::ranges::any_of(now.vehicles, runs_into) ||
+                std::ranges::any_of(now.forecasts, runs_into, &Forecast::vehicle);
+    for (const auto& [other, forecasts] : with_drivers) {
+      hits |= other != id && std::ranges::any_of(forecasts, runs_into, &Forecast::vehicle);
+    }
+    if (hits) {
+      late.insert(id);
+    } else {
+      now.vehicles.push_back(road);
+    }
+  }
+  return late;
+}
+
+/// A newcomer waits at its line; one that goes on from another corridor has to stop before it is
+/// there.
+bool Coordinator::may_come_later(const std::string& id, const Driven& arrival) const {
+  if (!driven_.contains(id)) return true;
+  const InertialState& now = arrival.road.now;
+  const double to_line = corridors_[arrival.corridor].lines.front() - now.s;
+  return can_wait(now.v, corridors_.library().body(arrival.road.path),
+                  to_line - now.v * grid_.decision());
+}
+
+Coordinator::Trial Coordinator::plan_trial(const std::map<std::string, Driven>& arrivals,
+                                           const std::set<std::string>& excluded,
+                                           const std::vector<std::int64_t>& upset,
+                                           const std::vector<std::string>& guests) {
+  Trial trial{.guests = guests, .excluded = excluded};
+  std::map<std::string, const Driven*> present;
+  for (const auto& [id, driven] : driven_) {
+    // Who is at the end of its corridor and does not go on is handed back there.
+    const bool ends = driven.road.now.s >= driven.road.s_end && excluded.contains(id);
+    if (!ends) present[id] = &driven;
+  }
+  std::set<std::int64_t> arriving;
+  for (const auto& [id, arrival] : arrivals) {
+    if (excluded.contains(id)) continue;
+    present[id] = &arrival;
+    arriving.insert(arrival.key);
+  }
+  RoadScene now{.library = &corridors_.library(), .grid = grid_, .step = step_};
+  for (const auto& [id, driven] : present) {
+    now.vehicles.push_back(driven->road);
+    trial.paths.emplace(driven->key, driven->road.path);
+  }
+  std::ranges::sort(now.vehicles, {}, &RoadVehicle::key);
+  now.forecasts = trial.forecasts = predict_others(present, guests);
+  prepare_tables(now);
+  // The plans that vehicles follow to the end of their corridors.
+  JointPlan incumbent = plan_;
+  std::erase_if(incumbent.entries, [&](const auto& e) {
+    return !e.trajectory->complete || arriving.contains(e.key) ||
+           std::ranges::count(upset, e.key) > 0;
+  });
+  trial.decision =
+      decide_on_road(now, incumbent, without_plan(now, incumbent, upset), options_.escot);
+  trial.contacts = find_planned_contacts(now, trial.decision.plan, plan_);
+  trial.refused = groups_in_contact(trial.decision.members, trial.contacts);
+  return trial;
+}
+
+/// Contact tables of all paths in use, before threads look into them.
+void Coordinator::prepare_tables(const RoadScene& now) {
+  std::vector<int> paths;
+  std::vector<int> others;
+  for (const RoadVehicle& v : now.vehicles) paths.push_back(v.path);
+  for (const Forecast& f : now.forecasts) others.push_back(f.vehicle.path);
+  corridors_.library().prepare(paths, others);
+}
+
+/// Keys of the vehicles without an incumbent, the first of them first: those of stagnating groups,
+/// then all others by age.
+std::vector<std::int64_t> Coordinator::without_plan(const RoadScene& now,
+                                                    const JointPlan& incumbent,
+                                                    const std::vector<std::int64_t>& upset) {
+  std::vector<std::int64_t> order = upset;
+  for (const RoadVehicle& v : now.vehicles) {
+    if (!incumbent.find(v.key) && std::ranges::count(upset, v.key) == 0) order.push_back(v.key);
+  }
+  return order;
+}
+
+/// What everybody does who is not under control, of those near somebody who is. The guest, if there
+/// is one, goes over the junction.
+std::vector<Forecast> Coordinator::predict_others(
+    const std::map<std::string, const Driven*>& present, const std::vector<std::string>& guests) {
+  constexpr double kSight = 150.0;  // [m] around those under control in which others matter
+  std::vector<Point> places;
+  for (const auto& [id, driven] : present) {
+    const Pose& pose = find_state(id)->pose;
+    places.push_back({pose.x, pose.y});
+  }
+  std::vector<Forecast> forecasts;
+  for (const VehicleState& v : traffic_.vehicles()) {
+    const int lane = graph_.find_lane(v.lane);
+    if (lane == LaneGraph::kNone || !predictor_.watches(lane) || present.contains(v.id)) continue;
+    const bool near = std::ranges::any_of(places, [&](const Point& p) {
+      return std::abs(p.x - v.pose.x) < kSight && std::abs(p.y - v.pose.y) < kSight;
+    });
+    if (!near) continue;
+    for (Forecast& forecast : predict_one(v, guests)) forecasts.push_back(std::move(forecast));
+  }
+  return forecasts;
+}
+
+std::vector<Forecast> Coordinator::predict_one(const VehicleState& v,
+                                               const std::vector<std::string>& guests) {
+  const bool is_let_pass = std::ranges::count(guests, v.id) > 0;
+  if (const Forecast* passage = humans_ ? humans_->passage(v.id) : nullptr;
+      passage != nullptr && (is_let_pass || humans_->passes(v.id))) {
+    return {*passage};
+  }
+  const std::vector<int> route = route_of(v);
+  const bool passes = gate_.passes(v.id) || is_let_pass;
+  return predictor_.predict(v, query_for(v, route), type_of(v.type).body,
+                            passes ? Intent::kPasses : Intent::kWaits, time_at_stop(v), grid_,
+                            step_);
+}
+
+/// How long a vehicle still stands at a scheduled stop [s].
+double Coordinator::time_at_stop(const VehicleState& v) const {
+  constexpr double kBoarding = 5.0;  // [s] at least: stops last longer than they are planned to
+  if (!v.halted_by_stop) return 0.0;
+  const std::optional<Stop> stop = traffic_.next_stop(v.id);
+  if (!stop) return kBoarding;
+  return std::max({kBoarding, stop->duration, stop->until - traffic_.time()});
+}
+
+}  // namespace mvtp
