@@ -304,10 +304,8 @@ bool HumanDrivers::may_meet(const Agent& a, const Agent& b) const {
   if (come_from_one_lane(a, b)) return false;
   const int path_a = a.forecast.vehicle.path;
   const int path_b = b.forecast.vehicle.path;
-  const Tube tube_a{a.forecast.trajectory, *a.forecast.latest};
-  const Tube tube_b{b.forecast.trajectory, *b.forecast.latest};
-  return mvtp::may_meet(corridors_.library().contacts(path_a, path_b), tube_a, a.s_clear, tube_b,
-                        b.s_clear, step_);
+  return mvtp::may_meet(corridors_.library().contacts(path_a, path_b), tube_of(a), a.s_clear,
+                        tube_of(b), b.s_clear, step_);
 }
 
 /// Where will it be when its light turns yellow in so many seconds, and can it stop then?
@@ -409,11 +407,9 @@ bool HumanDrivers::may_meet(const std::vector<std::string>& ids, int path,
     const auto found = agents_.find(id);
     if (found == agents_.end()) return false;
     const Agent& agent = found->second;
-    const Tube tube{agent.forecast.trajectory, *agent.forecast.latest};
-    const Tube ours{plan, plan};
     const ContactTable& contacts = corridors_.library().contacts(agent.forecast.vehicle.path, path);
-    return mvtp::may_meet(contacts, tube, agent.s_clear, ours, PathTrajectory::kGone / 2.0, step_,
-                          slack_before(), slack_behind());
+    return mvtp::may_meet(contacts, tube_of(agent), agent.s_clear, {plan, plan},
+                          PathTrajectory::kGone / 2.0, step_, slack_before(), slack_behind());
   });
 }
 

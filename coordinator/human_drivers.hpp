@@ -93,6 +93,9 @@ class HumanDrivers {
     std::optional<std::pair<double, double>> expected;
   };
 
+  [[nodiscard]] static TubeView tube_of(const Agent& agent) {
+    return {agent.forecast.trajectory, *agent.forecast.latest};
+  }
   [[nodiscard]] std::vector<int> links_of(const CourseQuery& query) const;
   void check_tube(Agent& agent, const Pose& pose);
   void set_driver(Agent& agent, const RoadVehicle& road, double speed_factor,

@@ -76,11 +76,10 @@ Tube predict_tube(const TubeDriver& driver, const std::vector<TubeLeader>& leade
     }
     return t;
   };
-  Tube tube{.earliest = drive(false), .latest = drive(true)};
-  return tube;
+  return {.earliest = drive(false), .latest = drive(true)};
 }
 
-bool may_meet(const ContactTable& contacts, const Tube& a, double a_end, const Tube& b,
+bool may_meet(const ContactTable& contacts, const TubeView& a, double a_end, const TubeView& b,
               double b_end, std::int64_t step, int before, int behind) {
   if (contacts.empty()) return false;
   for (std::int64_t k = step;; ++k) {

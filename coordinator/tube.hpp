@@ -14,6 +14,18 @@ struct Tube {
   PathTrajectory latest;
 };
 
+/// A tube that is kept elsewhere; one motion is a tube without width.
+struct TubeView {
+  const PathTrajectory& earliest;
+  const PathTrajectory& latest;
+
+  TubeView(const PathTrajectory& first, const PathTrajectory& last)
+      : earliest(first), latest(last) {}
+  /// Implicit: whoever looks at a tube does not care who keeps it.
+  TubeView(const Tube& tube)  // NOLINT(google-explicit-constructor)
+      : TubeView(tube.earliest, tube.latest) {}
+};
+
 /// What bounds the driver: his vehicle, and how fast he wants to drive where.
 struct TubeDriver {
   RoadVehicle road;            ///< `now` and the path
@@ -44,8 +56,8 @@ struct TubeLeader {
 /// May two drivers meet who do anything inside their tubes, as long as neither is further than its
 /// `end` [m]?
 /// @param before, behind  steps by which `a` may be earlier and later than its tube says.
-[[nodiscard]] bool may_meet(const ContactTable& contacts, const Tube& a, double a_end,
-                            const Tube& b, double b_end, std::int64_t step, int before = 0,
+[[nodiscard]] bool may_meet(const ContactTable& contacts, const TubeView& a, double a_end,
+                            const TubeView& b, double b_end, std::int64_t step, int before = 0,
                             int behind = 0);
 
 }  // namespace mvtp

@@ -29,7 +29,7 @@ constexpr int kMaxDoublings = 6;  ///< of the efforts, before nothing more is ex
 constexpr int kShortenExpansions = 300;
 constexpr int kShortenRounds = 2;
 
-/// Instants so fine that arcs shorter than one cost little, and actions of half a car's length.
+/// Time steps so fine that arcs shorter than one cost little, and actions of half a car's length.
 TimeGrid time_grid(const Instance& instance) {
   double speed = 0.0;
   double action = std::numeric_limits<double>::infinity();

@@ -10,18 +10,16 @@
 namespace mvtp {
 namespace {
 
-constexpr int kLookAtClock = 256;  ///< expansions between two looks at the clock
-constexpr int kExpansionEvery =
-    6;  ///< expansions between two analytic expansions far from the goal
+constexpr int kLookAtClock = 256;   ///< expansions between two looks at the clock
+constexpr int kExpansionEvery = 6;  ///< far from the goal one node in so many is tried analytically
 constexpr double kExpansionRange = 3.0;  ///< within so many turning radii every node shoots
 /// The cost-to-go is no bound: so much of it may be wrong before the deadline cuts [radii].
 constexpr double kSlack = 0.1;
-constexpr double kNoSoftCost =
-    1e-3;                           ///< [s]: soft-collision costs are summed up in single precision
-constexpr double kRounding = 1e-9;  ///< of a step: no step of its own for so little
-constexpr int kRoomFor = 1 << 12;   ///< expansions, before the table of cells has to grow
+constexpr double kNoSoftCost = 1e-3;  ///< [s]: such costs are summed up in single precision
+constexpr double kRounding = 1e-9;    ///< of a step: no step of its own for so little
+constexpr int kRoomFor = 1 << 12;     ///< expansions, before the table of cells has to grow
 
-/// Instants that a path takes.
+/// Time steps that a path takes.
 int duration(std::span<const Arc> arcs, double step) {
   int time_steps = 0;
   for (const Arc& arc : arcs) time_steps += int(std::ceil(std::abs(arc.length) / step - kRounding));
