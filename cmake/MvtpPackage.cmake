@@ -63,5 +63,5 @@ set(CPACK_DEBIAN_DEVELOPMENT_DESCRIPTION
 "Headers and static libraries, to solve and judge instances, and to write
 controllers of one's own, from C++. CMake finds it as mvtp, with the targets
 mvtp::planner and mvtp::coordinator.")
-set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS "libfmt-dev, libyaml-cpp-dev, libtbb-dev")
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS "libeigen3-dev, libfcl-dev, libfmt-dev, libompl-dev, libyaml-cpp-dev, libtbb-dev")
 include(CPack)

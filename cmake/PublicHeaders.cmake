@@ -7,6 +7,7 @@ set(public_headers
   instance.hpp         planner/problem/instance.hpp
   instance_file.hpp    planner/problem/instance_file.hpp
   plan.hpp             planner/problem/plan.hpp
+  plan_array.hpp       planner/problem/plan_array.hpp
   plan_file.hpp        planner/problem/plan_file.hpp
   metrics.hpp          planner/problem/metrics.hpp
   deadline.hpp         planner/problem/deadline.hpp

@@ -88,21 +88,33 @@ void Audit::compare_with_people(double time, std::span<const Passage> passages,
     // Who appears or is put elsewhere did not walk there.
     const bool walks = found != people_.end() && walked <= person.speed * dt_ + kLeap;
     for (const Passage& p : passages) {
-      if (!p.seen->coordinated) continue;
-      const double apart =
-          std::hypot(p.middle.x - person.position.x, p.middle.y - person.position.y);
-      const double least = apart - p.reach - person.radius - (walks ? walked : 0.0);
-      if (least >= figures_.min_person_clearance) continue;
-      const NearestMoment nearest =
-          nearest_moment(p.motion, p.seen->type->body, walks ? before : person.position, person,
-                         walks ? p.from : 1.0, std::min(figures_.min_person_clearance, 1e6));
-      figures_.min_person_clearance = std::min(figures_.min_person_clearance, nearest.gap);
-      const std::string& id = p.seen->state->id;
-      if (nearest.gap >= -kTolerance || !touched_people_.insert({id, person.id}).second) continue;
-      events_.push_back({time, id + " touches " + person.id, person.position});
+      compare_with_person(time, p, person, walks, walks ? before : person.position);
     }
   }
-  figures_.people_touched = std::int64_t(touched_people_.size());
+  figures_.people_touched_all = std::int64_t(touched_people_.size());
+  figures_.people_touched =
+      std::ranges::count_if(touched_people_, [](const auto& entry) { return entry.second; });
+}
+
+/// @param before  where the person was, if he walked from there.
+void Audit::compare_with_person(double time, const Passage& p, const Pedestrian& person, bool walks,
+                                const Point& before) {
+  const bool ours = p.seen->coordinated;
+  const double walked = std::hypot(person.position.x - before.x, person.position.y - before.y);
+  const double apart = std::hypot(p.middle.x - person.position.x, p.middle.y - person.position.y);
+  // Whatever is further is neither a contact nor the smallest clearance.
+  const double least = std::max(0.0, ours ? figures_.min_person_clearance : 0.0);
+  if (apart - p.reach - person.radius - walked >= least) return;
+  const NearestMoment nearest = nearest_moment(p.motion, p.seen->type->body, before, person,
+                                               walks ? p.from : 1.0, std::min(least, 1e6));
+  if (ours) figures_.min_person_clearance = std::min(figures_.min_person_clearance, nearest.gap);
+  if (nearest.gap >= -kTolerance) return;
+  const std::string& id = p.seen->state->id;
+  const auto [touched, is_new] = touched_people_.try_emplace({id, person.id}, ours);
+  if (is_new || (ours && !touched->second)) {
+    events_.push_back({time, id + " touches " + person.id, person.position});
+  }
+  touched->second |= ours;
 }
 
 void Audit::compare_pairs(double time, std::span<const Passage> passages) {

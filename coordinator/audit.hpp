@@ -30,8 +30,9 @@ struct AuditFigures {
   std::int64_t overlap_pairs_coordinated = 0;  ///< those with a coordinated vehicle
   std::int64_t overlap_vehicle_steps = 0;      ///< steps at whose end or before it one overlapped
   double min_clearance = std::numeric_limits<double>::infinity();  ///< [m] between two footprints
-  std::int64_t people_touched = 0;  ///< pairs of a coordinated vehicle and a person
-  double min_person_clearance = std::numeric_limits<double>::infinity();  ///< [m] between those
+  std::int64_t people_touched = 0;      ///< pairs of a coordinated vehicle and a person
+  std::int64_t people_touched_all = 0;  ///< pairs of any vehicle and a person
+  double min_person_clearance = std::numeric_limits<double>::infinity();  ///< [m], coordinated
   std::int64_t off_road_steps = 0;  ///< vehicle-steps with part of the footprint off the road
   std::int64_t off_road_steps_coordinated = 0;
 
@@ -115,6 +116,8 @@ class Audit {
   [[nodiscard]] bool leaps(const Sighting& now, const Track& before) const;
   void compare_with_people(double time, std::span<const Passage> passages,
                            std::span<const Pedestrian> people);
+  void compare_with_person(double time, const Passage& passage, const Pedestrian& person,
+                           bool walks, const Point& before);
   void compare_pairs(double time, std::span<const Passage> passages);
   /// @return whether the two overlap.
   bool compare(double time, const Passage& a, const Passage& b);
@@ -133,7 +136,7 @@ class Audit {
   std::map<std::string, Point> people_;  ///< in the last step
   std::set<std::pair<std::string, std::string>> overlapping_;
   std::set<std::pair<std::string, std::string>> overlapping_coordinated_;
-  std::set<std::pair<std::string, std::string>> touched_people_;
+  std::map<std::pair<std::string, std::string>, bool> touched_people_;  ///< by a coordinated one?
 };
 
 }  // namespace mvtp

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 
+#include "coordinator/partition.hpp"
 #include "planner/road/emergency_braking.hpp"
 #include "planner/search/draws.hpp"
 
@@ -29,13 +30,17 @@ Coordinator::Coordinator(Traffic& traffic, const DrivableArea& area,
       gate_(traffic) {
   grid_.dt = traffic.step_length();
   grid_.steps_per_decision = std::max(1, int(std::lround(options.decision / grid_.dt)));
+  if (options.share.is_whole() && graph_.crossings() == 0) return;
+  heads_.emplace(traffic, graph_, coordinated_, options.signals);
+  if (graph_.crossings() > 0) {
+    people_.emplace(traffic, graph_, corridors_.library(), *heads_, grid_);
+  }
   if (options.share.is_whole()) return;
   const auto plan_of = [this](const std::string& id) -> const PathTrajectory* {
     const auto driven = driven_.find(id);
     return driven == driven_.end() ? nullptr : plan_.find(driven->second.key);
   };
-  humans_.emplace(traffic, graph_, corridors_, predictor_, coordinated_, options.signals, grid_,
-                  plan_of);
+  humans_.emplace(traffic, graph_, corridors_, predictor_, coordinated_, *heads_, grid_, plan_of);
 }
 
 /// Where a plan has a vehicle at step k; at its end it stays.
@@ -98,8 +103,17 @@ void Coordinator::forget_the_vanished() {
   });
 }
 
+/// Lights that are due to change do so, and people are looked at, before anything is decided.
+void Coordinator::look_at_signals() {
+  if (!shows_lights()) return;
+  heads_->own();
+  heads_->advance();
+  if (people_) people_->begin(step_);
+}
+
 void Coordinator::replan() {
   notice_the_stuck();
+  look_at_signals();
   std::map<std::string, Driven> arrivals = leave_corridors(/*may_go_on=*/true);
   const std::vector<Newcomer> newcomers = find_newcomers();
   if (planner_is_dead()) return hold_back(newcomers);
@@ -127,19 +141,21 @@ void Coordinator::replan() {
 
 /// The passage of a guest is planned.
 void Coordinator::let_pass(const std::string& guest) {
-  if (humans_ && humans_->knows(guest)) {
+  if (people_ && people_->knows(guest)) {
+    people_->grant(guest);
+  } else if (humans_ && humans_->knows(guest)) {
     humans_->grant(guest);
   } else {
     gate_.let_through(guest);
   }
 }
 
-/// Nobody is under control: whoever waits with its own driver may go, one after the other.
+/// Nobody is under control: whoever waits with its own driver may go, one after the other, and
+/// people.
 void Coordinator::admit_guests_freely() {
-  for (const std::string& guest : gate_.propose()) gate_.let_through(guest);
-  if (!owns_signals()) return;
-  for (const auto& group : humans_->propose()) {
-    for (const std::string& id : group) humans_->grant(id);
+  for (const auto& group : groups_of_guests()) {
+    if (may_meet_people(group)) continue;
+    for (const std::string& guest : group) let_pass(guest);
   }
 }
 
@@ -224,16 +240,21 @@ std::vector<std::int64_t> Coordinator::stagnating_groups() {
   return upset;
 }
 
-/// Who has stood for long without a complete plan is stuck until the end of its corridor.
+/// Who has stood for long without a complete plan, or inside a junction, is stuck until the end of
+/// its corridor. Inside, a plan may be to wait for somebody who waits for it.
 void Coordinator::notice_the_stuck() {
   std::map<std::int64_t, int> standing;
   for (auto& [id, driven] : driven_) {
-    const bool stands = driven.road.now.v == 0.0 && !plan_.find(driven.key)->complete;
+    RoadVehicle& road = driven.road;
+    const bool is_inside =
+        !road.stop_lines.empty() && road.now.s > road.stop_lines.front() &&
+        road.now.s < road.s_exit_lane + corridors_.library().body(road.path).length();
+    const bool stands = road.now.v == 0.0 && (is_inside || !plan_.find(driven.key)->complete);
     if (!stands) continue;
     const auto before = standing_.find(driven.key);
     const int decisions = before == standing_.end() ? 1 : before->second + 1;
     standing.emplace(driven.key, decisions);
-    driven.road.stuck |= decisions * grid_.decision() > kPatience;
+    road.stuck |= decisions * grid_.decision() > kPatience;
   }
   standing_ = std::move(standing);
 }
@@ -250,12 +271,22 @@ bool Coordinator::planner_is_dead() const {
   return options_.replan_budget_ms <= 0.0 && traffic_.time() >= options_.budget_from;
 }
 
-/// Without a plan nobody may enter: newcomers stop before the line while vehicles are under
-/// control; after that the junction is left to the traffic's own right of way.
+/// Without a plan nobody may enter: newcomers stop before the line, and no light turns green, while
+/// vehicles are under control, which keep their plans but still brake for whoever is in the way;
+/// after that the junction is left to the traffic's own right of way, or its signal's own program.
 void Coordinator::hold_back(const std::vector<Newcomer>& newcomers) {
-  if (humans_) humans_->release_all();
-  if (driven_.empty()) return gate_.release_all();
+  if (driven_.empty()) {
+    if (humans_) humans_->release_all();
+    if (people_) people_->release_all();
+    if (heads_) heads_->free();
+    return gate_.release_all();
+  }
   for (const Newcomer& n : newcomers) gate_.hold(n.state->id);
+  for (const VehicleState& v : traffic_.vehicles()) {
+    const int lane = graph_.find_lane(v.lane);
+    const bool matters = lane != LaneGraph::kNone && predictor_.watches(lane);
+    if (matters && !driven_.contains(v.id)) brake_for(v);
+  }
 }
 
 /// Between two decisions: whoever enters the network right at a coordinated line waits there for
@@ -305,9 +336,7 @@ void Coordinator::brake_for(const VehicleState& v) {
   }
   if (now.vehicles.empty()) return;
   std::ranges::sort(now.vehicles, {}, &RoadVehicle::key);
-  const std::vector<int> route = route_of(v);
-  now.forecasts = predictor_.predict(v, query_for(v, route), type_of(v.type).body, Intent::kWaits,
-                                     time_at_stop(v), grid_, step_);
+  now.forecasts = predict_one(v, {});
   prepare_tables(now);
   for (const std::int64_t key : who_must_brake(now, plan_, options_.escot.crossing.trajectory)) {
     const RoadVehicle& braking = now.vehicle(key);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <map>
 #include <optional>
@@ -14,6 +15,7 @@
 #include "coordinator/gate.hpp"
 #include "coordinator/human_drivers.hpp"
 #include "coordinator/path_approach.hpp"
+#include "coordinator/people.hpp"
 #include "coordinator/prediction.hpp"
 #include "coordinator/referee.hpp"
 #include "planner/road/road_escot.hpp"
@@ -73,6 +75,9 @@ class Coordinator : public Controller {
   /// Drivers at signals that are ours; none if everybody is automated.
   [[nodiscard]] const HumanDrivers* humans() const { return humans_ ? &*humans_ : nullptr; }
 
+  /// Who walks over crossings; none if the network has none.
+  [[nodiscard]] const People* people() const { return people_ ? &*people_ : nullptr; }
+
   /// What the planner sees now; public so that the invariants can be tested from outside.
   [[nodiscard]] RoadScene scene() const;
   [[nodiscard]] const JointPlan& plan() const { return plan_; }
@@ -110,7 +115,12 @@ class Coordinator : public Controller {
   void hold_back(const std::vector<Newcomer>& newcomers);
   [[nodiscard]] const VehicleType& type_of(const std::string& id);
   void let_pass(const std::string& guest);
-  [[nodiscard]] bool owns_signals() const { return humans_ && !planner_is_dead(); }
+  /// As long as somebody is under control, drivers with green go on as planned for.
+  [[nodiscard]] bool shows_lights() const {
+    return heads_ && !(planner_is_dead() && driven_.empty());
+  }
+  [[nodiscard]] bool owns_signals() const { return humans_ && shows_lights(); }
+  void look_at_signals();
   void accept(const Trial& trial, bool late, const std::map<std::string, Driven>& arrivals);
   void admit_guests_freely();
   [[nodiscard]] bool is_surprise(const VehicleState& v) const;
@@ -123,9 +133,14 @@ class Coordinator : public Controller {
   [[nodiscard]] const VehicleState* find_state(const std::string& id) const;
 
   // Taking over and handing back: coordinator_takeover.cpp
+  /// Comfortable braking towards lower speed limits [m/s^2].
+  [[nodiscard]] static double comfortable_braking(const Vehicle& body) {
+    return std::min(3.5, 0.8 * body.max_decel);
+  }
   [[nodiscard]] static bool can_wait(double speed, const Vehicle& body, double to_line);
   [[nodiscard]] std::map<std::string, Driven> leave_corridors(bool may_go_on);
   void stay(const std::string& id);
+  [[nodiscard]] bool stands_for_good(const Driven& driven) const;
   [[nodiscard]] bool ends_soon(const Driven& driven) const;
   [[nodiscard]] bool driver_has_room(const Driven& driven);
   void hand_back(const std::string& id);
@@ -159,6 +174,7 @@ class Coordinator : public Controller {
                                                   const std::vector<std::string>& guests);
   [[nodiscard]] Trial best_trial(const std::map<std::string, Driven>& arrivals,
                                  const std::vector<std::int64_t>& upset);
+  [[nodiscard]] bool touches_guests(const Trial& trial);
   [[nodiscard]] bool waits_inside(const Trial& trial) const;
   [[nodiscard]] std::set<std::string> better_later(const Trial& trial,
                                                    const std::map<std::string, Driven>& arrivals,
@@ -172,10 +188,16 @@ class Coordinator : public Controller {
   [[nodiscard]] Trial without_the_late(Trial trial, const std::map<std::string, Driven>& arrivals,
                                        std::set<std::string> excluded,
                                        const std::vector<std::int64_t>& upset);
-  [[nodiscard]] Trial best_trial_with_humans(const std::map<std::string, Driven>& arrivals,
+  [[nodiscard]] Trial best_trial_with_lights(const std::map<std::string, Driven>& arrivals,
                                              const std::set<std::string>& excluded,
                                              const std::vector<std::int64_t>& upset);
-  [[nodiscard]] bool is_clear_of(const std::vector<std::string>& guests, const Trial& trial) const;
+  [[nodiscard]] bool is_clear_of(const std::vector<std::string>& guests, const Trial& trial);
+  [[nodiscard]] bool is_at_gate(const std::vector<std::string>& guests) const;
+  [[nodiscard]] bool exclude_each_other(const std::vector<std::string>& guests,
+                                        const std::vector<std::string>& others) const;
+  [[nodiscard]] bool may_meet_people(const std::vector<std::string>& guests);
+  [[nodiscard]] double worth(const std::vector<std::string>& guests) const;
+  [[nodiscard]] std::vector<std::vector<std::string>> groups_of_guests();
   [[nodiscard]] std::vector<std::vector<std::string>> offers();
   void prepare_tables(const RoadScene& now);
 
@@ -193,7 +215,9 @@ class Coordinator : public Controller {
   const DrivableArea& area_;
   Predictor predictor_;
   Gate gate_;
+  std::optional<SignalHeads> heads_;
   std::optional<HumanDrivers> humans_;
+  std::optional<People> people_;
   DecisionGrid grid_;
   std::int64_t step_ = 0;
   std::int64_t next_key_ = 0;

@@ -14,12 +14,7 @@
 namespace mvtp {
 namespace {
 
-constexpr double kSpareRoom = 10.0;       ///< [m] before a line, beside what it takes to stop there
-constexpr double kApproachReserve = 0.9;  ///< share of its acceleration used off its path,
-constexpr double kLeastShare = 0.5;       ///< and where the path bends besides
-
-/// Comfortable braking towards lower speed limits.
-double envelope_braking(const Vehicle& body) { return std::min(3.5, 0.8 * body.max_decel); }
+constexpr double kSpareRoom = 10.0;  ///< [m] before a line, beside what it takes to stop there
 
 /// The classes of road vehicles; what runs on rails, on foot or on two wheels without an engine
 /// keeps its own driver.
@@ -34,7 +29,7 @@ bool is_car_like(const std::string& vehicle_class) {
 
 /// May it be taken over later? It has room to stop before its line.
 bool Coordinator::can_wait(double speed, const Vehicle& body, double to_line) {
-  return to_line >= stopping_distance(speed, envelope_braking(body)) + kSpareRoom;
+  return to_line >= stopping_distance(speed, comfortable_braking(body)) + kSpareRoom;
 }
 
 /// One that could not go on into the next corridor drives to the end of its own, where its driver
@@ -67,7 +62,10 @@ std::map<std::string, Driven> Coordinator::leave_corridors(bool may_go_on) {
   std::map<std::string, Driven> going_on;
   std::vector<std::string> finished;
   for (const auto& [id, driven] : driven_) {
-    if (driven.road.now.s < driven.road.s_handback) continue;
+    if (driven.road.now.s < driven.road.s_handback) {
+      if (stands_for_good(driven)) finished.push_back(id);
+      continue;
+    }
     const std::optional<Newcomer> next =
         planner_is_dead() ? std::nullopt : next_corridor(driven, *find_state(id));
     if (!next) {
@@ -80,6 +78,11 @@ std::map<std::string, Driven> Coordinator::leave_corridors(bool may_go_on) {
   }
   for (const std::string& id : finished) hand_back(id);
   return going_on;
+}
+
+/// Has it come to rest without a plan how to go on, and nobody makes another one?
+bool Coordinator::stands_for_good(const Driven& driven) const {
+  return planner_is_dead() && driven.road.now.v == 0.0 && !plan_.find(driven.key)->complete;
 }
 
 /// Is there no place left for a later hand-back?
@@ -194,6 +197,7 @@ CourseQuery Coordinator::query_for(const VehicleState& v, std::span<const int> r
     const auto at = std::ranges::find(route, edge);
     if (at != route.end()) {
       query.stop_edge = std::size_t(at - route.begin());
+      query.stop_lane = graph_.find_lane(stop->lane);
       query.stop_position = stop->position;
     }
   }
@@ -242,8 +246,13 @@ std::vector<Coordinator::Newcomer> Coordinator::find_newcomers() {
     if (v.halted_by_stop || is_entering(v)) continue;
     std::vector<int> route = route_of(v);
     const CourseQuery query = query_for(v, route);
-    const bool is_human = !options_.share.contains(v.id, v.type);
-    if (is_human || !is_car_like(type_of(v.type).vehicle_class)) {
+    const std::string& vehicle_class = type_of(v.type).vehicle_class;
+    const bool is_car = is_car_like(vehicle_class);
+    if (!is_car) {
+      undriven_.try_emplace("type " + v.type,
+                            "class " + vehicle_class + " is not driven like a car");
+    }
+    if (!is_car || !options_.share.contains(v.id, v.type)) {
       see_guest(v, query);
     } else if (auto newcomer = newcomer_at(v, query, route)) {
       gate_.keep(v.id);
@@ -315,67 +324,6 @@ bool Coordinator::is_first_on_lane(const VehicleState& v) const {
   return std::ranges::none_of(traffic_.vehicles(), [&](const VehicleState& other) {
     return other.lane_position > v.lane_position && other.lane == v.lane && !gate_.passes(other.id);
   });
-}
-
-/// From where a vehicle is onto the path of a corridor, about `station` along it.
-PathApproach Coordinator::approach_to(const Corridor& corridor, const VehicleState& v,
-                                      double station) const {
-  constexpr double kNear = 3.0;  // [m]
-  const GuidePath& path = corridors_.library().path(corridor.path);
-  return {path, v.pose, path.project({v.pose.x, v.pose.y}, station - kNear, station + kNear)};
-}
-
-/// Has it been turned away for long?
-bool Coordinator::is_impatient(const std::string& id) const {
-  const auto times = turned_away_.find(id);
-  return times != turned_away_.end() && times->second * grid_.decision() > kPatience;
-}
-
-Driven Coordinator::admit(const Newcomer& newcomer, std::int64_t key) {
-  const VehicleState& v = *newcomer.state;
-  const VehicleType& type = type_of(v.type);
-  Driven driven{.key = key, .corridor = newcomer.corridor, .route = newcomer.route};
-  const CorridorCourse& course = corridors_[newcomer.corridor].course;
-  const double expected = corridors_[newcomer.corridor].lines.front() - newcomer.to_line;
-  driven.approach = approach_to(corridors_[driven.corridor], v, expected);
-  if (driven.approach.is_notable()) {
-    // Beside its path the vehicle drives a little faster or slower than along it.
-    Vehicle body = type.body;
-    const double beside = driven.approach.ground_acceleration(
-        corridors_.library().path(corridors_[driven.corridor].path), v.speed);
-    const double left = 1.0 - beside / std::min(body.max_accel, body.max_decel);
-    // In steps, so that vehicles share corridors.
-    const double share = std::clamp(std::floor(left * 10.0) / 10.0, kLeastShare, kApproachReserve);
-    body.max_accel *= share;
-    body.max_decel *= share;
-    driven.corridor = corridors_.corridor_for(course, body);
-  }
-  const Corridor& c = corridors_[driven.corridor];
-
-  std::vector<double> limits = c.lateral_limits;
-  for (std::size_t i = 0; i < limits.size(); ++i) {
-    limits[i] = std::min({limits[i], v.speed_factor * c.lane_limits[i], type.body.max_speed});
-  }
-  RoadVehicle& road = driven.road;
-  road.key = driven.key;
-  road.stuck = v.speed == 0.0 && is_impatient(v.id);
-  road.path = c.path;
-  road.now = {driven.approach.begin(), v.speed * c.ratios[c.piece_at(expected)]};
-  road.cruise_speed = std::min(v.speed_factor * c.lane_limits.back(), type.body.max_speed);
-  road.envelope = std::make_shared<SpeedEnvelope>(std::move(limits), envelope_braking(type.body));
-  road.min_gap = type.min_gap;
-  road.tau = type.tau;
-  road.stop_lines = c.stops;
-  const ExitRoot root = predictor_.exit_root(c.course.pieces.front().lane);
-  if (root.lane != LaneGraph::kNone) {
-    road.entry_lane = root.lane;
-    road.s_entry_lane = c.stations.front() - root.offset;
-  }
-  road.exit_lane = c.exit_lane;
-  road.s_exit_lane = c.s_exit;
-  road.s_handback = c.s_handback;
-  road.s_end = c.s_end;
-  return driven;
 }
 
 }  // namespace mvtp

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "coordinator/coordinator.hpp"
 #include "coordinator/referee.hpp"
@@ -14,10 +15,14 @@ namespace mvtp {
 Coordinator::Trial Coordinator::best_trial(const std::map<std::string, Driven>& arrivals,
                                            const std::vector<std::int64_t>& upset) {
   std::set<std::string> excluded = too_late(arrivals);
-  if (owns_signals()) return best_trial_with_humans(arrivals, excluded, upset);
+  if (heads_) return best_trial_with_lights(arrivals, excluded, upset);
   std::optional<Trial> with_guests;
   for (const std::vector<std::string>& guests : offers()) {
     with_guests = plan_trial(arrivals, excluded, upset, guests);
+    if (touches_guests(*with_guests)) {
+      with_guests.reset();
+      continue;
+    }
     if (with_guests->decision.stepped == 0 && with_guests->refused.empty() &&
         !waits_inside(*with_guests)) {
       return *with_guests;
@@ -45,63 +50,25 @@ Coordinator::Trial Coordinator::without_the_late(Trial trial,
   return trial;
 }
 
-/// Does somebody behind its line, not yet out of the junction, stand there for a while? It may be
-/// in the way of a guest for whom it waits.
-bool Coordinator::waits_inside(const Trial& trial) const {
-  const std::int64_t a_while = step_ + 2 * grid_.steps_per_decision;
-  return std::ranges::any_of(driven_, [&](const auto& entry) {
-    const RoadVehicle& v = entry.second.road;
-    const double out = v.s_exit_lane + corridors_.library().body(v.path).length();
-    if (v.stop_lines.empty() || v.now.s <= v.stop_lines.front() || v.now.s >= out) return false;
-    const PathTrajectory* plan = trial.decision.plan.find(v.key);
-    if (plan == nullptr) return false;
-    const InertialState then = state_at(*plan, a_while);
-    return then.v == 0.0 && then.s < out;
-  });
-}
-
-/// The plan with as many human drivers getting green as is possible, and worth what it costs the
-/// vehicles under control.
-Coordinator::Trial Coordinator::best_trial_with_humans(
+/// The plan with as many drivers and people getting green as is possible, and worth what it costs
+/// the vehicles under control.
+Coordinator::Trial Coordinator::best_trial_with_lights(
     const std::map<std::string, Driven>& arrivals, const std::set<std::string>& excluded,
     const std::vector<std::int64_t>& upset) {
   Trial trial =
       without_the_late(plan_trial(arrivals, excluded, upset, {}), arrivals, excluded, upset);
   for (const std::vector<std::string>& guests : offers()) {
     Trial with = plan_trial(arrivals, trial.excluded, upset, guests);
-    const bool worse = with.decision.stepped > trial.decision.stepped || !with.refused.empty();
-    if (worse || !is_clear_of(guests, with)) continue;
+    const bool worse =
+        with.decision.stepped > trial.decision.stepped || !with.refused.empty() ||
+        ((people_ || is_at_gate(guests)) && waits_inside(with) && !waits_inside(trial));
+    if (worse || !is_clear_of(guests, with) || touches_guests(with)) continue;
     const bool comparable = trial.decision.stepped == 0;
     const double loss = with.decision.cost - trial.decision.cost;
-    if (comparable && loss > humans_->worth(guests)) continue;
+    if (comparable && loss > worth(guests)) continue;
     return with;
   }
   return trial;
-}
-
-/// Does nobody under control come where these drivers may be? Planning lets a vehicle brake fully
-/// wherever it is; a green is not shown on that.
-bool Coordinator::is_clear_of(const std::vector<std::string>& guests, const Trial& trial) const {
-  for (const JointPlan::Entry& e : trial.decision.plan.entries) {
-    const auto path = trial.paths.find(e.key);
-    if (path == trial.paths.end()) continue;
-    if (humans_->may_meet(guests, path->second, *e.trajectory)) return false;
-  }
-  return true;
-}
-
-/// Guests who may go over junctions now, in the order in which that is tried: all at once, or else
-/// the first alone. Drivers at signals come in groups that only go together.
-std::vector<std::vector<std::string>> Coordinator::offers() {
-  std::vector<std::vector<std::string>> groups;
-  for (const std::string& guest : gate_.propose()) groups.push_back({guest});
-  if (owns_signals()) {
-    for (auto& group : humans_->propose()) groups.push_back(std::move(group));
-  }
-  if (groups.size() < 2) return groups;
-  std::vector<std::string> all;
-  for (const auto& group : groups) all.insert(all.end(), group.begin(), group.end());
-  return {all, groups.front()};
 }
 
 /// Arrivals without a complete plan, and those that the referee finds in contact: of two of them
@@ -133,6 +100,27 @@ std::set<std::string> Coordinator::better_later(const Trial& trial,
   return later;
 }
 
+namespace {
+
+/// The circle around all places where the body may be while it brakes to rest.
+Circle braking_area(const PathLibrary& library, const RoadVehicle& v) {
+  const Vehicle& body = library.body(v.path);
+  const double reach = std::hypot(std::max(body.front, body.rear), body.width / 2.0);
+  const Pose pose = library.path(v.path).at(v.now.s);
+  return {pose.x, pose.y, stopping_distance(v.now.v, body.max_decel) + reach};
+}
+
+/// May the two touch while both brake?
+bool stop_near_each_other(const PathLibrary& library, const RoadVehicle& a, const RoadVehicle& b) {
+  constexpr double kMargins = 2.0;  // [m], more than any
+  const Circle area_a = braking_area(library, a);
+  const Circle area_b = braking_area(library, b);
+  return std::hypot(area_b.x - area_a.x, area_b.y - area_a.y) <
+         area_a.radius + area_b.radius + kMargins;
+}
+
+}  // namespace
+
 /// Arrivals whose new paths lead into somebody, however hard they brake: those are better off as
 /// they are. So are the others until they are admitted.
 std::set<std::string> Coordinator::too_late(const std::map<std::string, Driven>& arrivals) {
@@ -155,7 +143,8 @@ std::set<std::string> Coordinator::too_late(const std::map<std::string, Driven>&
   for (const auto& [key, id] : in_order) {
     const RoadVehicle& road = arrivals.at(id).road;
     const auto runs_into = [&](const RoadVehicle& other) {
-      return other.key != road.key && RoadContact(now, road, other, 0.0).braking_is_too_late();
+      return other.key != road.key && stop_near_each_other(corridors_.library(), road, other) &&
+             RoadContact(now, road, other, 0.0).braking_is_too_late();
     };
     bool hits = std::ranges::any_of(now.vehicles, runs_into) ||
                 std::ranges::any_of(now.forecasts, runs_into, &Forecast::vehicle);
@@ -240,8 +229,8 @@ std::vector<std::int64_t> Coordinator::without_plan(const RoadScene& now,
   return order;
 }
 
-/// What everybody does who is not under control, of those near somebody who is. The guest, if there
-/// is one, goes over the junction.
+/// What everybody does who is not under control, of those near somebody who is: vehicles and
+/// people. Guests go over the junction.
 std::vector<Forecast> Coordinator::predict_others(
     const std::map<std::string, const Driven*>& present, const std::vector<std::string>& guests) {
   constexpr double kSight = 150.0;  // [m] around those under control in which others matter
@@ -250,15 +239,23 @@ std::vector<Forecast> Coordinator::predict_others(
     const Pose& pose = find_state(id)->pose;
     places.push_back({pose.x, pose.y});
   }
+  const auto is_near = [&](const Point& where) {
+    return std::ranges::any_of(places, [&](const Point& p) {
+      return std::abs(p.x - where.x) < kSight && std::abs(p.y - where.y) < kSight;
+    });
+  };
   std::vector<Forecast> forecasts;
   for (const VehicleState& v : traffic_.vehicles()) {
     const int lane = graph_.find_lane(v.lane);
     if (lane == LaneGraph::kNone || !predictor_.watches(lane) || present.contains(v.id)) continue;
-    const bool near = std::ranges::any_of(places, [&](const Point& p) {
-      return std::abs(p.x - v.pose.x) < kSight && std::abs(p.y - v.pose.y) < kSight;
-    });
-    if (!near) continue;
+    if (!is_near({v.pose.x, v.pose.y})) continue;
     for (Forecast& forecast : predict_one(v, guests)) forecasts.push_back(std::move(forecast));
+  }
+  if (!people_) return forecasts;
+  for (People::Expected& person : people_->expect(guests)) {
+    const Forecast& f = person.forecast;
+    const Pose where = corridors_.library().path(f.vehicle.path).at(f.vehicle.now.s);
+    if (is_near({where.x, where.y})) forecasts.push_back(std::move(person.forecast));
   }
   return forecasts;
 }

@@ -291,8 +291,26 @@ Corridor CorridorMap::build(const CorridorCourse& course, const Vehicle& body) {
   set_stations(line, path, body, corridor);
   set_limits(path, body, corridor);
   if (!course.own_driver) set_drivable(path, body, corridor);
-  corridor.path = library_.add(std::move(path), body);
+  corridor.path = library_.add(std::move(path), body, stretches_of(corridor, body));
   return corridor;
+}
+
+/// From each coordinated line until the tail is on the next normal lane.
+std::vector<JunctionStretch> CorridorMap::stretches_of(const Corridor& corridor,
+                                                       const Vehicle& body) const {
+  std::vector<JunctionStretch> stretches;
+  const std::vector<CorridorPiece>& pieces = corridor.course.pieces;
+  for (const int line : corridor.course.lines) {
+    const int approach = pieces[std::size_t(line)].last_lane();
+    std::size_t out = std::size_t(line) + 1;
+    while (out < pieces.size() && graph_.edge_of(pieces[out].lane) == LaneGraph::kNone) ++out;
+    if (out == pieces.size()) continue;
+    stretches.push_back({.junction = graph_.junction_behind(graph_.edge_of(approach)),
+                         .approach = approach,
+                         .from = corridor.stations[std::size_t(line) + 1],
+                         .to = corridor.stations[out] + body.length()});
+  }
+  return stretches;
 }
 
 void CorridorMap::set_stations(const Line& line, const GuidePath& path, const Vehicle& body,

@@ -44,13 +44,14 @@ struct Corridor {
 struct CorridorLimits {
   double max_lateral_accel = 0.0;  ///< [m/s^2]; 0: only the limits of the lanes
   Margins margins;
+  Reservation reservation = Reservation::kNone;  ///< on coordinated junctions
 };
 
 /// The corridors in use, each made when it is first asked for.
 class CorridorMap {
  public:
   CorridorMap(const LaneGraph& graph, const DrivableArea& area, const CorridorLimits& limits)
-      : graph_(graph), area_(area), limits_(limits), library_(limits.margins) {}
+      : graph_(graph), area_(area), limits_(limits), library_(limits.margins, limits.reservation) {}
 
   /// The corridor along this course for this body.
   int corridor_for(const CorridorCourse& course, const Vehicle& body);
@@ -72,6 +73,8 @@ class CorridorMap {
   [[nodiscard]] Corridor build(const CorridorCourse& course, const Vehicle& body);
   void set_stations(const Line& line, const GuidePath& path, const Vehicle& body,
                     Corridor& corridor) const;
+  [[nodiscard]] std::vector<JunctionStretch> stretches_of(const Corridor& corridor,
+                                                          const Vehicle& body) const;
   [[nodiscard]] static double aside(const Line& line, const GuidePath& path, const Vehicle& body,
                                     double s);
   [[nodiscard]] static double last_in_lane(const Line& line, const GuidePath& path,

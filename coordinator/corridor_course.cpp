@@ -3,9 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
-
-#include "planner/problem/input_error.hpp"
 
 namespace mvtp {
 namespace {
@@ -22,63 +19,12 @@ constexpr double kDriverChanges = 80.0;   ///< [m] that a driver needs to change
 constexpr double kEarly = 60.0;           ///< [m] that a takeover may be earlier, before a junction
 constexpr double kBeforeJunction = 10.0;  ///< [m] before it, then
 constexpr double kBridge = 100.0;         ///< [m] more behind a junction, up to the next takeover
-constexpr std::size_t kLookAhead = 2;     ///< edges behind a corridor that its lanes should lead to
-
-constexpr double kChangeCost = 10.0;       ///< of one lane change,
-constexpr double kShortChangeCost = 20.0;  ///< more where it must be short,
-constexpr double kLateChangeCost = 100.0;  ///< and where it reaches into the junctions around it
-constexpr double kShortChange = 40.0;      ///< [m]
-constexpr double kChangeLength = 36.0;     ///< [m] of a change over one lane, where there is room
-constexpr double kLeastChange = 16.0;      ///< [m]
-constexpr double kChangeRoom = 8.0;        ///< [m] beside that: until it begins, and behind its end
-constexpr double kChangeGrid = 4.0;        ///< [m] changes begin at multiples of this
 
 std::uint64_t pair_key(int a, int b) {
   return (std::uint64_t(std::uint32_t(a)) << 32U) | std::uint32_t(b);
 }
 
-/// Of changing over `lanes` lanes within `room` metres.
-double cost_of_change(std::ptrdiff_t lanes, double room) {
-  const double n = double(std::abs(lanes));
-  if (n == 0.0) return 0.0;
-  if (room < kLeastChange * n + kChangeRoom) return kLateChangeCost * n;
-  return kChangeCost * n + (room < kShortChange * n ? kShortChangeCost : 0.0);
-}
-
-/// Where a change over `lanes` lanes begins and ends on a lane of this length, for a vehicle that
-/// is at `position` on it, or before it (< 0). On a short lane it reaches beyond its ends.
-CorridorPiece with_change(CorridorPiece piece, int target, double lanes, double position,
-                          double length) {
-  piece.target = target;
-  if (position >= 0.0) {
-    piece.begin = std::ceil((position + 2.0) / kChangeGrid) * kChangeGrid;
-    piece.end = piece.begin +
-                std::clamp(length - 2.0 - piece.begin, kLeastChange * lanes, kChangeLength * lanes);
-  } else {
-    const double change = std::clamp(length - 5.0, kLeastChange * lanes, kChangeLength * lanes);
-    piece.begin = std::min(3.0, 0.5 * (length - change));
-    piece.end = piece.begin + change;
-  }
-  return piece;
-}
-
 }  // namespace
-
-/// Where a vehicle joins its route.
-struct CourseFinder::Start {
-  std::vector<int> inside;  ///< the rest of the internal lanes, if it is inside a junction
-  std::size_t edge = 0;     ///< in the query's edges: that of
-  int lane = kNone;         ///< its first normal lane
-  double position = 0.0;    ///< [m] on that; < 0: before it
-};
-
-/// What lies behind the last junction of a corridor.
-struct CourseFinder::Exit {
-  enum class Kind { kOpen, kLine, kForeign, kStop, kRouteEnd };
-  Kind kind = Kind::kOpen;
-  double room = 0.0;     ///< [m] from the start of the exit edge to what ends it
-  std::size_t edge = 0;  ///< at the end of this one
-};
 
 CourseFinder::CourseFinder(const LaneGraph& graph, std::vector<bool> coordinated,
                            const CorridorOptions& options)
@@ -141,8 +87,8 @@ double CourseFinder::length_between(int from_edge, int to_edge) const {
 }
 
 bool CourseFinder::is_open(int lane, const CourseQuery& query) const {
-  const Lane& l = graph_.lane(lane);
-  return query.vehicle_class == nullptr || l.allows(*query.vehicle_class);
+  if (lane == kNone) return false;
+  return query.vehicle_class == nullptr || graph_.lane(lane).allows(*query.vehicle_class);
 }
 
 std::optional<CourseFinder::Start> CourseFinder::start_of(const CourseQuery& query) const {
@@ -224,98 +170,6 @@ double CourseFinder::handback_at(const Exit& exit, double body_length) const {
   return std::max(at, body_length + 1.0);
 }
 
-/// For each edge from `first` to `last`, for each lane: the cost of the lane changes still to be
-/// made by a vehicle that enters the edge on it. On the first edge there are `room` metres left.
-std::vector<std::vector<double>> CourseFinder::costs_to_go(const CourseQuery& query,
-                                                           std::size_t first, std::size_t last,
-                                                           double room) const {
-  std::vector<std::vector<double>> costs(last - first + 1);
-  for (std::size_t i = last + 1; i-- > first;) {
-    const std::span<const int> lanes = graph_.lanes_of(query.edges[i]);
-    std::vector<double>& here = costs[i - first];
-    std::vector<double> leaving(lanes.size(), i == last ? 0.0 : kInfinity);
-    if (i < last) {
-      const std::span<const int> ahead = graph_.lanes_of(query.edges[i + 1]);
-      for (const int k : links_between(query.edges[i], query.edges[i + 1])) {
-        const LaneGraph::Link& link = graph_.link(k);
-        const auto from = std::size_t(std::ranges::find(lanes, link.from) - lanes.begin());
-        const auto to = std::size_t(std::ranges::find(ahead, link.to) - ahead.begin());
-        leaving[from] = std::min(leaving[from], costs[i + 1 - first][to]);
-      }
-    }
-    here.assign(lanes.size(), kInfinity);
-    const double free = i == first ? room : length(query.edges[i]);
-    for (std::size_t a = 0; a < lanes.size(); ++a) {
-      if (!is_open(lanes[a], query)) continue;
-      for (std::size_t b = 0; b < lanes.size(); ++b) {
-        if (!is_open(lanes[b], query)) continue;
-        // Behind the corridor the driver changes lanes, if he finds room.
-        const double change = cost_of_change(std::ptrdiff_t(a) - std::ptrdiff_t(b), free);
-        here[a] = std::min(here[a], change + leaving[b]);
-      }
-    }
-  }
-  return costs;
-}
-
-bool CourseFinder::lay_pieces(const CourseQuery& query, const Start& start, std::size_t exit,
-                              double reach, CorridorCourse& course) const {
-  std::size_t last = exit;
-  double covered = length(query.edges[exit]);
-  for (; covered < reach && last + 1 < query.edges.size(); ++last) {
-    const int junction = graph_.junction_behind(query.edges[last]);
-    if (junction == kNone || is_coordinated(junction) || graph_.junction(junction).has_conflicts ||
-        turns_round(query.edges[last], query.edges[last + 1])) {
-      break;
-    }
-    covered +=
-        length_between(query.edges[last], query.edges[last + 1]) + length(query.edges[last + 1]);
-  }
-  const std::size_t seen = std::min(last + kLookAhead, query.edges.size() - 1);
-  const double room = length(query.edges[start.edge]) - std::max(start.position, 0.0);
-  const auto costs = costs_to_go(query, start.edge, seen, room);
-
-  for (const int via : start.inside) course.pieces.push_back({.lane = via});
-  int lane = start.lane;
-  for (std::size_t i = start.edge;; ++i) {
-    const std::span<const int> lanes = graph_.lanes_of(query.edges[i]);
-    const auto a = std::ranges::find(lanes, lane) - lanes.begin();
-    const double begin = i == start.edge ? std::max(start.position, 0.0) : 0.0;
-    const double free = length(query.edges[i]) - begin;
-    // The lane at the end of this edge, and the link from there.
-    double best = kInfinity;
-    int chosen = kNone;
-    if (i < last) {
-      const std::span<const int> ahead = graph_.lanes_of(query.edges[i + 1]);
-      for (const int k : links_between(query.edges[i], query.edges[i + 1])) {
-        const LaneGraph::Link& link = graph_.link(k);
-        const auto b = std::ranges::find(lanes, link.from) - lanes.begin();
-        if (!is_open(link.from, query) || (i >= exit && a != b)) continue;
-        const auto to = std::size_t(std::ranges::find(ahead, link.to) - ahead.begin());
-        const double cost = cost_of_change(a - b, free) + costs[i + 1 - start.edge][to];
-        if (cost < best) best = cost, chosen = k;
-      }
-    }
-    if (i < exit && is_coordinated(graph_.junction_behind(query.edges[i]))) {
-      course.lines.push_back(int(course.pieces.size()));
-    }
-    if (i == exit) course.exit_piece = int(course.pieces.size());
-    CorridorPiece piece{.lane = lane};
-    if (chosen != kNone && graph_.link(chosen).from != lane) {
-      const int target = graph_.link(chosen).from;
-      const auto b = std::ranges::find(lanes, target) - lanes.begin();
-      const bool is_here = i == start.edge && start.position >= 0.0;
-      piece = with_change(piece, target, std::abs(double(a - b)), is_here ? begin : -1.0,
-                          length(query.edges[i]));
-    }
-    course.pieces.push_back(piece);
-    if (i == last) return true;
-    if (chosen == kNone) return i >= exit;  // behind the last junction the course may just end
-    for (const int via : graph_.link(chosen).via) course.pieces.push_back({.lane = via});
-    lane = graph_.link(chosen).to;
-  }
-}
-
 /// Does the route turn round between two edges, as at the end of a road? No driver takes a vehicle
 /// back well there.
 bool CourseFinder::turns_round(int from_edge, int to_edge) const {
@@ -338,40 +192,9 @@ bool CourseFinder::leads_on(const CourseQuery& query, const Start& start,
   const int junction = graph_.junction_behind(query.edges[last]);
   if (is_coordinated(junction)) return true;
   if (turns_round(query.edges[last], query.edges[last + 1])) return false;
-  return std::ranges::any_of(
-      links_between(query.edges[last], query.edges[last + 1]),
-      [&](int k) { return graph_.link(k).from == course.pieces.back().last_lane(); });
-}
-
-/// The lanes behind the first piece, if the body still reaches there.
-void CourseFinder::lay_lead_in(const CourseQuery& query, CorridorCourse& course) const {
-  course.start = -(query.length + 12.0);
-  int lane = course.pieces.front().lane;
-  const bool departed = graph_.edge_of(lane) != kNone && query.previous_lane == kNone;
-  // Straight on backwards: nobody is there, or as the traffic draws those that begin their route.
-  if (departed || query.position > query.length + 3.0) return;
-  double covered = 0.0;
-  while (covered < -course.start) {
-    std::vector<int> behind;
-    if (graph_.edge_of(lane) == kNone) {
-      const LaneGraph::Link& link = graph_.link(graph_.links_over(lane).front());
-      const auto here = std::ranges::find(link.via, lane);
-      behind.push_back(link.from);
-      behind.insert(behind.end(), link.via.begin(), here);
-    } else {
-      const std::span<const int> links = graph_.links_to(lane);
-      auto chosen = std::ranges::find_if(
-          links, [&](int k) { return graph_.link(k).from == query.previous_lane; });
-      if (chosen == links.end() && links.size() == 1) chosen = links.begin();
-      if (chosen == links.end()) break;
-      behind.push_back(graph_.link(*chosen).from);
-      behind.insert(behind.end(), graph_.link(*chosen).via.begin(), graph_.link(*chosen).via.end());
-    }
-    course.lead_in.insert(course.lead_in.begin(), behind.begin(), behind.end());
-    for (const int l : behind) covered += graph_.lane(l).length;
-    lane = behind.front();
-    if (course.lead_in.size() > 12) break;
-  }
+  return std::ranges::any_of(links_between(query.edges[last], query.edges[last + 1]), [&](int k) {
+    return graph_.link(k).from == course.pieces.back().last_lane();
+  });
 }
 
 /// Is it time to take the vehicle over? Inside a junction without conflicts and just behind it its
@@ -461,90 +284,6 @@ std::optional<double> CourseFinder::distance_to_line(const CourseQuery& query) c
   double distance = 0.0;
   if (!start || !first_line(query, *start, kInfinity, distance)) return std::nullopt;
   return distance;
-}
-
-namespace {
-
-/// The junctions that a link of `junction` leads to within `chain` metres, over the junctions
-/// without conflicts between them.
-template <class Visit>
-void for_each_near(const LaneGraph& graph, int from_lane, double left, const Visit& visit) {
-  const double length = graph.lane(from_lane).length;
-  const int behind = graph.junction_behind(graph.edge_of(from_lane));
-  if (length >= left || behind == kNone) return;
-  if (graph.junction(behind).has_conflicts) return visit(behind);
-  for (const int k : graph.links_from(from_lane)) {
-    for_each_near(graph, graph.link(k).to, left - length - std::max(0.1, graph.link(k).length),
-                  visit);
-  }
-}
-
-}  // namespace
-
-std::vector<bool> select_junctions(const LaneGraph& graph, std::span<const std::string> ids,
-                                   double chain) {
-  std::vector<bool> chosen(std::size_t(graph.junctions()), false);
-  for (const std::string& id : ids) {
-    const int junction = graph.find_junction(id);
-    if (junction == kNone) {
-      throw InputError("--junction " + id, "the network has no junction with this id");
-    }
-    chosen[std::size_t(junction)] = true;
-  }
-  if (ids.empty()) {
-    for (int j = 0; j < graph.junctions(); ++j) {
-      chosen[std::size_t(j)] = graph.junction(j).has_conflicts;
-    }
-  }
-  for (bool grown = true; grown;) {
-    grown = false;
-    for (int k = 0; k < graph.links(); ++k) {
-      const LaneGraph::Link& link = graph.link(k);
-      for_each_near(graph, link.to, chain, [&](int near) {
-        const bool a = chosen[std::size_t(near)];
-        const bool b = chosen[std::size_t(link.junction)];
-        if (a == b || !graph.junction(link.junction).has_conflicts) return;
-        chosen[std::size_t(near)] = chosen[std::size_t(link.junction)] = true;
-        grown = true;
-      });
-    }
-  }
-  return chosen;
-}
-
-std::vector<ControlZone> partition(const LaneGraph& graph, const std::vector<bool>& coordinated,
-                                   double chain) {
-  std::vector<int> root(std::size_t(graph.junctions()));
-  std::iota(root.begin(), root.end(), 0);
-  const auto find = [&](int j) {
-    while (root[std::size_t(j)] != j)
-      j = root[std::size_t(j)] = root[std::size_t(root[std::size_t(j)])];
-    return j;
-  };
-  for (int k = 0; k < graph.links(); ++k) {
-    const LaneGraph::Link& link = graph.link(k);
-    if (!coordinated[std::size_t(link.junction)]) continue;
-    for_each_near(graph, link.to, chain, [&](int near) {
-      if (coordinated[std::size_t(near)]) {
-        const int a = find(near);
-        const int b = find(link.junction);
-        root[std::size_t(std::max(a, b))] = std::min(a, b);
-      }
-    });
-  }
-  std::vector<int> zone_of(root.size(), kNone);
-  std::vector<ControlZone> zones;
-  for (int j = 0; j < graph.junctions(); ++j) {
-    if (!coordinated[std::size_t(j)]) continue;
-    int& zone = zone_of[std::size_t(find(j))];
-    if (zone == kNone) {
-      zone = int(zones.size());
-      zones.emplace_back();
-    }
-    zones[std::size_t(zone)].junctions.push_back(j);
-    zones[std::size_t(zone)].connections += int(graph.junction(j).connections.size());
-  }
-  return zones;
 }
 
 }  // namespace mvtp

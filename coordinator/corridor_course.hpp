@@ -26,39 +26,41 @@ struct CorridorPiece {
 struct CorridorCourse {
   std::vector<int> lead_in;  ///< lanes behind the first piece on which its tail may still be
   std::vector<CorridorPiece> pieces;
-  std::vector<int> lines;  ///< pieces at whose ends there are coordinated stop lines
-  int exit_piece = 0;     ///< the first behind the last coordinated junction
-  double start = 0.0;     ///< [m] on the first lane where the course begins; < 0: behind it
-  double handback = 0.0;  ///< [m] behind the start of the exit piece, of the front bumper
-  double end = 0.0;       ///< [m] likewise: where a plan is complete; >= handback
-  double reach = 0.0;     ///< [m] likewise: what lies further ahead does not matter
+  std::vector<int> lines;   ///< pieces at whose ends there are coordinated stop lines
+  int exit_piece = 0;       ///< the first behind the last coordinated junction
+  double start = 0.0;       ///< [m] on the first lane where the course begins; < 0: behind it
+  double handback = 0.0;    ///< [m] behind the start of the exit piece, of the front bumper
+  double end = 0.0;         ///< [m] likewise: where a plan is complete; >= handback
+  double reach = 0.0;       ///< [m] likewise: what lies further ahead does not matter
   bool own_driver = false;  ///< who keeps to the lanes, however wide the body swings
 
   friend auto operator<=>(const CorridorCourse&, const CorridorCourse&) = default;
 };
 
 struct CorridorOptions {
-  double takeover = 80.0;    ///< [m] before a stop line
-  double exit = 60.0;        ///< [m] behind a junction where a vehicle is handed back at the latest
-  double chain = 50.0;       ///< [m] junctions nearer to each other share a corridor
-  double longest = 350.0;    ///< [m] of a corridor from its first stop line on
+  double takeover = 80.0;  ///< [m] before a stop line
+  double exit = 60.0;      ///< [m] behind a junction where a vehicle is handed back at the latest
+  double chain = 50.0;     ///< [m] junctions nearer to each other share a corridor
+  double longest = 350.0;  ///< [m] of a corridor from its first stop line on
 };
 
 /// A vehicle as the course finder sees it.
 struct CourseQuery {
   int lane = LaneGraph::kNone;
-  double position = 0.0;       ///< [m] of the front bumper on it
-  std::span<const int> edges;  ///< its route: the edge it is on (inside a junction: before it) first
-  double length = 4.5;         ///< [m] of the body
+  double position = 0.0;  ///< [m] of the front bumper on it
+  std::span<const int>
+      edges;            ///< its route: the edge it is on (inside a junction: before it) first
+  double length = 4.5;  ///< [m] of the body
   const std::string* vehicle_class = nullptr;
   int previous_lane = LaneGraph::kNone;  ///< normal lane before the present one, if known
   /// It stops here, on edges[stop_edge], before it goes on.
   std::optional<std::size_t> stop_edge;
-  double stop_position = 0.0;  ///< [m]
+  int stop_lane = LaneGraph::kNone;  ///< of that edge
+  double stop_position = 0.0;        ///< [m]
 };
 
-/// Walks along routes: which lanes lead where a vehicle wants to go, from where on it is taken over,
-/// and where it is handed back.
+/// Walks along routes: which lanes lead where a vehicle wants to go, from where on it is taken
+/// over, and where it is handed back.
 class CourseFinder {
  public:
   CourseFinder(const LaneGraph& graph, std::vector<bool> coordinated,
@@ -83,8 +85,21 @@ class CourseFinder {
   [[nodiscard]] std::optional<double> distance_to_line(const CourseQuery& query) const;
 
  private:
-  struct Start;
-  struct Exit;
+  /// Where a vehicle joins its route.
+  struct Start {
+    std::vector<int> inside;      ///< the rest of the internal lanes, if it is inside a junction
+    std::size_t edge = 0;         ///< in the query's edges: that of
+    int lane = LaneGraph::kNone;  ///< its first normal lane
+    double position = 0.0;        ///< [m] on that; < 0: before it
+  };
+
+  /// What lies behind the last junction of a corridor.
+  struct Exit {
+    enum class Kind { kOpen, kLine, kForeign, kStop, kRouteEnd };
+    Kind kind = Kind::kOpen;
+    double room = 0.0;     ///< [m] from the start of the exit edge to what ends it
+    std::size_t edge = 0;  ///< at the end of this one
+  };
 
   [[nodiscard]] std::span<const int> links_between(int from_edge, int to_edge) const;
   [[nodiscard]] double length(int edge) const;
@@ -113,23 +128,5 @@ class CourseFinder {
   std::unordered_map<std::uint64_t, std::vector<int>> links_;
   std::vector<double> to_line_;  ///< [m] from the end of each lane to the nearest stop line
 };
-
-/// Which junctions are coordinated. `ids`: those named; none named: all with conflicting connections.
-/// A junction with conflicts less than `chain` metres behind or before one of them on a road is
-/// coordinated with it: there is no room to hand vehicles back in between.
-/// @throws InputError if an id is not in the network.
-[[nodiscard]] std::vector<bool> select_junctions(const LaneGraph& graph,
-                                                 std::span<const std::string> ids, double chain);
-
-/// Junctions whose corridors share ground, and how many connections lead over them.
-struct ControlZone {
-  std::vector<int> junctions;
-  int connections = 0;
-};
-
-/// The coordinated junctions in zones: junctions less than `chain` metres apart are in one.
-[[nodiscard]] std::vector<ControlZone> partition(const LaneGraph& graph,
-                                                 const std::vector<bool>& coordinated,
-                                                 double chain);
 
 }  // namespace mvtp

@@ -26,14 +26,14 @@ double way(const PathTrajectory& t, std::int64_t k) {
 
 HumanDrivers::HumanDrivers(Traffic& traffic, const LaneGraph& graph, CorridorMap& corridors,
                            Predictor& predictor, const std::vector<bool>& coordinated,
-                           const SignalTiming& timing, const DecisionGrid& grid, PlanOf plan_of)
+                           SignalHeads& heads, const DecisionGrid& grid, PlanOf plan_of)
     : traffic_(traffic),
       graph_(graph),
       corridors_(corridors),
       predictor_(predictor),
       coordinated_(coordinated),
       grid_(grid),
-      heads_(traffic, graph, coordinated, timing),
+      heads_(heads),
       plan_of_(std::move(plan_of)) {}
 
 /// The connections from its lane to the next edge of its route.
@@ -62,8 +62,6 @@ bool HumanDrivers::decides_for(const CourseQuery& query) const {
 
 void HumanDrivers::begin(std::int64_t step) {
   step_ = step;
-  heads_.own();
-  heads_.advance();
   for (auto& [id, agent] : agents_) agent.seen = false;
   remember_lanes();
 }
@@ -269,7 +267,7 @@ bool HumanDrivers::is_first(const Agent& agent) const {
 bool HumanDrivers::may_have_green(const Agent& agent) const {
   return std::ranges::all_of(agent.links, [&](int k) {
     if (!heads_.owns(k)) return false;
-    if (heads_.light(k) == Light::kYellow) return false;
+    if (heads_.light(k) == Light::kYellow || heads_.is_called_before(k, agent.came)) return false;
     if (heads_.light(k) == Light::kGreen) return heads_.shown_for(k) < heads_.timing().most_green;
     return heads_.may_turn_green(k);
   });
@@ -383,6 +381,10 @@ bool HumanDrivers::cross(const Agent& a, const Agent& b) const {
   });
 }
 
+bool HumanDrivers::is_crossed_by(const std::string& id, int light) const {
+  return std::ranges::any_of(agents_.at(id).links, [&](int k) { return heads_.cross(k, light); });
+}
+
 void HumanDrivers::grant(const std::string& id) {
   Agent& agent = agents_.at(id);
   agent.granted = true;
@@ -468,7 +470,6 @@ void HumanDrivers::release_all() {
     if (!agent.granted) drop(agent);  // whoever has green goes on as planned
   }
   agents_.clear();
-  heads_.free();
 }
 
 }  // namespace mvtp

@@ -27,8 +27,8 @@ class HumanDrivers {
   using PlanOf = std::function<const PathTrajectory*(const std::string&)>;
 
   HumanDrivers(Traffic& traffic, const LaneGraph& graph, CorridorMap& corridors,
-               Predictor& predictor, const std::vector<bool>& coordinated,
-               const SignalTiming& timing, const DecisionGrid& grid, PlanOf plan_of);
+               Predictor& predictor, const std::vector<bool>& coordinated, SignalHeads& heads,
+               const DecisionGrid& grid, PlanOf plan_of);
 
   /// Is the next coordinated line on its route one with an owned light?
   [[nodiscard]] bool decides_for(const CourseQuery& query) const;
@@ -55,6 +55,8 @@ class HumanDrivers {
   /// who still move. Others should not lose more by it: who waits until his own loss is as great
   /// loses at most twice what is inevitable (the rent-or-buy rule).
   [[nodiscard]] double worth(const std::vector<std::string>& ids) const;
+  /// Do those who have this light cross his way?
+  [[nodiscard]] bool is_crossed_by(const std::string& id, int light) const;
   /// Would one of them meet a vehicle under control that follows this plan on its path?
   [[nodiscard]] bool may_meet(const std::vector<std::string>& ids, int path,
                               const PathTrajectory& plan) const;
@@ -128,7 +130,7 @@ class HumanDrivers {
   Predictor& predictor_;
   const std::vector<bool>& coordinated_;
   DecisionGrid grid_;
-  SignalHeads heads_;
+  SignalHeads& heads_;
   PlanOf plan_of_;
   std::int64_t step_ = 0;
   std::map<std::string, Agent> agents_;

@@ -1,5 +1,7 @@
 #include "coordinator/lane_graph.hpp"
 
+#include <cmath>
+
 namespace mvtp {
 
 LaneGraph::LaneGraph(const RoadNetwork& network) : network_(network) {
@@ -26,6 +28,7 @@ LaneGraph::LaneGraph(const RoadNetwork& network) : network_(network) {
     junction_numbers_.emplace(id, number);
     junctions_.push_back(&junction);
     for (const Connection& c : junction.connections) add_link(c, number);
+    for (const PedestrianCrossing& c : junction.crossings) add_crossing(c, number);
   }
 }
 
@@ -46,6 +49,15 @@ void LaneGraph::add_link(const Connection& c, int junction) {
   to_[std::size_t(link.to)].push_back(number);
   behind_[std::size_t(edge_of(link.from))] = junction;
   links_.push_back(std::move(link));
+}
+
+void LaneGraph::add_crossing(const PedestrianCrossing& crossing, int junction) {
+  Crossing& added = crossings_.emplace_back(Crossing{&crossing, junction, 0.0});
+  for (std::size_t i = 1; i < crossing.shape.size(); ++i) {
+    const Point& a = crossing.shape[i - 1];
+    const Point& b = crossing.shape[i];
+    added.length += std::hypot(b.x - a.x, b.y - a.y);
+  }
 }
 
 }  // namespace mvtp

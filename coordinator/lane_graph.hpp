@@ -25,6 +25,13 @@ class LaneGraph {
     int signal_index = -1;
   };
 
+  /// A crossing, and the junction that it belongs to.
+  struct Crossing {
+    const PedestrianCrossing* crossing = nullptr;
+    int junction = kNone;
+    double length = 0.0;  ///< [m] from kerb to kerb
+  };
+
   /// @param network  must outlive the graph.
   explicit LaneGraph(const RoadNetwork& network);
 
@@ -56,6 +63,8 @@ class LaneGraph {
   [[nodiscard]] std::span<const int> links_from(int l) const { return from_[std::size_t(l)]; }
   [[nodiscard]] std::span<const int> links_to(int l) const { return to_[std::size_t(l)]; }
   [[nodiscard]] std::span<const int> links_over(int l) const { return over_[std::size_t(l)]; }
+  [[nodiscard]] const Crossing& crossing(int c) const { return crossings_[std::size_t(c)]; }
+  [[nodiscard]] int crossings() const { return int(crossings_.size()); }
   /// The junction at the end of an edge; kNone if nothing leaves it.
   [[nodiscard]] int junction_behind(int edge) const { return behind_[std::size_t(edge)]; }
 
@@ -67,6 +76,7 @@ class LaneGraph {
     return found == numbers.end() ? kNone : found->second;
   }
   void add_link(const Connection& connection, int junction);
+  void add_crossing(const PedestrianCrossing& crossing, int junction);
 
   const RoadNetwork& network_;
   Numbers lane_numbers_, edge_numbers_, junction_numbers_;
@@ -75,6 +85,7 @@ class LaneGraph {
   std::vector<int> edge_of_;
   std::vector<std::vector<int>> lanes_of_;
   std::vector<Link> links_;
+  std::vector<Crossing> crossings_;
   std::vector<std::vector<int>> from_, to_, over_;
   std::vector<int> behind_;
 };

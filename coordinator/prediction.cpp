@@ -107,6 +107,7 @@ std::optional<Predictor::Placed> Predictor::place(const VehicleState& v, const C
   road.key = -1;
   road.path = corridor.path;
   road.now = {s, v.speed};
+  road.stuck = v.speed == 0.0;
   road.cruise_speed =
       std::max(1.0, std::min(v.speed_factor * corridor.lane_limits.back(), body.max_speed));
   const ExitRoot root = exit_roots_[std::size_t(query.lane)];

@@ -194,6 +194,28 @@ std::vector<PlannedContact> find_planned_contacts(const RoadScene& scene, const 
   return Referee(scene, plan, judged).judge();
 }
 
+bool touches_passage(const PathLibrary& library, int path, const PathTrajectory& plan,
+                     const Forecast& passage, std::int64_t step) {
+  constexpr double kApart = 0.5;  // [m] between two places of the driver that are looked at
+  const ContactTable& contacts = library.contacts(path, passage.vehicle.path);
+  const PathTrajectory& latest = passage.latest ? *passage.latest : passage.trajectory;
+  for (std::int64_t k = step; k < latest.end(); ++k) {
+    const double s = plan.at(k).s;
+    if (s >= PathTrajectory::kGone) return false;
+    const double last = std::min(passage.trajectory.at(k).s, passage.vehicle.s_end);
+    const double first = std::min(latest.at(k).s, last);
+    if (!contacts.meets(s, s, first, last)) continue;
+    const Pose own = library.path(path).at(s);
+    for (double other = first; other < last + kApart; other += kApart) {
+      const Pose pose = library.path(passage.vehicle.path).at(std::min(other, last));
+      if (clearance(own, library.body(path), pose, library.body(passage.vehicle.path)) < 0.0) {
+        return true;
+      }
+    }
+  }
+  return false;
+}
+
 std::vector<std::size_t> groups_in_contact(std::span<const std::vector<std::int64_t>> groups,
                                            std::span<const PlannedContact> contacts) {
   std::vector<std::size_t> touched;

@@ -28,6 +28,12 @@ struct PlannedContact {
                                                                 const JointPlan& plan,
                                                                 const JointPlan& judged = {});
 
+/// Would a driver who passes and yields to nobody touch, at any step from `step` on, a vehicle that
+/// follows `plan` on a path of the library? The driver may be anywhere between its earliest and its
+/// latest; of the true bodies, without margins.
+[[nodiscard]] bool touches_passage(const PathLibrary& library, int path, const PathTrajectory& plan,
+                                   const Forecast& passage, std::int64_t step);
+
 /// Which of the groups have vehicles that would touch: their numbers, ascending.
 [[nodiscard]] std::vector<std::size_t> groups_in_contact(
     std::span<const std::vector<std::int64_t>> groups, std::span<const PlannedContact> contacts);

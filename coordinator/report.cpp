@@ -6,6 +6,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "coordinator/measures/measures_json.hpp"
 #include "coordinator/simulation.hpp"
 #include "coordinator/statistics.hpp"
 #include "planner/problem/text_file.hpp"
@@ -70,6 +71,16 @@ Json audit_json(const AuditFigures& a) {
           {"off_road_steps_coordinated", a.off_road_steps_coordinated}};
 }
 
+Json people_json(const RunReport& report) {
+  return {{"walked", report.people.walked},
+          {"touched", report.audit.people_touched_all},
+          {"touched_coordinated", report.audit.people_touched},
+          {"wait_s", report.people.wait_mean},
+          {"wait_p95_s", report.people.wait_p95},
+          {"wait_max_s", report.people.wait_max},
+          {"greens", report.people_greens}};
+}
+
 Json zones_json(const RunReport& report) {
   Json zones = Json::array();
   for (const ZoneFigures& zone : report.zones) {
@@ -84,6 +95,10 @@ Json left_json(const RunReport& report) {
     left.push_back({{"what", x.what}, {"why", x.why}});
   }
   return left;
+}
+
+std::string emission_cells(const std::optional<Emissions>& e) {
+  return e ? fmt::format("{:.2f},{:.2f},{:.4f}", e->fuel, e->co2, e->nox) : ",,";
 }
 
 std::string cell(const std::optional<double>& value) {
@@ -140,9 +155,11 @@ std::string summary_json(const RunReport& r) {
     j["tube_misses"] = r.humans->tube_misses;
     j["unplanned_passages"] = r.humans->unplanned_passages;
   }
+  j["people"] = people_json(r);
   j["time_loss_s"] = field_mean([](const VehicleRecord& v) { return v.time_loss; });
   j["depart_delay_s"] = field_mean([&](const VehicleRecord& v) { return depart_delay(v, r.end); });
   j["waiting_time_s"] = field_mean([](const VehicleRecord& v) { return v.waiting_time; });
+  add_measures(r, j);
   j["audit"] = audit_json(r.audit);
   j["overlap_pairs_coordinated"] = r.audit.overlap_pairs_coordinated;
   j["sumo_collisions"] = r.sumo_collisions;
@@ -178,13 +195,15 @@ std::string summary_json(const RunReport& r) {
 std::string vehicles_csv(const RunReport& r) {
   std::string text =
       "id,type,intended_departure_s,departure_s,arrival_s,free_flow_s,delay_s,time_loss_s,"
-      "waiting_time_s,speed_factor,coordinated,min_clearance_m\n";
+      "waiting_time_s,speed_factor,coordinated,min_clearance_m,movement,stops,jerk_m_s3,"
+      "longest_wait_s,fuel_ml,co2_g,nox_g\n";
   for (const VehicleRecord& v : r.vehicles) {
-    text +=
-        fmt::format("{},{},{:.3f},{},{},{:.3f},{:.3f},{:.3f},{:.3f},{:.4f},{},{}\n",
-                    csv_field(v.id), csv_field(v.type), v.intended_departure, cell(v.departure),
-                    cell(v.arrival), v.free_flow, delay_of(v, r.end), v.time_loss, v.waiting_time,
-                    v.speed_factor, v.coordinated ? 1 : 0, cell(v.min_clearance));
+    text += fmt::format(
+        "{},{},{:.3f},{},{},{:.3f},{:.3f},{:.3f},{:.3f},{:.4f},{},{},{},{},{:.3f},{:.1f},{}\n",
+        csv_field(v.id), csv_field(v.type), v.intended_departure, cell(v.departure),
+        cell(v.arrival), v.free_flow, delay_of(v, r.end), v.time_loss, v.waiting_time,
+        v.speed_factor, v.coordinated ? 1 : 0, cell(v.min_clearance), csv_field(v.movement),
+        v.driving.stops, v.driving.jerk, v.driving.standing, emission_cells(v.emissions));
   }
   return text;
 }

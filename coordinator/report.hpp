@@ -9,6 +9,10 @@
 #include "coordinator/audit.hpp"
 #include "coordinator/coordinator.hpp"
 #include "coordinator/lot_report.hpp"
+#include "coordinator/measures/driving_style.hpp"
+#include "coordinator/measures/emissions.hpp"
+#include "coordinator/measures/surrogate_safety.hpp"
+#include "coordinator/people_log.hpp"
 
 namespace mvtp {
 
@@ -23,9 +27,12 @@ struct VehicleRecord {
   double time_loss = 0.0;           ///< as SUMO says
   double waiting_time = 0.0;        ///< as SUMO says
   double speed_factor = 1.0;
-  double stopped = 0.0;                 ///< at scheduled stops
-  bool coordinated = false;             ///< was it ever under control
-  std::optional<double> min_clearance;  ///< [m] to any other vehicle; none: never within 3 m
+  double stopped = 0.0;       ///< at scheduled stops
+  bool coordinated = false;   ///< was it ever under control
+  std::string movement = {};  ///< "FROM>TO", the first and the last edge of its route
+  DrivingFigures driving = {};
+  std::optional<Emissions> emissions = {};  ///< none: the traffic does not tell
+  std::optional<double> min_clearance;      ///< [m] to any other vehicle; none: never within 3 m
 };
 
 /// Arrival - intended departure - free-flow duration - time at scheduled stops; up to `end` for a
@@ -46,9 +53,13 @@ struct RunReport {
   std::vector<Replan> replans;
   std::vector<AuditEvent> events;
   std::vector<LotReport> lots;
+  ConflictFigures pet;  ///< post-encroachment times
+  ConflictFigures ttc;  ///< times to collision
   std::int64_t sumo_collisions = 0;
-  double penetration = 1.0;                 ///< as asked for
-  std::optional<HumanFigures> humans;       ///< none: no signal was ours
+  double penetration = 1.0;            ///< as asked for
+  std::optional<HumanFigures> humans;  ///< none: no signal was ours
+  PeopleFigures people;
+  std::int64_t people_greens = 0;           ///< shown at crossings
   std::int64_t left_to_sumo_sightings = 0;  ///< vehicles near a stop line, over the decisions
   double begin = 0.0;                       ///< [s] simulated time
   double end = 0.0;                         ///< [s]

@@ -46,6 +46,17 @@ struct Connection {
   int signal_index = -1;    ///< which of the signal's lights
 };
 
+/// A marked way for people on foot over the lanes at a junction.
+struct PedestrianCrossing {
+  std::string id;                      ///< of its edge
+  double width = 4.0;                  ///< [m]
+  std::vector<Point> shape;            ///< its middle, from kerb to kerb [m]
+  bool has_priority = false;           ///< vehicles give way on it, as on a zebra
+  std::vector<std::string> ends = {};  ///< the edges where people wait for it, two at most
+  std::string signal = {};             ///< id of the traffic signal that it obeys; empty: none
+  std::vector<int> lights;             ///< which of the signal's lights
+};
+
 struct Junction {
   std::string id;
   std::string type;  ///< "priority", "traffic_light", "dead_end", ...
@@ -53,6 +64,7 @@ struct Junction {
   Polygon shape;  ///< not closed
   std::vector<std::string> incoming_lanes;
   std::vector<Connection> connections;
+  std::vector<PedestrianCrossing> crossings;  ///< in the order of the network
   /// Do two of its connections cross or merge (come from different lanes and share ground)?
   bool has_conflicts = false;
 };

@@ -32,8 +32,8 @@ double distance_to_segment(const Point& p, const Point& a, const Point& b) {
   return std::hypot(a.x + f * dx - p.x, a.y + f * dy - p.y);
 }
 
-/// Do two lines come nearer to each other than a vehicle is wide? Looks every half metre.
-bool are_close(const std::vector<Point>& a, const std::vector<Point>& b) {
+/// Do two lines come nearer to each other than `near` [m]? Looks every half metre.
+bool are_close(const std::vector<Point>& a, const std::vector<Point>& b, double near) {
   constexpr double kLook = 0.5;  // [m]
   for (std::size_t i = 1; i < a.size(); ++i) {
     const double length = std::hypot(a[i].x - a[i - 1].x, a[i].y - a[i - 1].y);
@@ -42,7 +42,7 @@ bool are_close(const std::vector<Point>& a, const std::vector<Point>& b) {
       const double f = double(k) / looks;
       const Point p{a[i - 1].x + f * (a[i].x - a[i - 1].x), a[i - 1].y + f * (a[i].y - a[i - 1].y)};
       for (std::size_t j = 1; j < b.size(); ++j) {
-        if (distance_to_segment(p, b[j - 1], b[j]) < kWidest) return true;
+        if (distance_to_segment(p, b[j - 1], b[j]) < near) return true;
       }
     }
   }
@@ -61,22 +61,43 @@ double SignalTiming::yellow(double speed_limit) const {
 
 SignalHeads::SignalHeads(Traffic& traffic, const LaneGraph& graph,
                          const std::vector<bool>& coordinated, const SignalTiming& timing)
-    : traffic_(traffic), graph_(graph), timing_(timing), heads_(std::size_t(graph.links())) {
+    : traffic_(traffic),
+      graph_(graph),
+      timing_(timing),
+      heads_(std::size_t(graph.links() + graph.crossings())) {
+  find_signals(coordinated);
+  find_conflicts(coordinated);
+  for (Head& head : heads_) head.clearance = timing.all_red;
+  for (int c = 0; timing.has_yellow && c < graph.crossings(); ++c) {
+    heads_[std::size_t(light_of_crossing(c))].clearance = crossing_time(c);
+  }
+}
+
+/// Those all of whose lights are known.
+void SignalHeads::find_signals(const std::vector<bool>& coordinated) {
   std::map<std::string, std::set<int>> lights;
-  for (int k = 0; k < graph.links(); ++k) {
-    const LaneGraph::Link& link = graph.link(k);
+  for (int k = 0; k < graph_.links(); ++k) {
+    const LaneGraph::Link& link = graph_.link(k);
     if (link.signal.empty() || !coordinated[std::size_t(link.junction)]) continue;
     lights[link.signal].insert(link.signal_index);
   }
+  for (int c = 0; c < graph_.crossings(); ++c) {
+    const PedestrianCrossing& crossing = *graph_.crossing(c).crossing;
+    if (crossing.signal.empty() || !coordinated[std::size_t(graph_.crossing(c).junction)]) continue;
+    lights[crossing.signal].insert(crossing.lights.begin(), crossing.lights.end());
+  }
   for (const auto& [signal, known] : lights) {
-    const auto all = graph.network().signals.find(signal);
-    if (all != graph.network().signals.end() && std::ssize(known) == all->second) {
+    const auto all = graph_.network().signals.find(signal);
+    if (all != graph_.network().signals.end() && std::ssize(known) == all->second) {
       signals_.insert(signal);
     }
   }
+}
+
+void SignalHeads::find_conflicts(const std::vector<bool>& coordinated) {
   std::map<int, std::vector<int>> at_junction;
-  for (int k = 0; k < graph.links(); ++k) {
-    const LaneGraph::Link& link = graph.link(k);
+  for (int k = 0; k < graph_.links(); ++k) {
+    const LaneGraph::Link& link = graph_.link(k);
     if (!coordinated[std::size_t(link.junction)] || !signals_.contains(link.signal)) continue;
     heads_[std::size_t(k)].owned = true;
     at_junction[link.junction].push_back(k);
@@ -84,15 +105,45 @@ SignalHeads::SignalHeads(Traffic& traffic, const LaneGraph& graph,
   for (const auto& [junction, links] : at_junction) {
     for (const int a : links) {
       for (const int b : links) {
-        const LaneGraph::Link& first = graph.link(a);
-        const LaneGraph::Link& second = graph.link(b);
-        const bool meet =
-            first.from != second.from &&
-            (first.to == second.to || are_close(middle_of(graph, first), middle_of(graph, second)));
-        if (meet) heads_[std::size_t(a)].crossing.push_back(b);
+        const LaneGraph::Link& first = graph_.link(a);
+        const LaneGraph::Link& second = graph_.link(b);
+        const bool meet = a < b && first.from != second.from &&
+                          (first.to == second.to ||
+                           are_close(middle_of(graph_, first), middle_of(graph_, second), kWidest));
+        if (meet) cross_each_other(a, b);
       }
     }
   }
+  for (int c = 0; c < graph_.crossings(); ++c) {
+    const LaneGraph::Crossing& x = graph_.crossing(c);
+    if (!coordinated[std::size_t(x.junction)] || !signals_.contains(x.crossing->signal)) continue;
+    heads_[std::size_t(light_of_crossing(c))].owned = true;
+    const double near = 0.5 * (kWidest + x.crossing->width);
+    for (const int k : at_junction[x.junction]) {
+      if (are_close(middle_of(graph_, graph_.link(k)), x.crossing->shape, near)) {
+        cross_each_other(k, light_of_crossing(c));
+      }
+    }
+  }
+}
+
+void SignalHeads::cross_each_other(int a, int b) {
+  heads_[std::size_t(a)].crossing.push_back(b);
+  heads_[std::size_t(b)].crossing.push_back(a);
+}
+
+void SignalHeads::call(int crossing, std::int64_t since) {
+  heads_[std::size_t(light_of_crossing(crossing))].called = since;
+}
+
+void SignalHeads::reserve(int crossing, bool reserved) {
+  heads_[std::size_t(light_of_crossing(crossing))].reserved = reserved;
+}
+
+bool SignalHeads::is_called_before(int link, std::int64_t came) const {
+  const std::vector<int>& crossing = heads_[std::size_t(link)].crossing;
+  return std::ranges::any_of(crossing,
+                             [&](int other) { return heads_[std::size_t(other)].called < came; });
 }
 
 double SignalHeads::shown_for(int link) const {
@@ -106,7 +157,9 @@ bool SignalHeads::cross(int link, int other) const {
 bool SignalHeads::may_turn_green(int link) const {
   const std::vector<int>& crossing = heads_[std::size_t(link)].crossing;
   return std::ranges::all_of(crossing, [&](int other) {
-    return light(other) == Light::kRed && shown_for(other) >= timing_.all_red - kInstant;
+    const Head& head = heads_[std::size_t(other)];
+    return head.light == Light::kRed && !head.reserved &&
+           shown_for(other) >= head.clearance - kInstant;
   });
 }
 
@@ -120,21 +173,25 @@ void SignalHeads::own() {
 
 void SignalHeads::turn_green(int link) {
   if (light(link) == Light::kGreen) return;
-  ++greens_;
+  if (link < graph_.links()) ++greens_;
   show(link, Light::kGreen);
 }
 
 void SignalHeads::end_green(int link) {
   if (light(link) != Light::kGreen) return;
-  const bool at_once = timing_.yellow(graph_.lane(graph_.link(link).from).speed_limit) <= 0.0;
-  show(link, at_once ? Light::kRed : Light::kYellow);
+  show(link, yellow_of(link) <= 0.0 ? Light::kRed : Light::kYellow);
+}
+
+/// People have none [s].
+double SignalHeads::yellow_of(int light) const {
+  if (light >= graph_.links()) return 0.0;
+  return timing_.yellow(graph_.lane(graph_.link(light).from).speed_limit);
 }
 
 void SignalHeads::advance() {
   for (std::size_t k = 0; k < heads_.size(); ++k) {
     if (!heads_[k].owned || heads_[k].light != Light::kYellow) continue;
-    const double yellow = timing_.yellow(graph_.lane(graph_.link(int(k)).from).speed_limit);
-    if (shown_for(int(k)) >= yellow - kInstant) show(int(k), Light::kRed);
+    if (shown_for(int(k)) >= yellow_of(int(k)) - kInstant) show(int(k), Light::kRed);
   }
 }
 
@@ -148,7 +205,11 @@ void SignalHeads::show(int link, Light light) {
   Head& head = heads_[std::size_t(link)];
   head.light = light;
   head.since = traffic_.time();
-  traffic_.show(graph_.link(link).signal, graph_.link(link).signal_index, light);
+  if (link < graph_.links()) {
+    return traffic_.show(graph_.link(link).signal, graph_.link(link).signal_index, light);
+  }
+  const PedestrianCrossing& crossing = *graph_.crossing(link - graph_.links()).crossing;
+  for (const int index : crossing.lights) traffic_.show(crossing.signal, index, light);
 }
 
 }  // namespace mvtp

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <set>
 #include <string>
 #include <vector>
@@ -26,9 +27,11 @@ struct SignalTiming {
   [[nodiscard]] double yellow(double speed_limit) const;
 };
 
-/// The traffic signals that the coordinator owns: one light per connection, red unless it says
-/// otherwise. A signal is owned if all its lights are those of connections at coordinated
-/// junctions.
+/// The traffic signals that the coordinator owns: one light per connection and per crossing, red
+/// unless it says otherwise. A signal is owned if all its lights are those of connections and
+/// crossings at coordinated junctions.
+///
+/// Lights go by the numbers of their links; those of crossings by light_of_crossing().
 class SignalHeads {
  public:
   /// @param graph  must outlive it.
@@ -36,15 +39,28 @@ class SignalHeads {
               const SignalTiming& timing);
 
   [[nodiscard]] const SignalTiming& timing() const { return timing_; }
-  [[nodiscard]] bool owns(int link) const { return heads_[std::size_t(link)].owned; }
+  [[nodiscard]] int light_of_crossing(int crossing) const { return graph_.links() + crossing; }
+  [[nodiscard]] bool owns(int light) const { return heads_[std::size_t(light)].owned; }
   [[nodiscard]] bool owns_any() const { return !signals_.empty(); }
   [[nodiscard]] Light light(int link) const { return heads_[std::size_t(link)].light; }
   /// For how long it has shown that [s].
   [[nodiscard]] double shown_for(int link) const;
-  /// Do vehicles on these two connections meet? Not those that come from one lane.
+  /// Do those meet who have these two lights? Not vehicles that come from one lane, nor people.
   [[nodiscard]] bool cross(int link, int other) const;
-  /// Has every light that crosses it been red for long enough?
+  /// Has every light that crosses it been red for long enough, and is no green of theirs due?
   [[nodiscard]] bool may_turn_green(int link) const;
+  /// How long people need to the other side at 1.2 m/s [RiLSA]: so long after their green everybody
+  /// who crosses them is red, and at real timing their green is no shorter [s].
+  [[nodiscard]] double crossing_time(int crossing) const {
+    return graph_.crossing(crossing).length / kWalking;
+  }
+
+  /// People have waited at a crossing since this step: those who cross it and came later wait.
+  void call(int crossing, std::int64_t since);
+  /// The light of a crossing turns green soon: no light that crosses it does so before.
+  void reserve(int crossing, bool reserved);
+  /// Is somebody before them who came at this step and want this light?
+  [[nodiscard]] bool is_called_before(int link, std::int64_t came) const;
 
   /// Every light red; and again after free().
   void own();
@@ -57,21 +73,32 @@ class SignalHeads {
   void free();
   [[nodiscard]] bool is_free() const { return free_; }
 
+  /// Shown to vehicles so far.
   [[nodiscard]] std::int64_t greens() const { return greens_; }
 
  private:
+  static constexpr double kWalking = 1.2;  ///< [m/s]
+  static constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::max();
+
   struct Head {
     bool owned = false;
+    bool reserved = false;
+    std::int64_t called = kNever;  ///< step
     Light light = Light::kRed;
     double since = -1e300;  ///< [s]
     std::vector<int> crossing;
+    double clearance = 0.0;  ///< [s] of red until lights that cross it may be green
   };
+  void find_signals(const std::vector<bool>& coordinated);
+  void find_conflicts(const std::vector<bool>& coordinated);
+  void cross_each_other(int a, int b);
+  [[nodiscard]] double yellow_of(int light) const;
   void show(int link, Light light);
 
   Traffic& traffic_;
   const LaneGraph& graph_;
   SignalTiming timing_;
-  std::vector<Head> heads_;  ///< by link
+  std::vector<Head> heads_;  ///< by light
   std::set<std::string> signals_;
   bool free_ = true;
   std::int64_t greens_ = 0;

@@ -54,14 +54,31 @@ struct ParkingStop {
 /// A person on foot.
 struct Pedestrian {
   std::string id;
-  Point position;       ///< of the middle of the body
-  double theta = 0.0;   ///< where it walks [rad]
-  double speed = 0.0;   ///< [m/s]
-  double radius = 0.3;  ///< of the body [m]
+  Point position;         ///< of the middle of the body
+  double theta = 0.0;     ///< where it walks [rad]
+  double speed = 0.0;     ///< [m/s]
+  double radius = 0.3;    ///< of the body [m]
+  std::string edge = {};  ///< the sidewalk, crossing or other edge that it is on; empty: none
+  std::string next = {};  ///< the edge or crossing that it walks onto next; empty: none, or unknown
 };
 
 /// What one light of a traffic signal shows; green protects: nobody who crosses has green too.
 enum class Light : char { kRed = 'r', kYellow = 'y', kGreen = 'G' };
+
+/// One phase of a signal's program.
+struct SignalPhase {
+  double duration = 0.0;  ///< [s] in a fixed program
+  double least = 0.0;     ///< [s] that it lasts if it is ended by traffic, and
+  double most = 0.0;      ///< at most [s]
+  std::string lights;     ///< a letter each as SUMO writes them: G g y r s ...
+};
+
+/// Who runs the phases of a signal's program.
+enum class SignalControl {
+  kFixed,     ///< the clock: each phase lasts its duration
+  kActuated,  ///< the traffic's own detectors: a phase lasts until nobody comes any more
+  kOff,       ///< nobody: right of way holds
+};
 
 /// The traffic that a coordinator drives: SUMO in production, a fake in tests.
 ///
@@ -128,8 +145,17 @@ class Traffic {
   virtual void keep_lane(const std::string& /*id*/, bool /*keep*/) {}
   /// From the next step on a light shows this, until the signal is shown otherwise or freed.
   virtual void show(const std::string& /*signal*/, int /*index*/, Light /*light*/) {}
+  /// The same for all lights of a signal: a letter each, as in SignalPhase.
+  virtual void show_all(const std::string& /*signal*/, const std::string& /*lights*/) {}
   /// The signal runs its own program again.
   virtual void free_signal(const std::string& /*signal*/) {}
+  /// The phases of the program that a signal came with, in their order; none if it is not known.
+  [[nodiscard]] virtual std::vector<SignalPhase> signal_phases(
+      const std::string& /*signal*/) const {
+    return {};
+  }
+  /// Has a signal's phases run in this way from now on.
+  virtual void control_signal(const std::string& /*signal*/, SignalControl /*control*/) {}
   /// Lowers the limit of a lane for every driver [m/s].
   virtual void limit_speed(const std::string& lane, double speed) = 0;
 

@@ -3,6 +3,8 @@
 #include <optional>
 #include <string>
 
+#include "coordinator/measures/emissions.hpp"
+
 namespace mvtp {
 
 /// One vehicle's trip as the traffic records it.
@@ -22,6 +24,7 @@ struct Trip {
   double time_loss = 0.0;         ///< [s]; wrong for a vehicle that left its lanes
   double waiting_time = 0.0;      ///< below 0.1 m/s [s]
   double speed_factor = 1.0;
+  std::optional<Emissions> emissions = {};
   std::string vaporized;  ///< why it was taken off the road; empty if it was not
 };
 

@@ -70,12 +70,14 @@ std::vector<VehicleRecord> TripLog::records(
                     .arrival = trip.arrival,
                     .time_loss = trip.time_loss,
                     .waiting_time = trip.waiting_time,
-                    .speed_factor = trip.speed_factor};
+                    .speed_factor = trip.speed_factor,
+                    .emissions = trip.emissions};
     if (const auto c = clearances.find(trip.id); c != clearances.end()) v.min_clearance = c->second;
     if (const auto known = entries_.find(trip.id); known != entries_.end()) {
       const Entry& entry = known->second;
       v.coordinated = entry.coordinated;
       v.stopped = entry.stopped;
+      v.movement = entry.route.front() + ">" + entry.route.back();
       const double last = network.lanes.at(first_lane(entry.route.back())).length;
       v.free_flow = free_flow.duration(entry.route, trip.depart_lane, trip.depart_position,
                                        trip.arrival ? trip.arrival_position : last,

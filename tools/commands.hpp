@@ -12,10 +12,12 @@ namespace mvtp {
 [[nodiscard]] Action declare_report(CLI::App& app);
 [[nodiscard]] Action declare_view(CLI::App& app);
 [[nodiscard]] Action declare_export(CLI::App& app);
+[[nodiscard]] Action declare_doctor(CLI::App& app);
 [[nodiscard]] Action declare_toio(CLI::App& app);
 
 // Those of the sibling executable mvtp-sumo.
 [[nodiscard]] Action declare_coordinate(CLI::App& app);
 [[nodiscard]] Action declare_compare(CLI::App& app);
+[[nodiscard]] Action declare_sweep(CLI::App& app);
 
 }  // namespace mvtp

@@ -34,10 +34,19 @@ Action declare_compare(CLI::App& app) {
   const auto seeds = std::make_shared<std::string>("1-5");
   options->jobs = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
   app.footer(
-      "The controls: the lights of the twins NAME.static.sumocfg and NAME.actuated.sumocfg where\n"
+      "Without --controllers: the lights of the twins NAME.static.sumocfg and "
+      "NAME.actuated.sumocfg where\n"
       "they lie beside NAME.sumocfg, what NAME.sumocfg has by itself, and coordinated. On a\n"
       "parking lot: one-at-a-time, prioritized, and coordinated.");
   declare_run_options(app, options->run);
+  app.add_option(
+         "--controllers", options->controllers,
+         "Controllers to compare, e.g. static,max-pressure,escot; where the network has no\n"
+         "signals, those that need some take the twin with a light (default: see below)")
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->type_name("NAME,NAME,...")
+      ->group("Input");
   app.add_option("--seeds", *seeds, "Seeds, each run under every control, e.g. 1-5 or 1,2,7")
       ->type_name("LIST")
       ->capture_default_str()

@@ -16,7 +16,7 @@ void declare_options(CLI::App& app, CoordinateOptions& o) {
       ->group("Input");
   std::string meanings = "Who drives:";
   std::string names;
-  for (const ControllerName& c : controller_names()) {
+  for (const ControllerKind& c : controller_kinds()) {
     meanings += "\n" + c.name + ": " + c.meaning;
     names += (names.empty() ? "" : "|") + c.name;
   }

@@ -2,6 +2,7 @@
 #include <sys/wait.h>
 
 #include <filesystem>
+#include <fstream>
 #include <memory>
 #include <optional>
 #include <span>
@@ -15,7 +16,9 @@
 #include "tools/option_types.hpp"
 #include "tools/output_folder.hpp"
 #include "tools/report/summary.hpp"
+#include "tools/report/sweep_figures.hpp"
 #include "tools/sibling.hpp"
+#include "tools/sweep/rows.hpp"
 
 namespace mvtp {
 namespace {
@@ -64,7 +67,24 @@ int draw_figures(const ReportCommand& command) {
   return kDone;
 }
 
+bool is_sweep(const std::string& file) {
+  std::string line;
+  std::getline(std::ifstream(file), line);
+  return !line.empty() && sweep_header().starts_with(line);
+}
+
+int report_sweep(const ReportCommand& command) {
+  const std::vector<SweepRow> rows = read_sweep(command.results);
+  if (rows.empty()) throw InputError(command.results, "has no rows; let mvtp sweep run first");
+  make_output_folder(command.folder, "--output-dir");
+  const auto path = [&](const char* name) { return (fs::path(command.folder) / name).string(); };
+  write_text_file(path("tables.md"), sweep_to_markdown(rows));
+  write_text_file(path("figures.json"), sweep_to_json(rows));
+  return draw_figures(command);
+}
+
 int report(const ReportCommand& command) {
+  if (is_sweep(command.results)) return report_sweep(command);
   const std::vector<ResultRow> rows = read_results(command.results);
   if (rows.empty()) throw InputError(command.results, "has no rows; let mvtp bench run first");
   make_output_folder(command.folder, "--output-dir");
@@ -83,8 +103,10 @@ Action declare_report(CLI::App& app) {
   app.footer(
       "Writes NAME.svg and NAME.png for each suite (\"results\" for instances of others), with a\n"
       "column for each map; tables.md; and figures.json, the numbers that were drawn. Maps and\n"
-      "numbers of robots are read from the names of the instances.");
-  app.add_option("RESULTS", command->results, "What mvtp bench wrote (CSV)")
+      "numbers of robots are read from the names of the instances. Of a sweep: delay over demand "
+      "and\n"
+      "over penetration, arrivals by the minute.");
+  app.add_option("RESULTS", command->results, "What mvtp bench or mvtp sweep wrote (CSV)")
       ->required()
       ->type_name("FILE")
       ->group("Input");

@@ -76,8 +76,9 @@ int report(const SolveCommand& command, const Plan& plan, bool interrupted) {
   if (!command.quiet) {
     fmt::print(
         "solved: {} agents, makespan {} steps = {:.2f} s (at least {:.2f} s), flowtime "
-        "{:.2f} s, found in {:.3f} s{}\n",
+        "{:.2f} s, found in {:.3f} s{}{}\n",
         plan.names.size(), s.makespan_steps, s.makespan, s.lower_bound, s.flowtime, s.runtime,
+        command.solving.runs > 1 ? fmt::format(" with seed {}", s.seed) : "",
         exemptions_text(s.initial_overlaps));
   }
   if (!interrupted) return kDone;

@@ -9,6 +9,7 @@ int main(int argc, char** argv) {
                     mvtp::declare_coordinate},
       mvtp::Command{"compare", "One demand under SUMO's own control and coordinated",
                     mvtp::declare_compare},
+      mvtp::Command{"sweep", "Demand x penetration x controllers x seeds", mvtp::declare_sweep},
   };
   return mvtp::run_program(argc, argv, kCommands);
 }

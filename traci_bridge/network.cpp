@@ -64,6 +64,7 @@ class NetworkReader {
       file_.fail(root, "a network without edges; make it with netconvert");
     for (const Element* junction : children(root, "junction")) add_junction(*junction);
     add_connections(children(root, "connection"));
+    place_crossings(children(root, "junction"));
     for (Junction& junction : std::views::values(network_.junctions)) {
       junction.has_conflicts = has_conflicts(junction);
     }
@@ -73,6 +74,7 @@ class NetworkReader {
  private:
   void add_edge(const Element& element) {
     const std::string function = attribute(element, "function");
+    if (function == "crossing") add_crossing(element);
     if (function == "crossing" || function == "walkingarea") return;
 
     const std::string id = file_.text(element, "id");
@@ -113,6 +115,45 @@ class NetworkReader {
     return id;
   }
 
+  void add_crossing(const Element& element) {
+    const Element* lane = element.FirstChildElement("lane");
+    const std::string id = file_.text(element, "id");
+    if (lane == nullptr) file_.fail(element, "crossing \"" + id + "\" has no lane");
+    PedestrianCrossing crossing{.id = id,
+                                .width = file_.positive(*lane, "width", 4.0),
+                                .shape = file_.points(*lane, "shape"),
+                                .lights = {}};
+    if (crossing.shape.size() < 2) file_.fail(*lane, "crossing \"" + id + "\" has no shape");
+    crossings_.insert_or_assign(id, std::move(crossing));
+  }
+
+  /// A connection onto a crossing says what people obey who enter it there, one that leads off it
+  /// what those do who come the other way.
+  void add_rule(const Element& element) {
+    const auto onto = crossings_.find(file_.text(element, "to"));
+    const auto off = crossings_.find(file_.text(element, "from"));
+    if (onto == crossings_.end() && off == crossings_.end()) return;
+    PedestrianCrossing& crossing = (onto != crossings_.end() ? onto : off)->second;
+    if (onto != crossings_.end()) crossing.has_priority = attribute(element, "state") == "M";
+    crossing.ends.push_back(file_.text(element, onto != crossings_.end() ? "from" : "to"));
+    const std::string signal = attribute(element, "tl");
+    if (signal.empty()) return;
+    crossing.signal = signal;
+    crossing.lights.push_back(file_.index(element, "linkIndex"));
+  }
+
+  /// The lanes inside a junction name its crossings too.
+  void place_crossings(const std::vector<const Element*>& junctions) {
+    for (const Element* element : junctions) {
+      const auto junction = network_.junctions.find(file_.text(*element, "id"));
+      if (junction == network_.junctions.end()) continue;
+      for (const std::string& lane : split(attribute(*element, "intLanes"), " ")) {
+        const auto crossing = crossings_.find(lane.substr(0, lane.rfind('_')));
+        if (crossing != crossings_.end()) junction->second.crossings.push_back(crossing->second);
+      }
+    }
+  }
+
   void add_junction(const Element& element) {
     Junction junction{.id = file_.text(element, "id"),
                       .type = file_.text(element, "type"),
@@ -120,6 +161,7 @@ class NetworkReader {
                       .shape = {},
                       .incoming_lanes = {},
                       .connections = {},
+                      .crossings = {},
                       .has_conflicts = false};
     if (junction.type == "internal") return;  // a place to wait inside another junction
     if (element.Attribute("shape") != nullptr) junction.shape = file_.points(element, "shape");
@@ -147,6 +189,7 @@ class NetworkReader {
     }
     for (const Element* element : elements) {
       count_light(*element);
+      add_rule(*element);
       if (!between_known_edges(*element)) continue;
       const auto [from, to] = ends(*element);
       if (network_.lanes.at(from).internal) continue;
@@ -246,6 +289,7 @@ class NetworkReader {
   XmlFile file_;
   RoadNetwork network_;
   std::map<std::string, std::vector<std::string>> lanes_of_edge_;  ///< internal edges too
+  std::map<std::string, PedestrianCrossing> crossings_;            ///< by id
   std::map<std::string, std::string> end_of_edge_;                 ///< its junction; normal edges
 };
 

@@ -240,8 +240,20 @@ class Backend final : public SumoTraffic {
     ask([&] { signals_.show(signal, index, light); });
   }
 
+  void show_all(const std::string& signal, const std::string& lights) override {
+    ask([&] { signals_.show_all(signal, lights); });
+  }
+
   void free_signal(const std::string& signal) override {
     ask([&] { signals_.free(signal); });
+  }
+
+  std::vector<SignalPhase> signal_phases(const std::string& signal) const override {
+    return ask([&] { return signals_.phases(signal); });
+  }
+
+  void control_signal(const std::string& signal, SignalControl control) override {
+    ask([&] { signals_.control(signal, control); });
   }
 
   void cap_speed(const std::string& id, double speed) override {

@@ -59,7 +59,9 @@ std::vector<Pedestrian> read_pedestrians() {
                            .position = {middle.x, middle.y},
                            .theta = middle.theta,
                            .speed = api::Person::getSpeed(id),
-                           .radius = std::hypot(length, api::Person::getWidth(id)) / 2});
+                           .radius = std::hypot(length, api::Person::getWidth(id)) / 2,
+                           .edge = api::Person::getRoadID(id),
+                           .next = api::Person::getNextEdge(id)});
   }
   return pedestrians;
 }

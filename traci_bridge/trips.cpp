@@ -12,6 +12,17 @@ std::optional<double> reached(double time) {
   return time < 0.0 ? std::nullopt : std::optional(time);
 }
 
+/// SUMO counts in milligrams; its fuel is taken for petrol.
+std::optional<Emissions> read_emissions(const XmlFile& file, const tinyxml2::XMLElement& trip) {
+  constexpr double kMilligram = 1e-3;  // [g]
+  constexpr double kPetrol = 0.742;    // [g/ml]
+  const tinyxml2::XMLElement* element = trip.FirstChildElement("emissions");
+  if (element == nullptr) return std::nullopt;
+  return Emissions{.fuel = file.number(*element, "fuel_abs") * kMilligram / kPetrol,
+                   .co2 = file.number(*element, "CO2_abs") * kMilligram,
+                   .nox = file.number(*element, "NOx_abs") * kMilligram};
+}
+
 Trip read_trip(const XmlFile& file, const tinyxml2::XMLElement& element) {
   return {.id = file.text(element, "id"),
           .type = file.text(element, "vType"),
@@ -28,6 +39,7 @@ Trip read_trip(const XmlFile& file, const tinyxml2::XMLElement& element) {
           .time_loss = file.number(element, "timeLoss"),
           .waiting_time = file.number(element, "waitingTime"),
           .speed_factor = file.number(element, "speedFactor"),
+          .emissions = read_emissions(file, element),
           .vaporized = attribute(element, "vaporized")};
 }
 

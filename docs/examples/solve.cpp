@@ -1,5 +1,6 @@
 // Two cars that want to pass each other: an instance, its plan, and the referee's verdict.
 #include <cstdio>
+#include <mvtp/plan_array.hpp>
 #include <mvtp/solve.hpp>
 #include <mvtp/validate.hpp>
 #include <numbers>
@@ -21,8 +22,10 @@ int main() {
   std::printf("%s: %zu steps, %zu violations\n", plan.statistics.status.c_str(),
               plan.statistics.makespan_steps, violations.size());
   for (std::size_t i = 0; i < plan.names.size(); ++i) {
-    const mvtp::Pose end = plan.trajectories[i].at(plan.trajectories[i].makespan()).pose;
-    std::printf("%s ends at x = %.1f m, y = %.1f m\n", plan.names[i].c_str(), end.x, end.y);
+    const auto states = mvtp::states(plan.trajectories[i]);  // rows x, y, heading, v, phi
+    const auto end = states.bottomRows<1>();
+    std::printf("%s ends at x = %.1f m, y = %.1f m, at most %.1f m beside the line\n",
+                plan.names[i].c_str(), end(0), end(1), (states.col(1) - 10.0).abs().maxCoeff());
   }
   return plan.statistics.status == "solved" && violations.empty() ? 0 : 1;
 }

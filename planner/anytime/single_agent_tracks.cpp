@@ -14,16 +14,6 @@ constexpr int kExpansions = 500;
 constexpr int kFinerLevels = 3;  ///< of searches with smaller cells where that finds none
 constexpr int kFactor = 8;       ///< each has so many times the expansions of the one before
 
-/// Arcs of any length, cut into pieces of an time step at most.
-std::vector<Arc> by_time_steps(const std::vector<Arc>& arcs, double step_length) {
-  std::vector<Arc> steps;
-  for (const Arc& arc : arcs) {
-    const int pieces = std::max(1, int(std::ceil(std::abs(arc.length) / step_length - 1e-9)));
-    steps.insert(steps.end(), std::size_t(pieces), Arc{arc.length / pieces, arc.curvature});
-  }
-  return steps;
-}
-
 std::optional<TimedTrack> find_way(SoftHybridAstar& search, const PlanningProblem& fleet, int i,
                                    const MacroRobot& robot, const Deadline& deadline) {
   std::optional<TimedTrack> way =

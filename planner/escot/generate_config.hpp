@@ -21,9 +21,9 @@ concept GroupWorld = StepWorld<W> &&
   { world.group_robots(q) } -> std::same_as<std::vector<Group>>;
   /// Is planning the group together worth trying?
   { world.pre_check(group) } -> std::same_as<bool>;
-  /// The first motions of collision-free trajectories of the group to its goals; nullopt: none
-  /// found.
-  { world.get_opt_traj(q, group) } -> std::same_as<std::optional<std::vector<typename W::Motion>>>;
+  /// The first motions of collision-free trajectories of the group to its goals, in its order;
+  /// nullopt for a robot for which none was found.
+  { world.get_opt_traj(q, group) } -> std::same_as<std::vector<std::optional<typename W::Motion>>>;
   /// Every robot once, highest priority first.
   { world.order(q) } -> std::same_as<std::vector<int>>;
 };
@@ -31,9 +31,9 @@ concept GroupWorld = StepWorld<W> &&
 /// One step of all robots: groups that can be planned together follow their joint trajectories, the
 /// others are decided by PBCR, around them.
 ///
-/// Motions of groups must not conflict with those of groups before them; a group whose motions do
-/// is left to PBCR like one that fails. If the others cannot make room for the groups, PBCR
-/// decides for everybody.
+/// A group may be planned in part. Motions of groups must not conflict with those of groups before
+/// them; a group whose motions do is left to PBCR like one that fails. If the others cannot make
+/// room for the groups, PBCR decides for everybody.
 /// Source: ESCoT paper, Algorithm 2, function GenerateConfig (lines 9-22).
 template <GroupWorld World>
 [[nodiscard]] std::vector<typename World::Motion> generate_config(
@@ -54,13 +54,12 @@ template <GroupWorld World>
   for (const Group& group : world.group_robots(q)) {    // lines 12-13
     if (!world.pre_check(group)) continue;              // line 14
     const auto motions = world.get_opt_traj(q, group);  // line 16
-    if (!motions) continue;
     bool fits = true;
     for (std::size_t k = 0; fits && k < group.size(); ++k) {
-      fits = !conflicts_with_decided(group[k], (*motions)[k]);
+      fits = !motions[k] || !conflicts_with_decided(group[k], *motions[k]);
     }
     for (std::size_t k = 0; fits && k < group.size(); ++k) {
-      decided[std::size_t(group[k])] = (*motions)[k];  // line 17
+      decided[std::size_t(group[k])] = motions[k];  // line 17
     }
   }
 

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "planner/motion/passages.hpp"
+#include "planner/search/reeds_shepp_planner.hpp"
 
 namespace mvtp {
 namespace {
@@ -78,7 +79,8 @@ Pose PlanningProblem::at_goal_or(int i, const Pose& pose) const {
 double PlanningProblem::lower_bound() const {
   double bound = 0.0;
   for (const Agent& agent : instance_.agents) {
-    const double length = curves_.length(agent.start, agent.goal, agent.vehicle.min_turning_radius);
+    const double length =
+        shortest_length(agent.start, agent.goal, agent.vehicle.min_turning_radius);
     bound = std::max(bound, length / agent.vehicle.max_speed);
   }
   return bound;

@@ -383,10 +383,10 @@ bool SteppedWorld::pre_check(const Group& group) const {
   return int(group.size()) <= options_.max_group && !failed_.contains(group);
 }
 
-std::optional<std::vector<SteppedWorld::Motion>> SteppedWorld::get_opt_traj(const Configuration& q,
+std::vector<std::optional<SteppedWorld::Motion>> SteppedWorld::get_opt_traj(const Configuration& q,
                                                                             const Group& group) {
   const auto first_motions = [&] {
-    std::vector<Motion> motions;
+    std::vector<std::optional<Motion>> motions;
     for (const int i : group) {
       const Robot& robot = robots_[std::size_t(i)];
       const Arc arc = robot.next < robot.guide.size() ? robot.guide[robot.next] : Arc{};
@@ -426,7 +426,7 @@ std::optional<std::vector<SteppedWorld::Motion>> SteppedWorld::get_opt_traj(cons
   CbsResult result = conflict_based_search(members, to_avoid, planner_, options_.eccr, deadline_);
   if (result.failure != CbsFailure::kNone) {
     failed_[group] = step_;
-    return std::nullopt;
+    return std::vector<std::optional<Motion>>(group.size());
   }
   for (std::size_t k = 0; k < group.size(); ++k) {
     set_guide(group[k], q[std::size_t(group[k])], std::move(result.steps[k]), joints_);

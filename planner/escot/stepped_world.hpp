@@ -68,7 +68,8 @@ class SteppedWorld {
   /// Those that will conflict soon, most urgent conflicts first; nobody who is to act at random.
   [[nodiscard]] std::vector<Group> group_robots(const Configuration& q);
   [[nodiscard]] bool pre_check(const Group& group) const;
-  [[nodiscard]] std::optional<std::vector<Motion>> get_opt_traj(const Configuration& q,
+  /// For the whole group, or for nobody in it.
+  [[nodiscard]] std::vector<std::optional<Motion>> get_opt_traj(const Configuration& q,
                                                                 const Group& group);
   /// Longest under way first, then who had the longest way from its start.
   [[nodiscard]] std::vector<int> order(const Configuration&) const { return order_; }

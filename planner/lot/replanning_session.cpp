@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "planner/search/reeds_shepp_planner.hpp"
+
 namespace mvtp {
 namespace {
 
@@ -144,10 +146,30 @@ std::optional<TimedTrack> LotPlanner::ReplanningSession::alone(int robot, Effort
     std::optional<SoftPath> other = search_alone_backwards(robot, expansions);
     if (other && (!path || other->cost < path->cost)) path = std::move(other);
   }
-  if (!path) return std::nullopt;
+  std::optional<std::vector<Arc>> steps;
+  if (path) steps = std::move(path->steps);
+  if (!steps && effort == Effort::kThorough) steps = sample_alone(robot);
+  if (!steps) return std::nullopt;
   const MacroRobot& macro = macro_robots_[std::size_t(robot)];
-  return TimedTrack(macro.car->vehicle(), macro.start, std::move(path->steps),
-                    planner_.time_.macro_step, robots_[std::size_t(robot)].leaves);
+  return TimedTrack(macro.car->vehicle(), macro.start, *std::move(steps), planner_.time_.macro_step,
+                    robots_[std::size_t(robot)].leaves);
+}
+
+/// Out of slots between long cars, or into them, for one that stands: there a lattice is too
+/// coarse.
+std::optional<std::vector<Arc>> LotPlanner::ReplanningSession::sample_alone(int robot) const {
+  const Robot& r = robots_[std::size_t(robot)];
+  if (r.v > 0.0 || r.prefix.length() > 0.0) return std::nullopt;
+  const MotionPrimitives& car = *macro_robots_[std::size_t(robot)].car;
+  const LotLimits& limits = planner_.options_.limits;
+  SamplingOptions options;
+  options.cusp = limits.speed * limits.speed / limits.braking;
+  const std::optional<std::vector<Arc>> arcs = plan_by_sampling(
+      macro_robots_[std::size_t(robot)].start, r.goal, car.vehicle().min_turning_radius,
+      {planner_.walls_.width, planner_.walls_.height}, options,
+      [&](const Pose& from, const Arc& arc) { return car.is_free(from, arc); });
+  if (!arcs) return std::nullopt;
+  return by_time_steps(*arcs, car.step_length());
 }
 
 std::optional<TimedTrack> LotPlanner::ReplanningSession::alone(int robot) {

@@ -89,6 +89,7 @@ class LotPlanner::ReplanningSession {
   [[nodiscard]] SoftProblem problem(int robot) const;
   [[nodiscard]] std::optional<SoftPath> search_alone(SoftProblem problem, int expansions);
   [[nodiscard]] std::optional<SoftPath> search_alone_backwards(int robot, int expansions);
+  [[nodiscard]] std::optional<std::vector<Arc>> sample_alone(int robot) const;
   [[nodiscard]] std::vector<Arc> tail(const TimedTrack& alone) const;
   [[nodiscard]] ArcPath way(int robot, const TimedTrack& track) const;
   [[nodiscard]] LotCar car(int robot, const TimedTrack& track) const;

@@ -1,5 +1,8 @@
 #include "planner/motion/timed_track.hpp"
 
+#include <algorithm>
+#include <cmath>
+
 #include "planner/geometry/frame.hpp"
 
 namespace mvtp {
@@ -8,6 +11,15 @@ namespace {
 constexpr int kStride = 16;  ///< every so many time steps the exact pose is kept
 
 }  // namespace
+
+std::vector<Arc> by_time_steps(const std::vector<Arc>& arcs, double step_length) {
+  std::vector<Arc> steps;
+  for (const Arc& arc : arcs) {
+    const int pieces = std::max(1, int(std::ceil(std::abs(arc.length) / step_length - 1e-9)));
+    steps.insert(steps.end(), std::size_t(pieces), Arc{arc.length / pieces, arc.curvature});
+  }
+  return steps;
+}
 
 TimedTrack::TimedTrack(const Vehicle& vehicle, const Pose& start, std::vector<Arc> steps,
                        int padding, bool leaves)

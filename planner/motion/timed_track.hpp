@@ -17,6 +17,10 @@ struct TimeGrid {
   [[nodiscard]] double macro_step_duration() const { return dt * macro_step; }
 };
 
+/// Arcs of any length, cut into pieces of a time step at most.
+/// @param step_length  driven in one time step at full speed [m] > 0
+[[nodiscard]] std::vector<Arc> by_time_steps(const std::vector<Arc>& arcs, double step_length);
+
 /// One robot's motion: one arc per time step from time 0 on, then at rest for ever, or departed.
 ///
 /// The arcs are exact; the boxes, in single precision, are what collision tests read.

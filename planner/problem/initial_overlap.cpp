@@ -24,8 +24,8 @@ void add_obstacles(const Map& map, referee::DiscsByX& obstacles, bool at_goal, s
                    const Box& box, std::vector<OverlappingPlace>& found) {
   const std::size_t circles = map.circles.size();
   for (const std::size_t k : obstacles.near(disc_around(box))) {
-    const double depth = k < circles ? -referee::separation(box, map.circles[k])
-                                     : -referee::separation(box, map.polygons[k - circles]);
+    const double depth = k < circles ? -referee::separation(box, map.circles[k], 0.0)
+                                     : -referee::separation(box, map.polygons[k - circles], 0.0);
     if (depth > kTouchTolerance) found.push_back({at_goal, agent, With::kObstacle, k, depth});
   }
 }
@@ -35,7 +35,7 @@ void add_pairs(bool at_goal, const std::vector<Box>& boxes, std::vector<Overlapp
   for (const Box& box : boxes) discs.push_back(disc_around(box));
   std::vector<OverlappingPlace> pairs;
   for (const auto& [i, j] : referee::near_pairs(discs)) {
-    const double depth = -referee::separation(boxes[i], boxes[j]);
+    const double depth = -referee::separation(boxes[i], boxes[j], 0.0);
     if (depth > kTouchTolerance) pairs.push_back({at_goal, j, With::kAgent, i, depth});
   }
   std::ranges::sort(pairs, {},

@@ -8,6 +8,8 @@
 namespace mvtp {
 namespace {
 
+constexpr std::size_t kLongestWord = 500;
+
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
 bool is_word_character(char c) {
@@ -17,7 +19,8 @@ bool is_word_character(char c) {
 
 /// Words that mean no string and no number to YAML, or a mark of its own, are left to others.
 bool is_plain_word(std::string_view word) {
-  if (word.empty() || word.size() > 500 || word == "null" || word == "Null" || word == "NULL") {
+  if (word.empty() || word.size() > kLongestWord || word == "null" || word == "Null" ||
+      word == "NULL") {
     return false;
   }
   if (word.starts_with("..")) return false;  // "..." ends a document
@@ -100,12 +103,25 @@ class PlainParser {
   bool parse_word_line(std::string_view rest) { return parse_word(rest) && rest.empty(); }
 
   bool parse_word(std::string_view& rest) {
+    if (rest.starts_with('"')) return parse_quoted(rest);
     std::size_t size = 0;
     while (size < rest.size() && is_word_character(rest[size])) ++size;
     const std::string_view word = rest.substr(0, size);
     if (!is_plain_word(word)) return false;
     builder_.scalar(word);
     rest.remove_prefix(size);
+    return true;
+  }
+
+  /// "..." with its end on the same line, and nothing in it that stands for something else.
+  bool parse_quoted(std::string_view& rest) {
+    const std::size_t end = rest.find('"', 1);
+    if (end == std::string_view::npos || end > kLongestWord) return false;
+    const std::string_view text = rest.substr(1, end - 1);
+    const auto stands_for_itself = [](char c) { return c >= ' ' && c <= '~' && c != '\\'; };
+    if (!std::ranges::all_of(text, stands_for_itself)) return false;
+    builder_.scalar(text);
+    rest.remove_prefix(end + 1);
     return true;
   }
 

@@ -8,7 +8,6 @@
 namespace mvtp::referee {
 namespace {
 
-Point minus(const Point& a, const Point& b) { return {a.x - b.x, a.y - b.y}; }
 double dot(const Point& a, const Point& b) { return a.x * b.x + a.y * b.y; }
 /// Turned by a right angle to the left.
 Point left(const Point& a) { return {-a.y, a.x}; }
@@ -17,12 +16,6 @@ Point left(const Point& a) { return {-a.y, a.x}; }
 double half_extent(const Box& box, const Point& n) {
   return box.half_length * std::abs(dot(box.heading, n)) +
          box.half_width * std::abs(dot(left(box.heading), n));
-}
-
-/// `p` in the frame of the box.
-Point local(const Box& box, const Point& p) {
-  const Point d = minus(p, box.center);
-  return {dot(d, box.heading), dot(d, left(box.heading))};
 }
 
 }  // namespace
@@ -39,50 +32,6 @@ Box footprint(const Vehicle& vehicle, const Pose& pose) {
 double reach(const Vehicle& vehicle) {
   const double along = std::max(std::abs(vehicle.front), std::abs(vehicle.rear));
   return std::hypot(along, 0.5 * vehicle.width);
-}
-
-// Of two convex polygons that overlap, the shortest shift that ends it is along a normal of one of
-// their sides; of two that do not, the gap along any direction is at most their distance.
-double separation(const Box& a, const Box& b) {
-  const Point d = minus(b.center, a.center);
-  double widest = -std::numeric_limits<double>::infinity();
-  for (const Point& n : {a.heading, left(a.heading), b.heading, left(b.heading)}) {
-    widest = std::max(widest, std::abs(dot(d, n)) - half_extent(a, n) - half_extent(b, n));
-  }
-  return widest;
-}
-
-double separation(const Box& box, const Circle& circle) {
-  const Point center = local(box, {circle.x, circle.y});
-  const double dx = std::abs(center.x) - box.half_length;
-  const double dy = std::abs(center.y) - box.half_width;
-  const double outside = std::hypot(std::max(dx, 0.0), std::max(dy, 0.0));
-  return outside + std::min(std::max(dx, dy), 0.0) - circle.radius;
-}
-
-double separation(const Box& box, const Point& a, const Point& b) {
-  const Point p = local(box, a);
-  const Point q = local(box, b);
-  const auto gap = [](double u, double v, double half) {
-    return std::max(std::min(u, v) - half, -std::max(u, v) - half);
-  };
-  const double along = gap(p.x, q.x, box.half_length);
-  const double aside = gap(p.y, q.y, box.half_width);
-  const Point normal = left(minus(q, p));
-  const double length = std::hypot(normal.x, normal.y);
-  const double across = (std::abs(dot(p, normal)) - box.half_length * std::abs(normal.x) -
-                         box.half_width * std::abs(normal.y)) /
-                        length;
-  return std::max({along, aside, across});
-}
-
-double separation(const Box& box, const Polygon& polygon) {
-  double least = contains(polygon, box.center) ? -std::min(box.half_length, box.half_width)
-                                               : std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0, j = polygon.size() - 1; i < polygon.size(); j = i++) {
-    least = std::min(least, separation(box, polygon[j], polygon[i]));
-  }
-  return least;
 }
 
 std::vector<std::pair<std::size_t, std::size_t>> near_pairs(const std::vector<Disc>& discs) {

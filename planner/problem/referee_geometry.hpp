@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -27,19 +28,29 @@ struct Box {
 /// The largest distance of a point of the footprint from the rear axle [m].
 [[nodiscard]] double reach(const Vehicle& vehicle);
 
-// Separations [m]. Positive: at most the true distance. Negative: minus the depth of the overlap,
-// the length of the shortest shift that ends it. All change by at most d when a point of the one
-// shape moves by at most d against the other (each is a maximum over directions n of the gap along
-// n).
+/// What is asked of a separation by default: its exact value.
+inline constexpr double kExact = std::numeric_limits<double>::infinity();
 
-[[nodiscard]] double separation(const Box& a, const Box& b);
-[[nodiscard]] double separation(const Box& box, const Circle& circle);
+// Separations [m]. Negative: minus the depth of the overlap, the length of the shortest shift that
+// ends it. Positive: the widest gap along a side of one of the two, at most their distance. All
+// change by at most d when a point of the one shape moves by at most d against the other (each is a
+// maximum over directions n of the gap along n).
+//
+// Who only wants to know whether they are `enough` [m] apart gets it cheaper: where they are, the
+// result is any number from `enough` up to their distance.
+//
+// FCL decides, by its closed forms for boxes and spheres: exact to rounding, where its distances
+// by GJK are not (docs/experiments/planner.md, "The referee's geometry").
+
+[[nodiscard]] double separation(const Box& a, const Box& b, double enough = kExact);
+[[nodiscard]] double separation(const Box& box, const Circle& circle, double enough = kExact);
 /// From the segment between `a` and `b`, an edge of a polygon.
-[[nodiscard]] double separation(const Box& box, const Point& a, const Point& b);
+[[nodiscard]] double separation(const Box& box, const Point& a, const Point& b,
+                                double enough = kExact);
 /// From a solid polygon: the least separation from its edges, or, for a box inside that touches
 /// none, minus half its shorter side. Where a corner of the box meets a wall drawn as many short
 /// edges, the depth comes out up to sqrt(2) too small; elsewhere it is exact.
-[[nodiscard]] double separation(const Box& box, const Polygon& polygon);
+[[nodiscard]] double separation(const Box& box, const Polygon& polygon, double enough = kExact);
 
 /// A disc that covers a footprint, at rest or during a motion.
 struct Disc {
@@ -115,6 +126,7 @@ struct Arc {
 [[nodiscard]] Arc joining_arc(const Pose& from, const Pose& to);
 
 /// The earliest s in [0, 1] found with f(s) < level, given that |f(a) - f(b)| <= rate * |a - b|.
+/// Asked as f(s, enough): where f(s) >= enough, the answer may be any number from `enough` to f(s).
 ///
 /// Intervals are halved until f at their middle proves them clear. Complete up to `kResolution`: if
 /// none is found, f >= level - kResolution everywhere; if one is found, f is below `level` there.
@@ -125,8 +137,9 @@ template <class F>
                                                 double begin = 0.0, double end = 1.0) {
   const double middle = 0.5 * (begin + end);
   const double change = 0.5 * (end - begin) * rate;
-  const double value = f(middle);
-  if (value - change >= level) return std::nullopt;
+  const double enough = level + change;
+  const double value = f(middle, enough);
+  if (value >= enough) return std::nullopt;
   if (change < kResolution) return value < level ? std::optional(middle) : std::nullopt;
   if (const auto early = first_below(f, level, rate, begin, middle)) return early;
   if (value < level) return middle;

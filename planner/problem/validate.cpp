@@ -194,7 +194,8 @@ class Referee {
   void judge_polygon(std::size_t i, std::size_t p, std::size_t step);
   void judge_bounds(std::size_t i, std::size_t step);
 
-  /// Follows `separation(s)` over the phase; enters the rule as broken if it falls below a touch.
+  /// Follows `separation(s, enough)` over the phase; enters the rule as broken if it falls below a
+  /// touch.
   template <class Separation>
   void follow(Rule rule, std::size_t i, std::size_t object, std::size_t step, double rate,
               const Separation& separation);
@@ -251,12 +252,13 @@ double Referee::depth_at(const OverlappingPlace& place, std::size_t step) const 
   };
   const Box box = box_at(place.agent);
   if (place.with == OverlappingPlace::With::kAgent) {
-    return -referee::separation(box, box_at(place.object));
+    return -referee::separation(box, box_at(place.object), 0.0);
   }
   const Map& map = instance_.map;
   const std::size_t circles = map.circles.size();
-  return place.object < circles ? -referee::separation(box, map.circles[place.object])
-                                : -referee::separation(box, map.polygons[place.object - circles]);
+  return place.object < circles
+             ? -referee::separation(box, map.circles[place.object], 0.0)
+             : -referee::separation(box, map.polygons[place.object - circles], 0.0);
 }
 
 void Referee::find_exemptions() {
@@ -387,9 +389,9 @@ void Referee::follow(Rule rule, std::size_t i, std::size_t object, std::size_t s
   const auto found = referee::first_below(separation, level, rate);
   if (!found) return;
   constexpr int kSamples = 64;  // for the message only: how deep it gets
-  double deepest = separation(*found);
+  double deepest = separation(*found, 0.0);
   for (int k = 0; rate > 0.0 && k <= kSamples; ++k) {
-    deepest = std::min(deepest, separation(double(k) / kSamples));
+    deepest = std::min(deepest, separation(double(k) / kSamples, 0.0));
   }
   const double when = rate > 0.0 ? double(step) - 1.0 + *found : double(step);
   protocol_.add(rule, i, object, step, when, -deepest);
@@ -408,8 +410,9 @@ void Referee::judge_pair(std::size_t i, std::size_t j, std::size_t step) {
     protocol_.prolong(Rule::kRobotOverlap, i, j, step);
     return;
   }
-  follow(Rule::kRobotOverlap, i, j, step, phases_[i].rate + phases_[j].rate,
-         [&](double s) { return referee::separation(box(i, s), box(j, s)); });
+  follow(
+      Rule::kRobotOverlap, i, j, step, phases_[i].rate + phases_[j].rate,
+      [&](double s, double enough) { return referee::separation(box(i, s), box(j, s), enough); });
 }
 
 void Referee::judge_obstacles(std::size_t i, std::size_t step) {
@@ -418,8 +421,9 @@ void Referee::judge_obstacles(std::size_t i, std::size_t step) {
     if (!phases_[i].changed) {
       protocol_.prolong(Rule::kObstacleOverlap, i, k, step);
     } else if (k < circles) {
-      follow(Rule::kObstacleOverlap, i, k, step, phases_[i].rate,
-             [&](double s) { return referee::separation(box(i, s), instance_.map.circles[k]); });
+      follow(Rule::kObstacleOverlap, i, k, step, phases_[i].rate, [&](double s, double enough) {
+        return referee::separation(box(i, s), instance_.map.circles[k], enough);
+      });
     } else {
       judge_polygon(i, k - circles, step);
     }
@@ -454,10 +458,12 @@ void Referee::judge_polygon(std::size_t i, std::size_t p, std::size_t step) {
   const double inner = referee::contains(polygon, start.center)
                            ? -std::min(start.half_length, start.half_width)
                            : phase.disc.radius;
-  follow(Rule::kObstacleOverlap, i, object, step, phase.rate, [&](double s) {
+  follow(Rule::kObstacleOverlap, i, object, step, phase.rate, [&](double s, double enough) {
     const Box now = box(i, s);
     double least = inner;
-    for (const auto& [a, b] : near) least = std::min(least, referee::separation(now, a, b));
+    for (const auto& [a, b] : near) {
+      least = std::min(least, referee::separation(now, a, b, enough));
+    }
     return least;
   });
 }
@@ -473,10 +479,10 @@ void Referee::judge_bounds(std::size_t i, std::size_t step) {
   if (referee::margin_inside(map, phase.disc.center) > phase.disc.radius + largest) return;
   if (map.bounds == Bounds::kFootprint) {
     follow(Rule::kBounds, i, 0, step, phase.rate,
-           [&](double s) { return referee::margin_inside(map, box(i, s)); });
+           [&](double s, double) { return referee::margin_inside(map, box(i, s)); });
     return;
   }
-  follow(Rule::kBounds, i, 0, step, phase.motion.speed_bound(0.0), [&](double s) {
+  follow(Rule::kBounds, i, 0, step, phase.motion.speed_bound(0.0), [&](double s, double) {
     const Pose axle = phase.motion.at(s);
     return referee::margin_inside(map, Point{axle.x, axle.y});
   });

@@ -94,6 +94,18 @@ ContactTable::ContactTable(const SweptPath& a, const SweptPath& b) {
   finish();
 }
 
+ContactTable::ContactTable(const std::map<std::uint32_t, std::vector<Run>>& rows) {
+  for (const auto& [row, runs] : rows) {
+    // Rows without a contact in between.
+    for (auto next = first_row_ + std::uint32_t(begin_.size()) - 1; !empty() && next < row;
+         ++next) {
+      append_row(next, {});
+    }
+    append_row(row, runs);
+  }
+  finish();
+}
+
 void ContactTable::append_row(std::uint32_t row, std::span<const Run> runs) {
   if (intervals_.empty()) {
     if (runs.empty()) return;

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <limits>
+#include <map>
 #include <span>
 #include <utility>
 #include <vector>
@@ -72,8 +73,13 @@ class ContactTable {
     float high;
   };
 
+  /// B's samples from the first to the second.
+  using Run = std::pair<std::uint32_t, std::uint32_t>;
+
   /// No contact anywhere.
   ContactTable() = default;
+  /// Contacts as given: for samples of A's path those of B's. Runs may overlap.
+  explicit ContactTable(const std::map<std::uint32_t, std::vector<Run>>& rows);
   ContactTable(const SweptPath& a, const SweptPath& b);
   ContactTable(const GuidePath& path_a, const Vehicle& body_a, const GuidePath& path_b,
                const Vehicle& body_b, const Margins& margins);
@@ -109,6 +115,10 @@ class ContactTable {
   [[nodiscard]] bool concerns(double a, double a_end) const {
     return a <= last_ && a_end >= first_;
   }
+  /// The stretch of A's path where there are contacts [m]; its first behind its last if there are
+  /// none.
+  [[nodiscard]] double first() const { return first_; }
+  [[nodiscard]] double last() const { return last_; }
 
   /// No contact at any position of the two.
   [[nodiscard]] bool empty() const { return intervals_.empty(); }
@@ -136,8 +146,7 @@ class ContactTable {
     return false;
   }
 
-  /// Adds the contacts of the next row: B's samples from `first` to `last` of each pair.
-  using Run = std::pair<std::uint32_t, std::uint32_t>;
+  /// Adds the contacts of the next row.
   void append_row(std::uint32_t row, std::span<const Run> runs);
   void finish();
 

@@ -19,7 +19,7 @@ std::unique_ptr<const ContactTable> transpose_of(const ContactTable& table) {
 
 }  // namespace
 
-int PathLibrary::add(GuidePath path, const Vehicle& body) {
+int PathLibrary::add(GuidePath path, const Vehicle& body, std::vector<JunctionStretch> stretches) {
   SweptPath swept(path, body, margins_);
   const int number = int(grounds_.size());
   std::vector<int> near;
@@ -27,8 +27,8 @@ int PathLibrary::add(GuidePath path, const Vehicle& body) {
     if (grounds_[std::size_t(g)]->swept.bounds().overlaps(swept.bounds())) near.push_back(g);
   }
   near.push_back(number);
-  grounds_.push_back(
-      std::make_unique<Ground>(Ground{std::move(path), std::move(swept), std::move(near)}));
+  grounds_.push_back(std::make_unique<Ground>(
+      Ground{std::move(path), std::move(swept), std::move(stretches), std::move(near)}));
   entries_.push_back({number, body});
   return size() - 1;
 }
@@ -58,7 +58,31 @@ const ContactTable& PathLibrary::build_late(int a, int b) const {
   return *table;
 }
 
+const ContactTable& PathLibrary::reserved(int a, int b) const {
+  const auto table = reserved_.find(pair_key(ground_of(a), ground_of(b)));
+  return table != reserved_.end() ? *table->second : kNoContact;
+}
+
+void PathLibrary::reserve_among(std::span<const int> paths) {
+  if (reservation_ == Reservation::kNone) return;
+  for (const int a : paths) {
+    for (const int b : paths) {
+      if (ground_of(a) > ground_of(b)) continue;
+      auto& table = reserved_[pair_key(ground_of(a), ground_of(b))];
+      if (table) continue;
+      const Ground& on_a = ground(a);
+      const Ground& on_b = ground(b);
+      table = std::make_unique<ContactTable>(
+          reserved_ground(reservation_, {&on_a.swept, on_a.stretches},
+                          {&on_b.swept, on_b.stretches}, contacts(a, b)));
+      if (ground_of(a) == ground_of(b)) continue;
+      reserved_[pair_key(ground_of(b), ground_of(a))] = transpose_of(*table);
+    }
+  }
+}
+
 void PathLibrary::prepare(std::span<const int> paths, std::span<const int> others) {
+  tables_.merge(late_);
   enum class Role : std::uint8_t { kNone, kOther, kDriven };
   std::vector<Role> roles(grounds_.size(), Role::kNone);
   for (const int p : others) roles[std::size_t(ground_of(p))] = Role::kOther;
@@ -84,9 +108,11 @@ void PathLibrary::prepare(std::span<const int> paths, std::span<const int> other
   });
   for (std::size_t i = 0; i < missing.size(); ++i) {
     const auto [a, b] = missing[i];
-    if (a != b) tables_[pair_key(b, a)] = std::move(transposed[i]);
-    tables_[pair_key(a, b)] = std::move(built[i]);
+    // What is there already may be referred to.
+    if (a != b) tables_.try_emplace(pair_key(b, a), std::move(transposed[i]));
+    tables_.try_emplace(pair_key(a, b), std::move(built[i]));
   }
+  reserve_among(paths);
 }
 
 }  // namespace mvtp

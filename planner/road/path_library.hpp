@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "planner/road/contact_table.hpp"
+#include "planner/road/reservation.hpp"
 
 namespace mvtp {
 
@@ -18,10 +19,12 @@ namespace mvtp {
 /// run in many threads between them. References stay valid.
 class PathLibrary {
  public:
-  explicit PathLibrary(const Margins& margins) : margins_(margins) {}
+  explicit PathLibrary(const Margins& margins, Reservation reservation = Reservation::kNone)
+      : margins_(margins), reservation_(reservation) {}
 
   /// Returns the number of the new path.
-  int add(GuidePath path, const Vehicle& body);
+  /// @param stretches  over junctions, for reservations there.
+  int add(GuidePath path, const Vehicle& body, std::vector<JunctionStretch> stretches = {});
   /// The path numbered `like`, for a body of the same shape that moves otherwise: the two share
   /// their contacts. Returns its number.
   int add_like(int like, const Vehicle& body);
@@ -33,6 +36,9 @@ class PathLibrary {
   /// Where a body on path `a` meets one on path `b`. A look-up in what prepare() has built; the
   /// table of any other pair is built at its first use, one thread after the other.
   [[nodiscard]] const ContactTable& contacts(int a, int b) const;
+
+  /// Positions on `a` and `b` that reservations forbid, among the paths of the last prepare().
+  [[nodiscard]] const ContactTable& reserved(int a, int b) const;
 
   /// Builds the tables that are missing among `paths`, and between them and the `others`, on all
   /// cores. What the others have among themselves nobody asks for.
@@ -46,6 +52,7 @@ class PathLibrary {
   struct Ground {
     GuidePath path;
     SweptPath swept;
+    std::vector<JunctionStretch> stretches;
     std::vector<int> near;  ///< those added before this one, and itself, whose bounds overlap
   };
   struct Entry {
@@ -58,11 +65,14 @@ class PathLibrary {
   [[nodiscard]] int ground_of(int p) const { return entries_[std::size_t(p)].ground; }
   [[nodiscard]] const Ground& ground(int p) const { return *grounds_[std::size_t(ground_of(p))]; }
   [[nodiscard]] const ContactTable& build_late(int a, int b) const;
+  void reserve_among(std::span<const int> paths);
 
   Margins margins_;
+  Reservation reservation_;
   std::vector<Entry> entries_;
   std::vector<std::unique_ptr<const Ground>> grounds_;
   Tables tables_;
+  Tables reserved_;
   mutable std::mutex late_guard_;
   mutable Tables late_;  ///< built by contacts(); guarded by late_guard_
 };

@@ -7,10 +7,10 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numeric>
 #include <optional>
 
-#include "planner/escot/pbcr.hpp"
+#include "planner/escot/generate_config.hpp"
+#include "planner/road/road_world.hpp"
 
 namespace mvtp {
 namespace {
@@ -38,7 +38,8 @@ bool may_meet(const PathLibrary& library, const Ahead& a, const Ahead& b) {
            (behind.exit_lane == before.exit_lane || behind.exit_lane == before.entry_lane);
   };
   return follows(a, b) || follows(b, a) ||
-         library.contacts(a.path, b.path).reaches(a.from, a.to, b.from, b.to);
+         library.contacts(a.path, b.path).reaches(a.from, a.to, b.from, b.to) ||
+         library.reserved(a.path, b.path).reaches(a.from, a.to, b.from, b.to);
 }
 
 /// Of all vehicles on the same path, in the order of paths; whoever may meet one vehicle on a path
@@ -56,53 +57,6 @@ std::vector<Ahead> paths_ahead(const RoadScene& scene) {
   return list;
 }
 
-/// The motion that a trajectory makes during the decision of now.
-RoadStepWorld::Motion first_motion(const RoadScene& scene, const PathTrajectory& trajectory) {
-  const InertialState from = trajectory.at(scene.step);
-  // One that leaves within the decision counts as if it drove on at the same acceleration.
-  const std::int64_t last = std::min(scene.step + scene.grid.steps_per_decision,
-                                     std::max(scene.step, trajectory.end() - 1));
-  const InertialState to = trajectory.at(last);
-  const double h = double(last - scene.step) * scene.grid.dt;
-  const double a = h > 0.0 ? held_acceleration(from, to, h) : 0.0;
-  return {from, a, advance(from, a, scene.grid.decision())};
-}
-
-/// PBCR for the vehicles without a complete plan; the others are decided, unless that is
-/// impossible.
-void step_the_rest(const RoadPairs& pairs, RoadDecision& decision,
-                   const RoadEscotOptions& options) {
-  const RoadScene& scene = pairs.scene();
-  const JointPlan complete = decision.plan;
-  const RoadStepWorld world(pairs, complete, options.crossing.trajectory);
-  std::vector<InertialState> from;
-  std::vector<std::optional<RoadStepWorld::Motion>> decided;
-  for (const RoadVehicle& v : scene.vehicles) {
-    from.push_back(v.now);
-    const PathTrajectory* t = complete.find(v.key);
-    decided.push_back(t ? std::optional(first_motion(scene, *t)) : std::nullopt);
-  }
-  std::vector<int> order(from.size());
-  std::iota(order.begin(), order.end(), 0);  // the longest in the zone first
-
-  const Pbcr<RoadStepWorld> pbcr(world);
-  auto motions = pbcr.step(from, order, decided);
-  decision.all_stepped = !motions.has_value();
-  if (!motions) {
-    motions = pbcr.step(from, order);
-    decision.plan.entries.clear();
-  }
-  for (std::size_t i = 0; i < from.size(); ++i) {
-    const RoadVehicle& v = scene.vehicles[i];
-    if (decision.plan.find(v.key)) continue;
-    ++decision.stepped;
-    const RoadStepWorld::Motion& m = (*motions)[i];
-    decision.plan.entries.push_back(
-        {v.key, std::make_shared<PathTrajectory>(
-                    stop_after(scene, m.from, m.acceleration, scene.body(v).max_decel))});
-  }
-}
-
 /// The scene without all that a group has nothing to do with.
 RoadScene scene_of(const RoadScene& scene, const Keys& group) {
   RoadScene part{.library = scene.library, .grid = scene.grid, .step = scene.step};
@@ -116,6 +70,25 @@ RoadScene scene_of(const RoadScene& scene, const Keys& group) {
     if (matters) part.forecasts.push_back(f);
   }
   return part;
+}
+
+/// The complete plans as far as everybody makes room for them, and what PBCR decided for the
+/// others.
+RoadDecision decision_of(const RoadScene& scene, const RoadWorld& world,
+                         const std::vector<RoadWorld::Motion>& motions) {
+  RoadDecision decision{.plan = world.found().plan, .cost = world.found().cost};
+  decision.all_stepped = !world.keeps_plans(motions);
+  if (decision.all_stepped) decision.plan.entries.clear();
+  for (std::size_t i = 0; i < motions.size(); ++i) {
+    const RoadVehicle& v = scene.vehicles[i];
+    if (decision.plan.find(v.key)) continue;
+    ++decision.stepped;
+    const RoadWorld::Motion& m = motions[i];
+    decision.plan.entries.push_back(
+        {v.key, std::make_shared<PathTrajectory>(
+                    stop_after(scene, m.from, m.acceleration, scene.body(v).max_decel))});
+  }
+  return decision;
 }
 
 RoadDecision decide_group(const RoadScene& scene, const Keys& group, const JointPlan& incumbent,
@@ -134,11 +107,10 @@ RoadDecision decide_group(const RoadScene& scene, const Keys& group, const Joint
   }
   const std::uint64_t seed = options.seed + std::uint64_t(scene.step) * 1000003U +
                              std::uint64_t(group.front()) * 0x9e3779b97f4a7c15U;
-  CrossingResult result =
-      plan_crossing(pairs, keys, own, options.crossing, seed, WorkBudget{options.work});
-  RoadDecision decision{.plan = std::move(result.plan), .cost = result.cost};
-  if (decision.plan.entries.size() < group.size()) step_the_rest(pairs, decision, options);
-  return decision;
+  RoadWorld world(pairs, std::move(keys), std::move(own), options.crossing, seed,
+                  WorkBudget{options.work});
+  const std::vector<RoadWorld::State> q = world.states();
+  return decision_of(part, world, generate_config(world, q));
 }
 
 /// Other threads are worth waking if there is something to do beside the largest group.
@@ -207,73 +179,6 @@ RoadDecision decide_on_road(const RoadScene& scene, const JointPlan& incumbent, 
     decision.cost += part.cost;
   }
   return decision;
-}
-
-RoadStepWorld::RoadStepWorld(const RoadPairs& pairs, const JointPlan& complete,
-                             const WholeTrajectoryOptions& options)
-    : pairs_(pairs), complete_(complete), options_(options) {
-  const std::size_t n = pairs.scene().vehicles.size();
-  near_.resize(n);
-  for (std::size_t i = 0; i < n; ++i) {
-    for (std::size_t j = 0; j < n; ++j) {
-      if (i != j && !pairs.between(i, j).contact->never()) near_[i].push_back(int(j));
-    }
-  }
-}
-
-namespace {
-
-/// Could the vehicle stop before a line, but not any longer after this decision? Then it has to be
-/// stopped: only a complete plan leads over a stop line.
-bool runs_over_a_line(const RoadVehicle& v, const Vehicle& body, const InertialState& from,
-                      const InertialState& to) {
-  const auto line =
-      std::ranges::lower_bound(v.stop_lines, from.s + stopping_distance(from.v, body.max_decel));
-  return line != v.stop_lines.end() && to.s + stopping_distance(to.v, body.max_decel) > *line;
-}
-
-}  // namespace
-
-std::vector<RoadStepWorld::Motion> RoadStepWorld::candidates(int i, const State& state) const {
-  const RoadVehicle& v = vehicle(i);
-  const Vehicle& body = scene().body(v);
-  const double h = scene().grid.decision();
-  const WaitTest wait(pairs_, v, complete_.entries, options_);
-  const std::int64_t then = scene().step + scene().grid.steps_per_decision;
-  std::vector<Motion> clear;
-  std::vector<Motion> blocking;
-  for (const double a :
-       {body.max_accel, 0.5 * body.max_accel, 0.0, -0.5 * body.max_decel, -body.max_decel}) {
-    const Motion m{state, a, advance(state, a, h)};
-    if (a > -body.max_decel && m.to.v > v.envelope->at(m.to.s)) continue;
-    if (a > -body.max_decel && runs_over_a_line(v, body, state, m.to)) continue;
-    if (a > -body.max_decel && !wait.clear_of_forecasts(state, a, m.to)) continue;
-    // Who stands where somebody passes who does not yield is run into.
-    if (a > -body.max_decel && !wait.leaves_passages_free(then, m.to)) continue;
-    const bool keeps_clear = wait.can_wait(then, m.to);
-    (keeps_clear ? clear : blocking).push_back(m);
-  }
-  clear.insert(clear.end(), blocking.begin(), blocking.end());
-  return clear;
-}
-
-RoadStepWorld::Motion RoadStepWorld::safe_stop(int i, const State& state) const {
-  const double b = scene().body(vehicle(i)).max_decel;
-  return {state, -b, advance(state, -b, scene().grid.decision())};
-}
-
-bool RoadStepWorld::conflict(int i, const Motion& a, int j, const Motion& b) const {
-  if (i > j) return conflict(j, b, i, a);
-  const RoadContact& contact = *pairs_.between(std::size_t(i), std::size_t(j)).contact;
-  const double reach_a = a.to.s + stopping_distance(a.to.v, scene().body(vehicle(i)).max_decel);
-  const double reach_b = b.to.s + stopping_distance(b.to.v, scene().body(vehicle(j)).max_decel);
-  if (!contact.seen_from_a().reaches(a.from.s, reach_a, b.from.s, reach_b)) return false;
-  const double dt = scene().grid.dt;
-  const bool lenient = contact.is_close(a.from, b.from);
-  const auto position_a = [&](int k) { return advance(a.from, a.acceleration, k * dt).s; };
-  const auto position_b = [&](int k) { return advance(b.from, b.acceleration, k * dt).s; };
-  return contact.touch(position_a, position_b, scene().grid.steps_per_decision, lenient) ||
-         contact.touch_braking(a.to, b.to, lenient);
 }
 
 }  // namespace mvtp

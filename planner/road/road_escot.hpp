@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <span>
 #include <vector>
 
 #include "planner/road/crossing.hpp"
@@ -27,12 +26,9 @@ struct RoadDecision {
   double cost = 0.0;         ///< [s] of the complete plans
 };
 
-/// One decision of ESCoT over the model `InertialCar`: function GenerateConfig of [ESCoT, Alg. 2].
-///
-/// GroupRobots: vehicles whose paths may still meet; groups are planned independently, on several
-/// threads. GetOptTraj: complete trajectories in a searched order (plan_crossing). The rest of a
-/// group: PBCR over accelerations, where those that have a plan are decided robots.
-/// Returns something for everybody, in whatever state the vehicles are.
+/// One decision of ESCoT over the model `InertialCar`: generate_config() over a RoadWorld for each
+/// group of vehicles whose paths may still meet. Groups are planned independently, on several
+/// threads. Returns something for everybody, in whatever state the vehicles are.
 ///
 /// @param order  keys of the vehicles without a trajectory in `incumbent`, the first first.
 [[nodiscard]] RoadDecision decide_on_road(const RoadScene& scene, const JointPlan& incumbent,
@@ -42,37 +38,5 @@ struct RoadDecision {
 /// GroupRobots on roads: connected components of "may still meet on the rest of their paths".
 /// Each group ordered by key, the groups by their first.
 [[nodiscard]] std::vector<std::vector<std::int64_t>> group_vehicles(const RoadScene& scene);
-
-/// The world of PBCR on roads: a motion is one decision's acceleration and full braking after it.
-///
-/// Keep-clear: candidates after which a vehicle could not stand clear of the complete plans of
-/// others come last, since all-brake alone is safe but ends in gridlock.
-class RoadStepWorld {
- public:
-  using State = InertialState;
-  struct Motion {
-    InertialState from;
-    double acceleration = 0.0;
-    InertialState to;
-  };
-
-  RoadStepWorld(const RoadPairs& pairs, const JointPlan& complete,
-                const WholeTrajectoryOptions& options);
-
-  /// Robots are numbered as the scene's vehicles.
-  [[nodiscard]] std::vector<Motion> candidates(int i, const State& state) const;
-  [[nodiscard]] Motion safe_stop(int i, const State& state) const;
-  [[nodiscard]] bool conflict(int i, const Motion& a, int j, const Motion& b) const;
-  [[nodiscard]] std::span<const int> near(int i) const { return near_[std::size_t(i)]; }
-
- private:
-  [[nodiscard]] const RoadScene& scene() const { return pairs_.scene(); }
-  [[nodiscard]] const RoadVehicle& vehicle(int i) const { return scene().vehicles[std::size_t(i)]; }
-
-  const RoadPairs& pairs_;
-  const JointPlan& complete_;
-  const WholeTrajectoryOptions& options_;
-  std::vector<std::vector<int>> near_;
-};
 
 }  // namespace mvtp

@@ -49,6 +49,8 @@ struct RoadVehicle {
   /// Rear axle when the front bumper is at each stop line, ascending [m]: a vehicle without a
   /// complete plan waits before the next.
   std::vector<double> stop_lines;
+  /// Where its rear axle must not come to rest to wait, from and to [m]: on crossings of people.
+  std::vector<std::pair<double, double>> no_waiting;
   int exit_lane = -1;        ///< vehicles of one exit lane keep a headway on it
   double s_exit_lane = 0.0;  ///< rear axle when the front bumper enters the exit lane [m]
   /// The exit lane on which its path begins, behind another junction: there it is a leader of those
@@ -57,7 +59,8 @@ struct RoadVehicle {
   double s_entry_lane = 0.0;  ///< rear axle when the front bumper enters that [m]
   double s_handback = 0.0;    ///< rear axle where the zone ends [m]
   double s_end = 0.0;         ///< rear axle where a plan is complete [m]; >= s_handback
-  /// It has stood for long without a complete plan. Two such vehicles may pass each other closely.
+  /// It has stood for long without a complete plan, or it stands with a driver of its own. Two such
+  /// vehicles may pass each other closely.
   bool stuck = false;
 };
 

@@ -27,7 +27,8 @@ Surroundings::Surroundings(const RoadPairs& pairs, const RoadVehicle& vehicle,
     if (e.key == vehicle.key) continue;
     const std::size_t other = pairs.index(e.key);
     add({pairs.between(self, other), e.trajectory.get(), nullptr, &scene.vehicles[other],
-         &scene.body(scene.vehicles[other]), false, false});
+         &scene.body(scene.vehicles[other]), false, false, false,
+         &scene.library->reserved(vehicle.path, scene.vehicles[other].path)});
   }
 }
 
@@ -50,35 +51,50 @@ bool Surroundings::step_is_clear(std::int64_t k, const InertialState& from, doub
   // Whoever stood in the way the last time will mostly do so again.
   if (last_blocker_ < others_.size() && !is_clear_of(others_[last_blocker_])) return false;
   for (std::size_t i = 0; i < others_.size(); ++i) {
-    if (i == last_blocker_ || is_clear_of(others_[i])) continue;
+    if (!stretches_[i].overlaps(from.s, reach) || i == last_blocker_) continue;
+    if (is_clear_of(others_[i])) continue;
     last_blocker_ = i;
     return false;
   }
   return true;
 }
 
+bool Surroundings::may_stand_at(double s) const {
+  return std::ranges::none_of(vehicle_.no_waiting, [s](const auto& stretch) {
+    return s > stretch.first && s < stretch.second;
+  });
+}
+
 bool Surroundings::can_wait(std::int64_t k, const InertialState& state) const {
   count_work();
-  const double b = body_.max_decel;
-  const double rest = state.s + stopping_distance(state.v, b);
-  const int steps = braking_steps(state.v, b, grid_.dt);
-  for (const Other& other : others_) {
+  const double rest = state.s + stopping_distance(state.v, body_.max_decel);
+  if (!may_stand_at(rest)) return false;
+  for (std::size_t o = 0; o < others_.size(); ++o) {
+    if (!stretches_[o].overlaps(state.s, rest)) continue;
+    const Other& other = others_[o];
+    if (other.reserved && stands_in_the_way(other, *other.reserved, k, state)) return false;
     // Two that are too close now cannot be asked to stand clear of each other.
     if (other.contact.contact->is_close_now()) continue;
-    const ContactTable& contacts = other.contact.table();
-    if (!contacts.concerns(state.s, rest)) continue;
-    const double now = other.hindmost(k);
-    const double end = other.trajectory->states.back().s;
-    if (now > end || !contacts.reaches(state.s, rest, now, end)) continue;
-    if (is_followed_by(other, state, other.trajectory->at(k))) continue;
-    for (int i = 1; i < steps; ++i) {
-      const double s = braked_position(state, b, i * grid_.dt);
-      if (contacts.meets(s, s, other.hindmost(k + i), other.trajectory->at(k + i).s)) return false;
-    }
-    const double from = other.hindmost(k + steps);
-    if (from <= end && contacts.blocks(rest, from, end)) return false;
+    if (stands_in_the_way(other, other.contact.table(), k, state)) return false;
   }
   return true;
+}
+
+bool Surroundings::stands_in_the_way(const Other& other, const ContactTable& contacts,
+                                     std::int64_t k, const InertialState& state) const {
+  const double b = body_.max_decel;
+  const double rest = state.s + stopping_distance(state.v, b);
+  const double now = other.hindmost(k);
+  const double end = other.trajectory->states.back().s;
+  if (now > end || !contacts.reaches(state.s, rest, now, end)) return false;
+  if (is_followed_by(other, state, other.trajectory->at(k))) return false;
+  const int steps = braking_steps(state.v, b, grid_.dt);
+  for (int i = 1; i < steps; ++i) {
+    const double s = braked_position(state, b, i * grid_.dt);
+    if (contacts.meets(s, s, other.hindmost(k + i), other.trajectory->at(k + i).s)) return true;
+  }
+  const double from = other.hindmost(k + steps);
+  return from <= end && contacts.blocks(rest, from, end);
 }
 
 bool Surroundings::leaves_passages_free(std::int64_t k, const InertialState& state) const {
@@ -116,7 +132,8 @@ bool Surroundings::keeps_headway(std::int64_t k, const InertialState& state) con
   const double d = state.s - vehicle_.s_exit_lane;
   if (d <= 0.0 || vehicle_.exit_lane < 0) return true;
   const OnExit self{.place = d, .v = state.v, .vehicle = &vehicle_, .body = &body_};
-  for (const Other& other : others_) {
+  for (const std::size_t i : on_exit_) {
+    const Other& other = others_[i];
     const InertialState o = other.trajectory->at(k);
     OnExit ahead{.place = d, .v = o.v, .vehicle = other.vehicle, .body = other.body};
     if (const std::optional<double> place = place_on_next(other, o); place && *place > d) {
@@ -145,12 +162,23 @@ bool Surroundings::leaves_room(std::int64_t k, const InertialState& state) const
   return true;
 }
 
-void Surroundings::add(const Other& other) {
+void Surroundings::add(Other other) {
   const int exit = vehicle_.exit_lane;
   const bool same_exit =
       exit >= 0 && (exit == other.vehicle->exit_lane || exit == other.vehicle->entry_lane);
-  if (other.contact.contact->never() && !same_exit) return;
+  if (other.reserved) {
+    const InertialState then = other.trajectory->at(now_);
+    const bool idle =
+        other.reserved->empty() || other.reserved->blocks(vehicle_.now.s, then.s, then.s);
+    if (idle) other.reserved = nullptr;
+  }
+  if (other.contact.contact->never() && !same_exit && !other.reserved) return;
+  if (same_exit) on_exit_.push_back(others_.size());
   others_.push_back(other);
+  const ContactTable& contacts = other.contact.table();
+  const ContactTable& reserved = other.reserved ? *other.reserved : contacts;
+  stretches_.push_back(
+      {std::min(contacts.first(), reserved.first()), std::max(contacts.last(), reserved.last())});
 }
 
 /// To the last of the others, if it is this forecast: none where the vehicle is within it already.
@@ -168,8 +196,8 @@ void Surroundings::add_slack(const Forecast& forecast) {
 
 bool Surroundings::meets(const Other& other, std::int64_t k, const InertialState& from, double a,
                          const InertialState& to, double reach) const {
+  if (other.reserved && enters_reserved(other, k, from, a)) return true;
   const ContactTable& contacts = other.contact.table();
-  if (!contacts.concerns(from.s, reach)) return false;
   if (other.latest != nullptr) return meets_anywhere(other, k, from, a, to);
   const PathTrajectory& t = *other.trajectory;
   const InertialState other_from = t.at(k);
@@ -194,6 +222,18 @@ bool Surroundings::meets(const Other& other, std::int64_t k, const InertialState
       last == grid_.steps_per_decision ? to : advance(from, a, last * grid_.dt);
   return other.contact.touch_braking(then, other_to, lenient) ||
          (is_followed_by(other, then, other_to) && other.contact.contact->cuts_off(then, other_to));
+}
+
+bool Surroundings::enters_reserved(const Other& other, std::int64_t k, const InertialState& from,
+                                   double a) const {
+  for (int i = 0; i < grid_.steps_per_decision; ++i) {
+    const InertialState there = other.trajectory->at(k + i + 1);
+    if (there.s >= PathTrajectory::kGone) return false;
+    const double s = advance(from, a, i * grid_.dt).s;
+    const double s_end = advance(from, a, (i + 1) * grid_.dt).s;
+    if (other.reserved->sweeps(s, s_end, other.trajectory->at(k + i).s, there.s)) return true;
+  }
+  return false;
 }
 
 bool Surroundings::meets_anywhere(const Other& other, std::int64_t k, const InertialState& from,

@@ -24,6 +24,9 @@ class Surroundings {
   [[nodiscard]] bool step_is_clear(std::int64_t k, const InertialState& from, double a,
                                    const InertialState& to) const;
 
+  /// Is the vehicle allowed to come to rest there [m]?
+  [[nodiscard]] bool may_stand_at(double s) const;
+
   /// Could the vehicle brake from `state` at step k and then stand clear of all planned futures?
   [[nodiscard]] bool can_wait(std::int64_t k, const InertialState& state) const;
 
@@ -51,7 +54,9 @@ class Surroundings {
     bool forecast;
     bool yields;          ///< a forecast whose driver keeps clear of whoever is in his way
     bool relies = false;  ///< as of Forecast
-    int before = 0;       ///< steps of slack; see Forecast
+    /// What it has reserved; nullptr: nothing, or this vehicle is there already.
+    const ContactTable* reserved = nullptr;
+    int before = 0;  ///< steps of slack; see Forecast
     int behind = 0;
 
     /// Where it is at least at step k, and how fast then.
@@ -61,6 +66,16 @@ class Surroundings {
     [[nodiscard]] double hindmost(std::int64_t k) const { return hindmost_state(k).s; }
   };
 
+  /// Of this vehicle's path [m], where the other one may be met at all: compared before anything
+  /// is looked up.
+  struct Stretch {
+    double first;
+    double last;
+    [[nodiscard]] bool overlaps(double from, double to) const {
+      return from <= last && to >= first;
+    }
+  };
+
   /// How far behind the start of this vehicle's exit lane the other one is in this state [m]: on it
   /// as its own exit lane,
   [[nodiscard]] std::optional<double> place_on_exit(const Other& other,
@@ -68,7 +83,7 @@ class Surroundings {
   /// or as the lane on which its path begins.
   [[nodiscard]] std::optional<double> place_on_next(const Other& other,
                                                     const InertialState& state) const;
-  void add(const Other& other);
+  void add(Other other);
   void add_slack(const Forecast& forecast);
 
   void count_work() const {
@@ -80,6 +95,13 @@ class Surroundings {
   /// @param reach  where we could get in both
   [[nodiscard]] bool meets(const Other& other, std::int64_t k, const InertialState& from, double a,
                            const InertialState& to, double reach) const;
+
+  /// Do we come onto what the other one has reserved, in the decision from `from` at step k?
+  [[nodiscard]] bool enters_reserved(const Other& other, std::int64_t k, const InertialState& from,
+                                     double a) const;
+  /// Are we, braking from `state` at step k and then standing, where the other one will pass?
+  [[nodiscard]] bool stands_in_the_way(const Other& other, const ContactTable& contacts,
+                                       std::int64_t k, const InertialState& state) const;
 
   /// The same for somebody who may be anywhere between two trajectories, and who does not brake.
   [[nodiscard]] bool meets_anywhere(const Other& other, std::int64_t k, const InertialState& from,
@@ -107,6 +129,8 @@ class Surroundings {
   const Vehicle& body_;
   const WholeTrajectoryOptions& options_;
   std::vector<Other> others_;
+  std::vector<Stretch> stretches_;    ///< of each of the others
+  std::vector<std::size_t> on_exit_;  ///< those of the others that use this vehicle's exit lane
   mutable std::size_t last_blocker_ = 0;
   mutable std::int64_t work_ = 0;
 };

@@ -4,8 +4,6 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <map>
-#include <tuple>
 
 #include "planner/road/surroundings.hpp"
 
@@ -90,12 +88,11 @@ class VehiclePlanner {
       states_.resize(kept);
       return run;
     };
-    std::vector<Run*> passed;
+    const int first = decisions();
     while (states_.back().s < vehicle_.s_end) {
       const InertialState from = states_.back();
-      const auto [known, is_new] = runs_.try_emplace({now(), from.s, from.v}, Run::kFails);
-      if (!is_new) return give_up(known->second == Run::kArrives ? Run::kKnown : Run::kFails);
-      passed.push_back(&known->second);
+      if (const std::optional<Run> known = known_run(from)) return give_up(*known);
+      runs_[std::size_t(decisions())].push_back({from, Run::kFails});
       const Accelerations choices = accelerations(from, 1e9);
       const std::int64_t k = now();
       std::size_t c = 0;
@@ -105,14 +102,25 @@ class VehiclePlanner {
       }
       append(from, choices[c]);
     }
-    for (Run* run : passed) *run = Run::kArrives;
+    for (int d = first; d < decisions(); ++d) runs_[std::size_t(d)].back().run = Run::kArrives;
     return Run::kArrives;
+  }
+
+  /// How a run from this state, at the time of the last one, went.
+  std::optional<Run> known_run(const InertialState& from) {
+    const auto d = std::size_t(decisions());
+    if (d >= runs_.size()) runs_.resize(d + 1);
+    const auto known = std::ranges::find_if(
+        runs_[d], [&](const Known& k) { return k.from.s == from.s && k.from.v == from.v; });
+    if (known == runs_[d].end()) return std::nullopt;
+    return known->run == Run::kArrives ? Run::kKnown : Run::kFails;
   }
 
   [[nodiscard]] bool allowed(std::int64_t k, const InertialState& from, double a,
                              bool must_wait) const {
     const InertialState to = advance(from, a, grid_.decision());
     const std::int64_t k_to = k + grid_.steps_per_decision;
+    if (to.v == 0.0 && to.s != vehicle_.now.s && !around_.may_stand_at(to.s)) return false;
     // Firm braking is never refused for the sake of headway, nor is standing: that restores it.
     const bool brakes = a < -0.4 * body_.max_decel || (from.v == 0.0 && to.v == 0.0);
     if (!brakes && !around_.keeps_headway(k_to, to)) return false;
@@ -197,7 +205,11 @@ class VehiclePlanner {
   int max_decisions_;
   std::int64_t most_work_;
   std::vector<InertialState> states_;
-  std::map<std::tuple<std::int64_t, double, double>, Run> runs_;  ///< by step, s and v
+  struct Known {
+    InertialState from;
+    Run run;
+  };
+  std::vector<std::vector<Known>> runs_;  ///< by the number of decisions before
   bool blocked_ = false;
   double best_cost_;  ///< only cheaper plans are of use
 };

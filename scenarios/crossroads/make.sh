@@ -4,6 +4,8 @@
 #   demand-Q.rou.xml                       Q veh/h per approach: 30 % left, 50 % straight, 20 % right
 #   NAME[-Q].sumocfg                       the crossroads without a light; Q = 200 if not named
 #   NAME[-Q].static.sumocfg, .actuated.    the same demand at the twins with a light
+#   people-300.rou.xml                     300 people/h on foot over the crossings
+#   crossroads-people.sumocfg, .static., .actuated.  they beside 200 veh/h per approach
 #
 # NAME is crossroads (1 lane per arm) or crossroads2 (2 lanes). The demand is a Poisson process for
 # half an hour, another one for each seed; the run ends when the last vehicle has arrived.
@@ -34,14 +36,47 @@ demand() {
   echo '</routes>'
 }
 
-# configuration NETWORK VEHICLES_PER_HOUR
+# people FLOW FROM TO PEOPLE_PER_HOUR: from 60 m before the junction to 60 m behind it
+people() {
+  local depart=$2 arrive=$3 rate
+  rate=$(awk "BEGIN { printf \"%.7f\", $4 / 3600 }")
+  # Sidewalks are used both ways: towards the junction along ..i, against the traffic along ..o.
+  [[ $depart == *i ]] && depart=240 || depart=60
+  [[ $arrive == *o ]] && arrive=60 || arrive=240
+  cat <<FLOW
+    <personFlow id="$1" begin="0" end="1800" period="exp($rate)" departPos="$depart">
+        <walk from="$2" to="$3" arrivalPos="$arrive"/></personFlow>
+FLOW
+}
+
+# The sidewalks of Ni and Wo meet in the north-west, those of No and Ei in the north-east, and so on.
+walkers() {
+  echo '<?xml version="1.0" encoding="UTF-8"?>'
+  echo '<!-- 300 people/h: 25 each way over each arm, 25 from each corner to the one opposite. -->'
+  echo '<routes>'
+  people north-a Ni Ei 25
+  people north-b No Wo 25
+  people east-a Ei Si 25
+  people east-b Eo No 25
+  people south-a Si Wi 25
+  people south-b So Eo 25
+  people west-a Wi Ni 25
+  people west-b Wo So 25
+  people across-a Ni Eo 25
+  people across-b Ei So 25
+  people across-c Si Wo 25
+  people across-d Wi No 25
+  echo '</routes>'
+}
+
+# configuration NETWORK ROUTE_FILES
 configuration() {
   cat <<SUMOCFG
 <?xml version="1.0" encoding="UTF-8"?>
 <configuration>
     <input>
         <net-file value="../../networks/$1.net.xml"/>
-        <route-files value="demand-$2.rou.xml"/>
+        <route-files value="$2"/>
         <additional-files value="car.add.xml"/>
     </input>
     <time>
@@ -54,12 +89,17 @@ configuration() {
 SUMOCFG
 }
 
-# scenario NAME NETWORK VEHICLES_PER_HOUR
-scenario() {
-  demand "$3" > "demand-$3.rou.xml"
+# configurations NAME NETWORK ROUTE_FILES
+configurations() {
   configuration "$2" "$3" > "$1.sumocfg"
   configuration "$2-static" "$3" > "$1.static.sumocfg"
   configuration "$2-actuated" "$3" > "$1.actuated.sumocfg"
+}
+
+# scenario NAME NETWORK VEHICLES_PER_HOUR
+scenario() {
+  demand "$3" > "demand-$3.rou.xml"
+  configurations "$1" "$2" "demand-$3.rou.xml"
 }
 
 scenario crossroads crossroads 200
@@ -67,3 +107,6 @@ scenario crossroads-400 crossroads 400
 scenario crossroads-600 crossroads 600
 scenario crossroads2-400 crossroads2 400
 scenario crossroads2-800 crossroads2 800
+
+walkers > people-300.rou.xml
+configurations crossroads-people crossings demand-200.rou.xml,people-300.rou.xml

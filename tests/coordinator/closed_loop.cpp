@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 
+#include "coordinator/partition.hpp"
 #include "planner/search/draws.hpp"
 
 namespace mvtp {
@@ -175,7 +176,7 @@ void ClosedLoop::look() {
     const auto before = last_.find(v.id);
     if (before != last_.end()) look_at_motion(v, before->second, now[v.id]);
   }
-  audit.observe(traffic.time(), sightings);
+  audit.observe(traffic.time(), sightings, traffic.pedestrians());
   look_for_contacts(now);
   last_ = std::move(now);
 }

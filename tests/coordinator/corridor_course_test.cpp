@@ -1,112 +1,17 @@
 #include "coordinator/corridor_course.hpp"
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <set>
 
 #include "coordinator/corridor.hpp"
+#include "coordinator/partition.hpp"
 #include "tests/coordinator/fake_traffic.hpp"
 #include "tests/coordinator/walk.hpp"
 
 namespace mvtp {
 namespace {
-
-using testing::UnorderedElementsAre;
-
-/// The ids of the junctions of each zone.
-std::set<std::set<std::string>> zones_of(const RoadNetwork& network, double chain,
-                                         std::vector<std::string> ids = {}) {
-  const LaneGraph graph(network);
-  std::set<std::set<std::string>> zones;
-  for (const ControlZone& zone : partition(graph, select_junctions(graph, ids, chain), chain)) {
-    std::set<std::string> names;
-    for (const int j : zone.junctions) names.insert(graph.junction(j).id);
-    EXPECT_EQ(names.size(), zone.junctions.size());
-    zones.insert(names);
-  }
-  return zones;
-}
-
-TEST(Partition, HasEachCoordinatedJunctionInExactlyOneZone) {
-  for (const NetworkShape& shape : all_shapes()) {
-    const LaneGraph graph(shape.network);
-    for (const double chain : {0.0, 25.0, 50.0, 200.0}) {
-      const std::vector<bool> coordinated = select_junctions(graph, {}, chain);
-      std::vector<int> seen(std::size_t(graph.junctions()), 0);
-      for (const ControlZone& zone : partition(graph, coordinated, chain)) {
-        int connections = 0;
-        for (const int j : zone.junctions) {
-          ++seen[std::size_t(j)];
-          connections += int(graph.junction(j).connections.size());
-        }
-        EXPECT_EQ(zone.connections, connections);
-      }
-      for (std::size_t j = 0; j < seen.size(); ++j) {
-        EXPECT_EQ(seen[j], coordinated[j] ? 1 : 0) << shape.name << ", chain " << chain;
-      }
-    }
-  }
-}
-
-TEST(Partition, PutsNearJunctionsTogetherAndOthersApart) {
-  EXPECT_THAT(zones_of(chain_shape().network, 50.0),
-              UnorderedElementsAre(std::set<std::string>{"A", "B"}));
-  EXPECT_THAT(zones_of(chain_shape().network, 20.0),
-              UnorderedElementsAre(std::set<std::string>{"A"}, std::set<std::string>{"B"}));
-  // Between the columns of the grid there are 22 and 45 m of road, between its rows 28 and 30 m.
-  EXPECT_EQ(zones_of(grid_shape().network, 50.0).size(), 1U);
-  EXPECT_THAT(zones_of(grid_shape().network, 40.0),
-              UnorderedElementsAre(std::set<std::string>{"A0", "A1", "A2", "B0", "B1", "B2"},
-                                   std::set<std::string>{"C0", "C1", "C2"}));
-  EXPECT_EQ(zones_of(grid_shape().network, 20.0).size(), 9U);
-}
-
-/// The same network with other names, in another order.
-RoadNetwork renamed(const RoadNetwork& network, const std::map<std::string, std::string>& names) {
-  RoadNetwork other = network;
-  other.junctions.clear();
-  for (const auto& [id, junction] : network.junctions) {
-    const auto name = names.find(id);
-    Junction& copy = other.junctions[name == names.end() ? id : name->second];
-    copy = junction;
-    copy.id = name == names.end() ? id : name->second;
-    std::ranges::reverse(copy.connections);
-  }
-  return other;
-}
-
-TEST(Partition, DoesNotDependOnTheOrderOfItsInput) {
-  const RoadNetwork grid = grid_shape().network;
-  std::map<std::string, std::string> names;
-  std::map<std::string, std::string> back;
-  const std::vector<std::string> ids = {"A0", "A1", "A2", "B0", "B1", "B2", "C0", "C1", "C2"};
-  for (std::size_t i = 0; i < ids.size(); ++i) {
-    names[ids[i]] = ids[(7 * i + 3) % ids.size()] + "x";
-    back[names[ids[i]]] = ids[i];
-  }
-  for (const double chain : {20.0, 40.0, 50.0}) {
-    std::set<std::set<std::string>> zones;
-    for (const std::set<std::string>& zone : zones_of(renamed(grid, names), chain)) {
-      std::set<std::string> original;
-      for (const std::string& id : zone) original.insert(back.at(id));
-      zones.insert(original);
-    }
-    EXPECT_EQ(zones, zones_of(grid, chain));
-  }
-  EXPECT_EQ(zones_of(grid, 40.0, {"A0", "C2"}), zones_of(grid, 40.0, {"C2", "A0"}));
-}
-
-TEST(SelectJunctions, TakesNeighboursWithoutRoomBetweenAlong) {
-  EXPECT_THAT(zones_of(chain_shape().network, 50.0, {"A"}),
-              UnorderedElementsAre(std::set<std::string>{"A", "B"}));
-  EXPECT_THAT(zones_of(chain_shape().network, 20.0, {"A"}),
-              UnorderedElementsAre(std::set<std::string>{"A"}));
-  // D is a bend without conflicts: it is not coordinated.
-  EXPECT_THAT(zones_of(seam_shape().network, 50.0),
-              UnorderedElementsAre(std::set<std::string>{"C"}));
-}
 
 /// Every course of a shape from its sources to its sinks, and the corridor of a car along it.
 class EveryCorridor : public testing::TestWithParam<std::size_t> {
@@ -246,8 +151,11 @@ TEST(CourseFinder, HandsNobodyBackWithItsTailInTheJunction) {
 TEST(CourseFinder, HandsBackEarlyWhereTheDriverHasToChangeLanes) {
   NetworkMaker maker;
   maker.node("C", {0, 0});
-  for (const auto& [id, middle] : std::map<std::string, Point>{
-           {"W", {-120, 0}}, {"S", {0, -120}}, {"N", {0, 120}}, {"E", {140, 0}}, {"F", {140, 90}}}) {
+  for (const auto& [id, middle] : std::map<std::string, Point>{{"W", {-120, 0}},
+                                                               {"S", {0, -120}},
+                                                               {"N", {0, 120}},
+                                                               {"E", {140, 0}},
+                                                               {"F", {140, 90}}}) {
     maker.node(id, middle);
   }
   maker.road("W", "C");
@@ -267,6 +175,36 @@ TEST(CourseFinder, HandsBackEarlyWhereTheDriverHasToChangeLanes) {
   const double length = walk.graph.lane(walk.graph.find_lane("C-E_0")).length;
   EXPECT_GE(length - goes_on->handback, 80.0);
   EXPECT_GT(ends->handback, goes_on->handback + 10.0);
+}
+
+//   W leads into both lanes of E, from both of its own; a bus stop is on one lane or the other.
+TEST(CourseFinder, LeadsIntoTheLaneOfTheNextStop) {
+  NetworkMaker maker;
+  maker.node("C", {0, 0});
+  for (const auto& [id, middle] : std::map<std::string, Point>{
+           {"W", {-120, 0}}, {"S", {0, -120}}, {"N", {0, 120}}, {"E", {200, 0}}}) {
+    maker.node(id, middle);
+  }
+  maker.one_way("W", "C", 2);
+  maker.one_way("C", "E", 2);
+  maker.road("S", "C");
+  maker.road("N", "C");
+  maker.connect("W-C_0", "C-E_0");
+  maker.connect("W-C_1", "C-E_1");
+  maker.connect("S-C_0", "C-N_0");
+  maker.connect("N-C_0", "C-S_0");
+  Walk walk(maker.make());
+  for (const std::string from : {"W-C_0", "W-C_1"}) {
+    for (const std::string to : {"C-E_0", "C-E_1"}) {
+      CourseQuery query = walk.at(from, 40.0, {"W-C", "C-E"});
+      query.stop_edge = 1;
+      query.stop_lane = walk.graph.find_lane(to);
+      query.stop_position = 120.0;
+      const auto course = walk.finder.find(query);
+      ASSERT_TRUE(course);
+      EXPECT_EQ(walk.graph.lane(course->pieces.back().lane).id, to) << "from " << from;
+    }
+  }
 }
 
 //   The road behind the crossroads is a dead end: vehicles turn round there, with their drivers.

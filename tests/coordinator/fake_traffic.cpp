@@ -222,6 +222,12 @@ void FakeTraffic::insert_now() {
 
 void FakeTraffic::step() {
   time_ += step_length_;
+  walkers_.step(time_, step_length_, [&](int c) {
+    const PedestrianCrossing& crossing = *graph_.crossing(c).crossing;
+    if (crossing.signal.empty()) return true;
+    const auto light = lights_.find({crossing.signal, crossing.lights.front()});
+    return light != lights_.end() && light->second == Light::kGreen;
+  });
   insert_departures();
   find_occupants();
   for (auto& [id, car] : cars_) {

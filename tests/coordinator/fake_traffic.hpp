@@ -8,6 +8,7 @@
 
 #include "coordinator/lane_graph.hpp"
 #include "coordinator/traffic.hpp"
+#include "tests/coordinator/fake_walkers.hpp"
 #include "tests/coordinator/shapes.hpp"
 
 namespace mvtp {
@@ -58,7 +59,9 @@ class FakeTraffic : public Traffic {
   [[nodiscard]] VehicleType type(const std::string& id) const override { return fake_type(id); }
   [[nodiscard]] double time() const override { return time_; }
   [[nodiscard]] double step_length() const override { return step_length_; }
-  [[nodiscard]] bool running() const override { return !cars_.empty() || !waiting_.empty(); }
+  [[nodiscard]] bool running() const override {
+    return !cars_.empty() || !waiting_.empty() || !walkers_.all_gone();
+  }
   [[nodiscard]] std::vector<std::string> pending() const override;
   [[nodiscard]] std::span<const VehicleState> vehicles() const override { return states_; }
   [[nodiscard]] std::vector<std::string> route(const std::string& id) const override;
@@ -79,9 +82,13 @@ class FakeTraffic : public Traffic {
     network_.lanes.at(lane).speed_limit = speed;
   }
   [[nodiscard]] std::optional<Stop> next_stop(const std::string& id) const override;
+  [[nodiscard]] std::span<const Pedestrian> pedestrians() const override {
+    return walkers_.people();
+  }
   void step() override;
   [[nodiscard]] int collisions() const override { return 0; }
 
+  [[nodiscard]] FakeWalkers& walkers() { return walkers_; }
   [[nodiscard]] int arrived() const { return arrived_; }
   /// From now on this vehicle, once handed back, stands still.
   void freeze(const std::string& id) { frozen_.insert(id); }
@@ -151,6 +158,7 @@ class FakeTraffic : public Traffic {
 
   RoadNetwork network_;
   LaneGraph graph_;
+  FakeWalkers walkers_{graph_};
   double step_length_;
   double time_ = 0.0;
   int arrived_ = 0;

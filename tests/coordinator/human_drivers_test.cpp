@@ -8,12 +8,15 @@
 #include <map>
 #include <tuple>
 
+#include "coordinator/partition.hpp"
 #include "tests/coordinator/closed_loop.hpp"
 
 namespace mvtp {
 namespace {
 
 using testing::Combine;
+using testing::Each;
+using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::Range;
 using testing::Values;
@@ -71,6 +74,24 @@ TEST(HumanDrivers, AreNeverTakenOverNorHeld) {
   }
   EXPECT_EQ(run.taken_over, 0);
 }
+
+/// Penetration, seed.
+class BlackOut : public testing::TestWithParam<std::tuple<double, unsigned>> {};
+
+TEST_P(BlackOut, LeavesNoContactAndTrafficFlowsAgain) {
+  const auto& [penetration, seed] = GetParam();
+  CoordinatorOptions options = share(penetration);
+  options.replan_budget_ms = 0.0;
+  options.budget_from = 20.0;
+  ClosedLoop run = loop(cars(seed), options);
+  run.run_until(600.0);
+  // Who has come to rest inside the junction is handed back there.
+  EXPECT_THAT(run.broken, Each(HasSubstr("is handed back")));
+  EXPECT_EQ(run.audit.figures().overlap_pairs_coordinated, 0);
+  EXPECT_EQ(run.traffic.arrived(), run.number_of_trips);
+}
+
+INSTANTIATE_TEST_SUITE_P(Seeds, BlackOut, Combine(Values(0.3, 0.7), Range(1U, 7U)));
 
 TEST(HumanDrivers, OneAloneHardlySlowsDown) {
   ClosedLoop run = loop({{"a", 0.0, "W-C", "C-E"}}, share(0.0));

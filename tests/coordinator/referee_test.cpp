@@ -59,6 +59,28 @@ TEST_F(RefereeTest, SeesTwoVehiclesThatWouldMeet) {
   EXPECT_THAT(find_planned_contacts(scene, plan), IsEmpty());
 }
 
+// A guest on path 1 leaves between now and five seconds later; the crossing is at s = 50.
+TEST_F(RefereeTest, SeesWhoWouldTouchAPassageWheneverItGoes) {
+  Forecast passage;
+  passage.vehicle = {.key = -1, .path = 1, .s_end = 100.0};
+  passage.trajectory = *even(0.0, 1.0, 100);
+  PathTrajectory latest = *even(0.0, 1.0, 100);
+  latest.states.insert(latest.states.begin(), 50, latest.states.front());
+  passage.latest = latest;
+  const auto touches = [&](const PathTrajectory& t) {
+    return touches_passage(library, 0, t, passage, 0);
+  };
+  PathTrajectory stands{.begin = 0, .states = {{48.0, 0.0}}, .complete = false};
+  EXPECT_TRUE(touches(stands)) << "its front is on path 1";
+  stands.states[0].s = 50.0 - 0.9 - 3.6 - 0.1;
+  EXPECT_FALSE(touches(stands)) << "within the margins only";
+  EXPECT_TRUE(touches(*even(0.0, 1.0, 100))) << "with the earliest";
+  EXPECT_TRUE(touches(*even(-25.0, 1.0, 125))) << "in between";
+  EXPECT_TRUE(touches(*even(-50.0, 1.0, 150))) << "with the latest";
+  EXPECT_FALSE(touches(*even(-70.0, 1.0, 170))) << "behind it";
+  EXPECT_FALSE(touches(*even(20.0, 1.0, 80))) << "before it";
+}
+
 // 4 m per step: at the steps both cubes are 2 m before, and then 2 m behind the crossing.
 TEST_F(RefereeOfCubesTest, SeesWhatHappensBetweenTwoSteps) {
   add(0, 46.0, 4.0, 4);

@@ -505,6 +505,42 @@ NetworkShape with_signals(NetworkShape shape) {
   return shape;
 }
 
+NetworkShape with_crossings(NetworkShape shape) {
+  constexpr double kWidth = 4.0;  // [m]
+  for (auto& [id, junction] : shape.network.junctions) {
+    if (!junction.has_conflicts) continue;
+    for (const std::string& in : junction.incoming_lanes) {
+      const Lane& lane = shape.network.lanes.at(in);
+      const std::size_t dash = lane.edge.find('-');
+      const auto back = shape.network.lanes.find(lane.edge.substr(dash + 1) + "-" +
+                                                 lane.edge.substr(0, dash) + "_0");
+      if (lane.index != 0 || back == shape.network.lanes.end()) continue;
+      // From the right edge of the incoming lane to the right edge of the other.
+      const Point a = lane.shape.back();
+      const Point b = back->second.shape.front();
+      const double apart = std::hypot(b.x - a.x, b.y - a.y);
+      const Point across{(b.x - a.x) / apart, (b.y - a.y) / apart};
+      const Point inwards{across.y, -across.x};
+      const double kerb = lane.width / 2.0;
+      PedestrianCrossing crossing{.id = ":" + id + "_c" + std::to_string(junction.crossings.size()),
+                                  .width = kWidth,
+                                  .has_priority = true};
+      crossing.shape = {{a.x - kerb * across.x + kWidth / 2.0 * inwards.x,
+                         a.y - kerb * across.y + kWidth / 2.0 * inwards.y},
+                        {b.x + kerb * across.x + kWidth / 2.0 * inwards.x,
+                         b.y + kerb * across.y + kWidth / 2.0 * inwards.y}};
+      crossing.ends = {crossing.id + "_a", crossing.id + "_b"};
+      if (const auto signal = shape.network.signals.find(id);
+          signal != shape.network.signals.end()) {
+        crossing.signal = id;
+        crossing.lights = {signal->second++};
+      }
+      junction.crossings.push_back(std::move(crossing));
+    }
+  }
+  return shape;
+}
+
 std::vector<NetworkShape> all_shapes() {
   return {crossroads_shape(), grid_shape(),  t_shape(),         five_arms_shape(),
           roundabout_shape(), chain_shape(), two_lanes_shape(), left_hand_shape(),

@@ -96,6 +96,10 @@ struct NetworkShape {
 /// The same with a traffic signal at every junction with conflicts, named as that.
 [[nodiscard]] NetworkShape with_signals(NetworkShape shape);
 
+/// The same with a crossing over every road that leads both ways into a junction with conflicts,
+/// right behind its stop line; under the light where there is one.
+[[nodiscard]] NetworkShape with_crossings(NetworkShape shape);
+
 [[nodiscard]] std::vector<NetworkShape> all_shapes();
 /// Those where bodies of 12 and 18 m can turn.
 [[nodiscard]] std::vector<NetworkShape> roomy_shapes();

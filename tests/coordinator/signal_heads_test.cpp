@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "coordinator/corridor_course.hpp"
+#include "coordinator/partition.hpp"
 #include "tests/coordinator/fake_traffic.hpp"
 
 namespace mvtp {

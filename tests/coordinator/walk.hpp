@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "coordinator/corridor_course.hpp"
+#include "coordinator/partition.hpp"
 
 namespace mvtp {
 

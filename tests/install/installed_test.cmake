@@ -1,6 +1,6 @@
 # Installs into a folder of its own, as a user would; builds the examples against what is there, and
 # runs them and the program. Nothing of it may need the build tree or the source.
-#   cmake -DBUILD_DIR=... -DSOURCE_DIR=... -DWORK_DIR=... -DCXX=... -P installed_test.cmake
+#   cmake -DBUILD_DIR=... -DSOURCE_DIR=... -DWORK_DIR=... -DCXX=... -DEIGEN=... -P installed_test.cmake
 cmake_policy(VERSION 3.25)
 set(prefix ${WORK_DIR}/prefix)
 file(REMOVE_RECURSE ${WORK_DIR})
@@ -31,7 +31,8 @@ while(public_headers)
   list(POP_FRONT public_headers name path)
   file(APPEND ${WORK_DIR}/headers.cpp "#include <mvtp/${name}>\n")
 endwhile()
-expect_output("" ${CXX} -std=c++20 -fsyntax-only -I ${prefix}/include ${WORK_DIR}/headers.cpp)
+expect_output("" ${CXX} -std=c++20 -fsyntax-only -I ${prefix}/include -isystem ${EIGEN}
+  ${WORK_DIR}/headers.cpp)
 
 # The programs.
 expect_output("^mvtp 1\\." ${prefix}/bin/mvtp --version)

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <numbers>
+
 namespace mvtp {
 namespace {
 
@@ -56,6 +58,24 @@ TEST(LotPlanner, KeepsNothingForThoseWhoWait) {
   ASSERT_TRUE(planner.admit(motion, request(1, {5, 5, 0}, {30, 5, 0}), waiting));
   const std::size_t goals_and_tails = planner.costs_kept();
   EXPECT_LE(goals_and_tails, 2U);
+}
+
+//   A lattice finds no way out between two long cars, across an aisle of 5.2 m.
+TEST(LotPlanner, FindsAWayOutOfATightSlot) {
+  const Vehicle long_car{.front = 4.0, .rear = 1.0, .width = 1.9, .min_turning_radius = 4.5};
+  ParkingLot lot;
+  lot.id = "lot";
+  lot.ground = {{0, 0}, {40, 0}, {40, 18}, {0, 18}};
+  lot.obstacles = {{{0, 0}, {19.2, 0}, {19.2, 5.5}, {0, 5.5}},
+                   {{21.8, 0}, {40, 0}, {40, 5.5}, {21.8, 5.5}},
+                   {{0, 10.7}, {40, 10.7}, {40, 18}, {0, 18}}};
+  LotPlanner planner(lot, {});
+  LotMotion motion;
+  const Pose slot{20.5, 1.3, std::numbers::pi / 2};
+  LotRequest leaving = {
+      .key = 1, .body = long_car, .pose = slot, .goals = {{8.0, 8.0, std::numbers::pi}}};
+  ASSERT_TRUE(planner.admit(motion, leaving, {}));
+  EXPECT_TRUE(motion.forecast().complete);
 }
 
 }  // namespace

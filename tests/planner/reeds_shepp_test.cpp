@@ -6,7 +6,7 @@
 #include <numbers>
 #include <random>
 
-#include "tests/planner/ompl_reference.hpp"
+#include "planner/search/reeds_shepp_planner.hpp"
 
 namespace mvtp {
 namespace {
@@ -57,7 +57,7 @@ TEST(ReedsShepp, KnowsLengthsFromGeometry) {
 TEST(ReedsShepp, IsAsLongAsOmplsPath) {
   for (const auto& [from, to] : random_pairs(20000)) {
     const double ours = reeds_shepp_length(from, to, kRadius);
-    EXPECT_NEAR(ours, ompl_reeds_shepp_length(from, to, kRadius), 1e-5)
+    EXPECT_NEAR(ours, shortest_length(from, to, kRadius), 1e-9)
         << from.x << ' ' << from.y << ' ' << from.theta << " to " << to.x << ' ' << to.y << ' '
         << to.theta;
   }

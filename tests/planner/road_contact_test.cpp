@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "planner/road/road_escot.hpp"
+#include "planner/road/road_world.hpp"
 #include "planner/search/draws.hpp"
 #include "tests/planner/crossing_fixture.hpp"
 

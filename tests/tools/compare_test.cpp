@@ -58,14 +58,18 @@ TEST(Comparison, ShowsARunThatFailed) {
 }
 
 TEST(Comparison, AnOverlapOfOursIsNoSuccess) {
-  ComparedRun run{.control = "coordinated", .failure = "", .status = "finished"};
+  ComparedRun run{.control = "aim", .drives = true, .failure = "", .status = "finished"};
+  run.figures["people_touched_coordinated"] = 0.0;
   run.figures["overlap_pairs_coordinated"] = 1.0;
   EXPECT_FALSE(succeeded(run));
   run.figures["overlap_pairs_coordinated"] = 0.0;
   EXPECT_TRUE(succeeded(run));
+  run.figures["people_touched_coordinated"] = 1.0;
+  EXPECT_FALSE(succeeded(run));
+  run.figures["people_touched_coordinated"] = 0.0;
   run.status = "stuck";
   EXPECT_FALSE(succeeded(run));
-  run.control = "priority";
+  run.drives = false;  // a light that cannot cope is a result
   EXPECT_TRUE(succeeded(run));
 }
 
@@ -107,6 +111,37 @@ TEST_F(Compare, RefusesBadInputBeforeAnyRun) {
   expect_refused("compare -c missing.sumocfg", "missing.sumocfg: no such file; [^\n]*");
   expect_refused(command("--jobs 0"), "compare: --jobs: [^\n]*");
   EXPECT_EQ(directory_.size(), 0);
+}
+
+TEST_F(Compare, ControllersAreComparedByName) {
+  const Outcome outcome =
+      run(command("--controllers max-wave,static,prioritized,static --seeds 1 --quiet"));
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  const json j = json::parse(content_of(directory_.path("out/compare.json")));
+  ASSERT_EQ(j["controls"].size(), 3U);
+  EXPECT_EQ(j["controls"][0]["control"], "max-wave");
+  EXPECT_EQ(j["controls"][1]["control"], "static");
+  EXPECT_EQ(j["controls"][2]["control"], "prioritized");
+  for (const json& c : j["controls"]) {
+    EXPECT_EQ(c["vehicles"], j["controls"][0]["vehicles"]);
+  }
+  EXPECT_EQ(j["controls"][0]["replans"]["mean"], 0.0);
+  EXPECT_GT(j["controls"][2]["replans"]["mean"], 0.0);
+  // The phases of the twin with a light, although the crossroads themselves have none.
+  const json run = json::parse(content_of(directory_.path("out/static-1/summary.json")));
+  EXPECT_THAT(run["command"].get<std::string>(), HasSubstr("crossroads.static.sumocfg"));
+  EXPECT_EQ(run["controller"], "static");
+}
+
+TEST_F(Compare, RefusesControllersThatCannotBe) {
+  expect_refused(command("--controllers escot,magic"),
+                 "--controllers magic: is no controller; there are escot, [^\n]*max-wave[^\n]*");
+  (void)directory_.file("y.sumocfg", std::string("<configuration><net-file value=\"") +
+                                         MVTP_NETWORKS + "/crossroads.net.xml\"/></configuration>");
+  expect_refused("compare -c y.sumocfg --output-dir out --controllers max-wave",
+                 "--controllers max-wave: needs traffic signals: y.sumocfg has none, [^\n]*");
+  expect_refused("coordinate -c y.sumocfg --output-dir out --controller max-wave",
+                 "--controller max-wave: runs traffic signals, and there is none [^\n]*");
 }
 
 TEST_F(Compare, TellsWhatARunHasAgainstTheInput) {

@@ -226,6 +226,20 @@ TEST_F(Coordinate, HumanDriversGetTheirGreensFromUs) {
   EXPECT_TRUE(j.contains("unplanned_passages"));
 }
 
+TEST_F(Coordinate, PeopleCrossUntouched) {
+  for (const char* light : {"", ".static"}) {
+    const std::string scenario =
+        std::string(MVTP_SCENARIOS) + "/crossroads/crossroads-people" + light + ".sumocfg";
+    const Outcome outcome =
+        run("coordinate -c '" + scenario + "' --end 200 --seed 1 --no-view --no-fcd --quiet");
+    const json people = summary()["people"];
+    EXPECT_GT(people["walked"], 5) << outcome.err;
+    EXPECT_EQ(people["touched"], 0);
+    EXPECT_LT(people["wait_s"], 15.0);
+    EXPECT_EQ(people["greens"] > 0, *light != '\0');
+  }
+}
+
 TEST_F(Coordinate, TheSameCommandGivesTheSameVehicles) {
   const std::string arguments = "coordinate -c '" + kQuiet + "' --end 200 --seed 7 --no-view";
   (void)run(arguments + " --output-dir a --no-fcd");

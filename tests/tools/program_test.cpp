@@ -124,6 +124,12 @@ TEST_F(Program, TheVehicleIsTheUsersChoice) {
   EXPECT_EQ(run("validate -i i.yaml -s p.yaml --dt 2.2").exit_code, 0);
 }
 
+TEST_F(Program, OfManyRunsTheSeedThatSolvedIsTold) {
+  (void)directory_.file("i.yaml", kInstance);
+  EXPECT_THAT(run("solve -i i.yaml --seed 5 --runs 3").out, HasSubstr(" s with seed 5\n"));
+  EXPECT_THAT(run("solve -i i.yaml --seed 5").out, testing::Not(HasSubstr("seed")));
+}
+
 //   The start of agent1 lies 5 cm inside the circle.
 TEST_F(Program, InitialOverlapsAreRefusedUnlessAllowed) {
   (void)directory_.file("i.yaml", replaced(replaced(kInstance, "goal: [30", "goal: [34"),

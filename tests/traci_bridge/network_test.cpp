@@ -20,6 +20,7 @@ using testing::IsEmpty;
 using testing::MatchesRegex;
 using testing::SizeIs;
 using testing::StartsWith;
+using testing::UnorderedElementsAre;
 
 RoadNetwork crossroads() { return read_network(project_file("networks/crossroads.net.xml")); }
 
@@ -51,6 +52,27 @@ TEST(ReadNetwork, ConnectionsKnowTheirLights) {
   EXPECT_EQ(c.signal_index, 10);
   EXPECT_EQ(network.signals.at("C"), 12);
   EXPECT_THAT(crossroads().signals, IsEmpty());
+}
+
+TEST(ReadNetwork, CrossingsKnowTheirEndsLightsAndPriority) {
+  const RoadNetwork lights = read_network(project_file("networks/crossings-static.net.xml"));
+  const std::vector<PedestrianCrossing>& crossings = lights.junctions.at("C").crossings;
+  ASSERT_THAT(crossings, SizeIs(4));
+  EXPECT_EQ(crossings[0].id, ":C_c0");
+  EXPECT_EQ(crossings[0].width, 4.0);
+  EXPECT_THAT(crossings[0].shape, ElementsAre(Point{3.2, 5.2}, Point{-3.2, 5.2}));
+  EXPECT_THAT(crossings[0].ends, UnorderedElementsAre(":C_w0", ":C_w1"));
+  EXPECT_EQ(crossings[0].signal, "C");
+  EXPECT_THAT(crossings[0].lights, ElementsAre(12));
+  EXPECT_EQ(lights.signals.at("C"), 16);
+  EXPECT_FALSE(lights.lanes.contains(":C_c0_0"));
+
+  const RoadNetwork zebras = read_network(project_file("networks/crossings.net.xml"));
+  for (const PedestrianCrossing& zebra : zebras.junctions.at("C").crossings) {
+    EXPECT_TRUE(zebra.has_priority);
+    EXPECT_THAT(zebra.lights, IsEmpty());
+  }
+  EXPECT_THAT(zebras.junctions.at("E").crossings, IsEmpty());
 }
 
 TEST(ReadNetwork, LanesHaveTheirShapeAndLimits) {

@@ -23,6 +23,7 @@
 #include "tools/output_folder.hpp"
 #include "tools/program.hpp"
 #include "tools/progress.hpp"
+#include "tools/runs/temporary_folder.hpp"
 #include "tools/version.hpp"
 
 namespace mvtp {
@@ -35,30 +36,6 @@ constexpr double kPatience = 1.5;         // times the time limit
 constexpr double kLoading = 30.0;         // [s]
 constexpr double kRefereeLimit = 1000.0;  // [s]
 
-/// A folder for what only this process needs, removed with all that is in it.
-class TemporaryFolder {
- public:
-  TemporaryFolder() {
-    std::string name = (fs::temp_directory_path() / "mvtp-bench-XXXXXX").string();
-    if (::mkdtemp(name.data()) == nullptr) {
-      throw InputError(name, fmt::format("cannot make this folder ({}); set TMPDIR to another",
-                                         std::strerror(errno)));
-    }
-    path_ = name;
-  }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  ~TemporaryFolder() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-  }
-
-  [[nodiscard]] const fs::path& path() const { return path_; }
-
- private:
-  fs::path path_;
-};
-
 /// One row to be measured.
 struct Run {
   InstancePath instance;
@@ -70,7 +47,7 @@ std::vector<Run> runs_of(const BenchOptions& options, const std::vector<Instance
                          const std::set<RunKey>& done) {
   std::vector<Run> runs;
   for (std::size_t i = 0; i < instances.size(); ++i) {
-    if (int(i % std::size_t(options.shard.count)) != options.shard.index - 1) continue;
+    if (!options.shard.has(i)) continue;
     for (const std::string& algorithm : options.algorithms) {
       for (const std::uint32_t seed : options.seeds) {
         if (done.contains({instances[i].name, algorithm, seed})) continue;

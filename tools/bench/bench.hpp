@@ -5,14 +5,9 @@
 #include <vector>
 
 #include "planner/problem/instance_file.hpp"
+#include "tools/runs/shard.hpp"
 
 namespace mvtp {
-
-/// Part `index` of `count` of the work, from 1: every count-th instance.
-struct Shard {
-  int index = 1;
-  int count = 1;
-};
 
 /// The command line of `mvtp bench`.
 struct BenchOptions {

@@ -1,21 +1,18 @@
 #include "tools/bench/results.hpp"
 
-#include <fcntl.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <sys/file.h>
-#include <unistd.h>
 
 #include <array>
-#include <cerrno>
 #include <charconv>
 #include <cmath>
-#include <cstring>
 #include <map>
 #include <utility>
 
 #include "planner/problem/input_error.hpp"
 #include "planner/problem/text_file.hpp"
+#include "tools/runs/csv_reader.hpp"
+#include "tools/runs/merge_rows.hpp"
 
 namespace mvtp {
 namespace {
@@ -35,60 +32,10 @@ std::string seconds(std::optional<double> value) {
 
 // ---- reading
 
-using Record = std::vector<std::string>;
-
-/// Takes records off a CSV text [RFC 4180]; both ends of line will do.
-class CsvReader {
- public:
-  explicit CsvReader(std::string_view text) : text_(text) {}
-
-  /// The next record; nullopt at the end, or if the rest does not end with an end of line.
-  std::optional<Record> next() {
-    Record record(1);
-    bool in_quotes = false;
-    std::size_t lines = 0;
-    for (std::size_t i = position_; i < text_.size(); ++i) {
-      const char c = text_[i];
-      if (c == '\n') ++lines;
-      if (c == '"') {
-        const bool is_pair = in_quotes && i + 1 < text_.size() && text_[i + 1] == '"';
-        if (is_pair)
-          record.back() += text_[i++];
-        else
-          in_quotes = !in_quotes;
-      } else if (in_quotes) {
-        record.back() += c;
-      } else if (c == ',') {
-        record.emplace_back();
-      } else if (c == '\n') {
-        if (record.back().ends_with('\r')) record.back().pop_back();
-        position_ = i + 1;
-        line_ = next_line_;
-        next_line_ += lines;
-        return record;
-      } else {
-        record.back() += c;
-      }
-    }
-    return std::nullopt;
-  }
-
-  /// Behind the last record taken.
-  [[nodiscard]] std::size_t position() const { return position_; }
-  /// On which line the last record taken began, from 1.
-  [[nodiscard]] std::size_t line() const { return line_; }
-
- private:
-  std::string_view text_;
-  std::size_t position_ = 0;
-  std::size_t line_ = 0;
-  std::size_t next_line_ = 1;
-};
-
 /// The fields of one record, taken one after the other.
 class Fields {
  public:
-  Fields(const Record& record, std::string where) : record_(record), where_(std::move(where)) {
+  Fields(const CsvRecord& record, std::string where) : record_(record), where_(std::move(where)) {
     if (record.size() == kColumns.size()) return;
     throw InputError(where_, fmt::format("has {} fields in place of {}; is it a results.csv?",
                                          record.size(), kColumns.size()));
@@ -150,12 +97,12 @@ class Fields {
         where_, fmt::format("{}: is \"{}\"; give {}", kColumns[next_], record_[next_], expected));
   }
 
-  const Record& record_;
+  const CsvRecord& record_;
   std::string where_;
   std::size_t next_ = 0;
 };
 
-ResultRow to_row(const Record& record, const std::string& where) {
+ResultRow to_row(const CsvRecord& record, const std::string& where) {
   Fields fields(record, where);
   ResultRow row;
   row.instance = fields.text();
@@ -178,29 +125,17 @@ ResultRow to_row(const Record& record, const std::string& where) {
 std::pair<std::vector<ResultRow>, std::size_t> parse(std::string_view content,
                                                      const std::string& name) {
   CsvReader reader(content);
-  const std::optional<Record> header = reader.next();
+  const std::optional<CsvRecord> header = reader.next();
   if (header && !std::ranges::equal(*header, kColumns)) {
     throw InputError(name + ":1", fmt::format("has not the columns of a results.csv ({}); give "
                                               "another file",
                                               fmt::join(kColumns, ",")));
   }
   std::vector<ResultRow> rows;
-  while (const std::optional<Record> record = reader.next()) {
+  while (const std::optional<CsvRecord> record = reader.next()) {
     rows.push_back(to_row(*record, fmt::format("{}:{}", name, reader.line())));
   }
   return {std::move(rows), reader.position()};
-}
-
-[[noreturn]] void report_unwritable(const std::string& path) {
-  throw InputError(
-      path, fmt::format("cannot be written: {}; choose another --output", std::strerror(errno)));
-}
-
-/// Only its end may be missing: what stands there must begin like one of ours.
-void reject_foreign_text(const std::string& path, std::string_view content) {
-  const std::string header = results_header();
-  if (header.starts_with(content.substr(0, header.size()))) return;
-  throw InputError(path, "is no results.csv; choose another --output");
 }
 
 }  // namespace
@@ -230,53 +165,19 @@ std::vector<ResultRow> read_results(const std::string& path) {
 }
 
 std::vector<ResultRow> merge_results(const std::vector<std::vector<ResultRow>>& lists) {
-  std::map<RunKey, const ResultRow*> runs;
-  for (const std::vector<ResultRow>& rows : lists) {
-    for (const ResultRow& row : rows) runs.emplace(key_of(row), &row);
-  }
-  std::vector<ResultRow> merged;
-  for (const auto& [key, row] : runs) merged.push_back(*row);
-  return merged;
+  return merge_rows(lists, [](const ResultRow& row) { return key_of(row); });
 }
 
-ResultFile::ResultFile(std::string path, Mode mode)
-    : path_(std::move(path)),
-      file_(::open(path_.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0666)) {
-  if (file_ < 0) report_unwritable(path_);
-  if (::flock(file_, LOCK_EX | LOCK_NB) != 0) {
-    throw InputError(path_, "is written by another mvtp bench; choose another --output");
-  }
-  const off_t size = ::lseek(file_, 0, SEEK_END);
-  if (size < 0) throw InputError(path_, "is no regular file; choose another --output");
-  if (size > 0 && mode == Mode::kCreate) {
-    throw InputError(path_, "exists; continue it with --resume, or choose another --output");
-  }
-  std::size_t kept = 0;
-  if (size > 0) {
-    const std::string content = read_text_file(path_, kMaxBytes);
-    reject_foreign_text(path_, content);
-    const auto [rows, length] = parse(content, path_);
-    for (const ResultRow& row : rows) done_.insert(key_of(row));
-    kept = length;
-  }
-  if (::ftruncate(file_, off_t(kept)) != 0) report_unwritable(path_);
-  if (kept == 0) write_line(results_header());
-}
-
-ResultFile::~ResultFile() { ::close(file_); }
+ResultFile::ResultFile(const std::string& path, RowFile::Mode mode)
+    : file_(path, mode, {"mvtp bench", results_header()}, [&](std::string_view content) {
+        const auto [rows, length] = parse(content, path);
+        for (const ResultRow& row : rows) done_.insert(key_of(row));
+        return length;
+      }) {}
 
 void ResultFile::append(const ResultRow& row) {
-  write_line(to_csv(row));
+  file_.append(to_csv(row));
   done_.insert(key_of(row));
-}
-
-void ResultFile::write_line(std::string_view line) {
-  ssize_t written = -1;
-  while ((written = ::write(file_, line.data(), line.size())) < 0 && errno == EINTR) {
-  }
-  if (written != ssize_t(line.size())) {
-    throw InputError(path_, "cannot be written: is the disk full? Make room and use --resume");
-  }
 }
 
 }  // namespace mvtp

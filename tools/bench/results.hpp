@@ -8,6 +8,8 @@
 #include <tuple>
 #include <vector>
 
+#include "tools/runs/row_file.hpp"
+
 namespace mvtp {
 
 /// One row of results.csv: how one run of one algorithm on one instance went.
@@ -53,21 +55,14 @@ using RunKey = std::tuple<std::string, std::string, std::uint64_t>;
 [[nodiscard]] std::vector<ResultRow> merge_results(
     const std::vector<std::vector<ResultRow>>& lists);
 
-/// A results.csv to which rows are appended one by one, each with one write(): a process that is
-/// killed leaves whole lines. It is locked, so that no two write to it.
+/// A results.csv to which rows are appended one by one; see RowFile.
 class ResultFile {
  public:
-  enum class Mode {
-    kCreate,  ///< there may be no such file, or an empty one
-    kResume,  ///< keeps what is there, but for an incomplete last line
-  };
+  using Mode = RowFile::Mode;
 
   /// @throws InputError if the file cannot be written, is in use, exists against `mode`, or is not
   /// one of ours.
-  ResultFile(std::string path, Mode mode);
-  ResultFile(const ResultFile&) = delete;
-  ResultFile& operator=(const ResultFile&) = delete;
-  ~ResultFile();
+  ResultFile(const std::string& path, RowFile::Mode mode);
 
   /// The runs that are in the file.
   [[nodiscard]] const std::set<RunKey>& done() const { return done_; }
@@ -75,11 +70,8 @@ class ResultFile {
   void append(const ResultRow& row);
 
  private:
-  void write_line(std::string_view line);
-
-  std::string path_;
-  int file_;
   std::set<RunKey> done_;
+  RowFile file_;
 };
 
 }  // namespace mvtp

@@ -27,10 +27,24 @@ constexpr std::array kFigures = {
     ComparedFigure{"time_loss_s", "/time_loss_s"},
     ComparedFigure{"depart_delay_s", "/depart_delay_s"},
     ComparedFigure{"waiting_time_s", "/waiting_time_s"},
+    ComparedFigure{"stops_per_vehicle", "/stops_per_vehicle"},
+    ComparedFigure{"jerk_m_s3", "/jerk_m_s3/mean"},
+    ComparedFigure{"longest_wait_s", "/fairness/longest_wait_s"},
+    ComparedFigure{"delay_p95_over_mean", "/fairness/p95_over_mean"},
+    ComparedFigure{"fuel_ml", "/emissions/fuel_ml"},
+    ComparedFigure{"co2_g", "/emissions/co2_g"},
+    ComparedFigure{"nox_g", "/emissions/nox_g"},
+    ComparedFigure{"pet_min_s", "/pet_s/min"},
+    ComparedFigure{"pet_below_1s", "/pet_s/below_1s"},
+    ComparedFigure{"ttc_min_s", "/ttc_s/min"},
+    ComparedFigure{"ttc_below_1s", "/ttc_s/below_1s"},
     ComparedFigure{"overlap_pairs", "/audit/overlap_pairs"},
     ComparedFigure{"overlap_pairs_coordinated", "/overlap_pairs_coordinated"},
     ComparedFigure{"min_clearance_m", "/audit/min_clearance_m"},
     ComparedFigure{"off_road_steps", "/audit/off_road_steps"},
+    ComparedFigure{"people_touched", "/people/touched"},
+    ComparedFigure{"people_touched_coordinated", "/people/touched_coordinated"},
+    ComparedFigure{"people_wait_s", "/people/wait_s"},
     ComparedFigure{"sumo_collisions", "/sumo_collisions"},
     ComparedFigure{"max_lateral_accel", "/max_lateral_accel"},
     ComparedFigure{"hard_brakings_after_handback", "/hard_brakings_after_handback"},
@@ -53,7 +67,6 @@ constexpr std::array kParkingFigures = {
     ComparedFigure{"slot_to_exit_alone_s", "/parking/slot_to_exit_s/alone_mean"},
     ComparedFigure{"at_gate_max", "/parking/at_gate_max"},
     ComparedFigure{"reversals_mean", "/parking/reversals_mean"},
-    ComparedFigure{"people_touched", "/audit/people_touched"},
 };
 
 bool is_parking(std::span<const ComparedRun> runs) {
@@ -149,6 +162,9 @@ std::string runs_cell(const Row& row) { return fmt::format("{}/{}", row.runs.siz
 
 std::string overlaps_cell(const Row& row) { return sum_cell(row, "overlap_pairs"); }
 
+/// Pairs of a vehicle and a person.
+std::string touched_cell(const Row& row) { return sum_cell(row, "people_touched"); }
+
 std::string replan_cell(const Row& row) {
   const bool coordinated = sum(values_of(row, "replans")) > 0.0;
   return coordinated ? mean_cell(row, "replan_p95_ms", 1) : "-";
@@ -161,6 +177,10 @@ const std::array kColumns = {Column{"control", &Row::control},
                              spread_column("throughput [veh/h]", "throughput_veh_h", 0),
                              Column{"arrived", arrived_cell},
                              Column{"overlaps", overlaps_cell},
+                             Column{"people touched", touched_cell},
+                             mean_column("PET < 1 s", "pet_below_1s", 0),
+                             mean_column("stops", "stops_per_vehicle", 2),
+                             mean_column("CO2 [g]", "co2_g", 0),
                              mean_column("waiting [s]", "waiting_time_s", 1),
                              Column{"replan 95 % [ms]", replan_cell},
                              mean_column("x real time", "real_time_factor", 0)};
@@ -175,6 +195,7 @@ const std::array kParkingColumns = {Column{"control", &Row::control},
                                     mean_column("alone [s]", "slot_to_exit_alone_s", 1),
                                     Column{"arrived", arrived_cell},
                                     Column{"overlaps", overlaps_cell},
+                                    Column{"people touched", touched_cell},
                                     mean_column("longest queue", "at_gate_max", 0),
                                     mean_column("replan 95 % [ms]", "replan_p95_ms", 1),
                                     mean_column("x real time", "real_time_factor", 0)};
@@ -224,10 +245,9 @@ void read_summary(const std::string& text, const std::string& where, ComparedRun
 
 bool succeeded(const ComparedRun& run) {
   if (!run.failure.empty()) return false;
-  const bool ours = run.control == "coordinated" || run.control == "prioritized" ||
-                    run.control == "one-at-a-time";
-  if (!ours) return true;
-  return run.status != "stuck" && run.figures.at("overlap_pairs_coordinated") == 0.0;
+  if (!run.drives) return true;
+  return run.status != "stuck" && run.figures.at("overlap_pairs_coordinated") == 0.0 &&
+         run.figures.at("people_touched_coordinated") == 0.0;
 }
 
 std::string comparison_table(std::span<const ComparedRun> runs) {

@@ -13,9 +13,8 @@ namespace mvtp {
 
 /// One run of a comparison, and what its summary.json says.
 struct ComparedRun {
-  /// "static", "actuated", "priority", "own light", "coordinated"; on a parking lot
-  /// "one-at-a-time", "prioritized", "coordinated".
-  std::string control;
+  std::string control;  ///< the name of its row: a controller, "own light", "coordinated", ...
+  bool drives = false;  ///< vehicles are driven by us
   std::uint32_t seed = 0;
   std::string folder;
   /// Why there are no figures, e.g. "crashed (Segmentation fault)"; empty: there are.

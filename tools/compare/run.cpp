@@ -16,6 +16,7 @@
 #include "planner/problem/text_file.hpp"
 #include "tools/child_process.hpp"
 #include "tools/command_line.hpp"
+#include "tools/compare/controls.hpp"
 #include "tools/compare/report.hpp"
 #include "tools/program.hpp"
 #include "tools/progress.hpp"
@@ -35,13 +36,6 @@ namespace fs = std::filesystem;
 constexpr const char* kCoordinated = "coordinated";
 constexpr std::string_view kNote = "mvtp: note: ";
 constexpr std::size_t kMaxSummaryBytes = 1'000'000;
-
-/// A control to compare: which scenario it is found in, and who drives.
-struct Control {
-  std::string name;
-  std::string configuration;
-  const char* controller;
-};
 
 /// What the junctions of a scenario have by themselves: "own light", or SUMO's word for the rule,
 /// e.g. "priority".
@@ -66,24 +60,25 @@ bool has_parking_lot(const CompareOptions& options) {
   return !read_parking_lots(configuration.additional_files, network).empty();
 }
 
-/// The twins that lie beside the scenario, the scenario's own control, and ours; on a parking lot,
-/// where SUMO's own drivers know no manoeuvres, simpler controllers of ours and ours.
+/// Those that are named; else the twins that lie beside the scenario, the scenario's own control,
+/// and ours; on a parking lot, where SUMO's own drivers know no manoeuvres, simpler controllers of
+/// ours and ours.
 std::vector<Control> controls_of(const CompareOptions& options) {
+  if (!options.controllers.empty())
+    return named_controls(options.run.configuration, options.controllers);
   const std::string& scenario = options.run.configuration;
   if (has_parking_lot(options)) {
-    return {{"one-at-a-time", scenario, "one-at-a-time"},
-            {"prioritized", scenario, "prioritized"},
-            {kCoordinated, scenario, "escot"}};
+    return {{"one-at-a-time", scenario, "one-at-a-time", true},
+            {"prioritized", scenario, "prioritized", true},
+            {kCoordinated, scenario, "escot", true}};
   }
   const std::string own = own_control(options);
   std::vector<Control> controls;
   for (const char* kind : {"static", "actuated"}) {
-    fs::path twin = options.run.configuration;
-    twin.replace_extension(std::string(kind) + twin.extension().string());
-    if (fs::exists(twin)) controls.push_back({kind, twin.string(), "sumo"});
+    if (const auto twin = twin_of(scenario, kind)) controls.push_back({kind, *twin, "sumo"});
   }
   controls.push_back({own, options.run.configuration, "sumo"});
-  controls.push_back({kCoordinated, options.run.configuration, "escot"});
+  controls.push_back({kCoordinated, options.run.configuration, "escot", true});
   return controls;
 }
 
@@ -139,6 +134,7 @@ class Comparison {
   void plan(const Control& control, std::uint32_t seed) {
     ComparedRun run;
     run.control = control.name;
+    run.drives = control.drives;
     run.seed = seed;
     std::string name = fmt::format("{}-{}", control.name, seed);
     std::ranges::replace(name, ' ', '-');
@@ -148,7 +144,7 @@ class Comparison {
     job.arguments = {fs::read_symlink("/proc/self/exe").string(),
                      "coordinate",
                      "--configuration=" + control.configuration,
-                     std::string("--controller=") + control.controller,
+                     "--controller=" + control.controller,
                      fmt::format("--seed={}", seed),
                      "--output-dir=" + run.folder,
                      "--quiet"};
@@ -161,19 +157,24 @@ class Comparison {
     jobs_.push_back(std::move(job));
   }
 
-  /// The page shows the first seed under the last control that is not ours and has a light, else
-  /// under what the scenario has by itself; and coordinated.
+  /// The page shows the first seed under a control that is not ours (one with a light, or else the
+  /// last), and under the last that is; none if there are not both.
   [[nodiscard]] bool is_replayed(const Control& control, std::uint32_t seed) const {
     return seed == options_.seeds.front() &&
-           (control.name == kCoordinated || control.name == rival().name);
+           std::ranges::count(replayed(), control.name, &Control::name) > 0;
   }
 
-  [[nodiscard]] const Control& rival() const {
+  [[nodiscard]] std::vector<Control> replayed() const {
+    std::vector<Control> ours, rivals;
+    for (const Control& c : controls_) (c.drives ? ours : rivals).push_back(c);
+    if (ours.empty()) return {};
+    if (rivals.empty() && ours.size() > 1) rivals = {ours.end()[-2]};  // on a parking lot
+    if (rivals.empty()) return {};
     for (const char* name : {"actuated", "static"}) {
-      const auto found = std::ranges::find(controls_, name, &Control::name);
-      if (found != controls_.end()) return *found;
+      const auto found = std::ranges::find(rivals, name, &Control::name);
+      if (found != rivals.end()) return {*found, ours.back()};
     }
-    return controls_[controls_.size() - 2];
+    return {rivals.back(), ours.back()};
   }
 
   /// Makes a folder for each run, without the results of an earlier one: a run that fails must not
@@ -249,14 +250,15 @@ class Comparison {
   /// Returns whether there is something to show.
   [[nodiscard]] bool write_page() const {
     ViewRequest request;
-    for (const std::string& control : {rival().name, std::string(kCoordinated)}) {
+    for (const Control& control : replayed()) {
       const auto run = std::ranges::find_if(runs_, [&](const ComparedRun& r) {
-        return r.control == control && r.seed == options_.seeds.front() && r.failure.empty();
+        return r.control == control.name && r.seed == options_.seeds.front() && r.failure.empty();
       });
       if (run == runs_.end()) return false;
       request.files.push_back((fs::path(run->folder) / "view.html").string());
-      request.labels.push_back(control);
+      request.labels.push_back(control.name);
     }
+    if (request.files.empty()) return false;
     write_text_file(path("view.html"), to_html(load_replays(request)));
     return true;
   }

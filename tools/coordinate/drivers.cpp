@@ -92,7 +92,8 @@ std::set<std::string> coordinated_junctions(const CoordinateOptions& options,
   for (const auto& [id, junction] : network.junctions) {
     if (junction.has_conflicts && !belongs_to_lots(junction, lots, network)) junctions.insert(id);
   }
-  if (junctions.empty() && lots.empty() && options.controller != kSumoController) {
+  if (junctions.empty() && lots.empty() &&
+      controller_named("--controller", options.controller).drives) {
     throw InputError(options.configuration,
                      "the network has no junction with conflicting connections; name one with "
                      "--junction");
@@ -102,34 +103,31 @@ std::set<std::string> coordinated_junctions(const CoordinateOptions& options,
 
 Drivers::Drivers(const CoordinateOptions& options, Traffic& traffic, const DrivableArea& area,
                  const std::set<std::string>& junctions, std::span<const ParkingLot> lots) {
-  const ControllerName& name = controller_named(options.controller);
-  if (!name.at_junctions && lots.empty() && name.on_lots) {
+  const ControllerKind& kind = controller_named("--controller", options.controller);
+  if (kind.make == nullptr && lots.empty()) {
     throw InputError("--controller " + options.controller,
                      "is for parking lots, and the scenario has none; choose escot or sumo");
   }
   check_types(options, traffic);
   if (!options.dump_instances.empty()) {
-    if (options.controller == kSumoController || junctions.empty()) {
+    if (!kind.drives || junctions.empty()) {
       throw InputError("--dump-instances",
                        "dumps decisions at junctions, and none is coordinated here; leave it out");
     }
     make_output_folder(options.dump_instances, "--dump-instances");
   }
-  if (options.controller == kSumoController) {
-    controllers_.push_back(std::make_unique<OwnDrivers>());
-    return;
-  }
   for (const ParkingLot& lot : lots) {
+    if (!kind.on_lots) break;
     auto controller = std::make_unique<LotCoordinator>(traffic, lot, lot_options(options));
     lots_.push_back(std::make_unique<LotRecorder>(*controller));
     controllers_.push_back(std::move(controller));
   }
-  if (junctions.empty()) return;
-  auto controller =
-      std::make_unique<Coordinator>(traffic, area, coordinator_options(options, junctions));
-  coordinator_ = controller.get();
-  if (!options.dump_instances.empty()) {
-    dump_.emplace(*controller, area,
+  if (kind.make == nullptr || junctions.empty()) return;
+  std::unique_ptr<Controller> controller =
+      kind.make({traffic, area, coordinator_options(options, junctions)});
+  coordinator_ = dynamic_cast<const Coordinator*>(controller.get());
+  if (!options.dump_instances.empty() && coordinator_ != nullptr) {
+    dump_.emplace(*coordinator_, area,
                   InstanceDumpOptions{
                       .folder = options.dump_instances,
                       .every = options.dump_every,
@@ -162,6 +160,7 @@ void Drivers::report_to(RunReport& report) const {
   std::ranges::stable_sort(report.replans, {}, &Replan::time);
   if (!coordinator_) return;
   report.left_to_sumo_sightings = coordinator_->guest_sightings();
+  if (const People* people = coordinator_->people()) report.people_greens = people->greens();
   if (const HumanDrivers* humans = coordinator_->humans()) {
     report.humans = {.greens = humans->greens(),
                      .tube_misses = humans->tube_misses(),

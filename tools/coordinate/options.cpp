@@ -1,21 +1,10 @@
 #include "tools/coordinate/options.hpp"
 
-#include <algorithm>
-#include <array>
-
 #include "planner/problem/input_error.hpp"
 #include "tools/option_types.hpp"
-#include "tools/suggest.hpp"
 
 namespace mvtp {
 namespace {
-
-const std::array kControllers = {
-    ControllerName{"escot", "ESCoT at junctions and on parking lots", true, true},
-    ControllerName{"prioritized", "on lots: each plans once, against all earlier ones", false,
-                   true},
-    ControllerName{"one-at-a-time", "on lots: one vehicle drives, the others wait", false, true},
-    ControllerName{kSumoController, "SUMO's own control, for comparison", true, true}};
 
 /// Who of the traffic is automated; the others are human-driven.
 void declare_share(CLI::App& app, CoordinateOptions& o) {
@@ -79,14 +68,13 @@ void declare_planning(CLI::App& app, CoordinateOptions& o) {
 
 }  // namespace
 
-std::span<const ControllerName> controller_names() { return kControllers; }
-
-const ControllerName& controller_named(const std::string& name) {
-  const auto found = std::ranges::find(kControllers, name, &ControllerName::name);
-  if (found != kControllers.end()) return *found;
-  std::vector<std::string> names;
-  for (const ControllerName& controller : kControllers) names.push_back(controller.name);
-  throw InputError("--controller " + name, "is no controller; " + suggestion(name, names));
+const ControllerKind& controller_named(const std::string& option, const std::string& name) {
+  if (const ControllerKind* kind = find_controller(name)) return *kind;
+  std::string names;
+  for (const ControllerKind& kind : controller_kinds()) {
+    names += (names.empty() ? "" : ", ") + kind.name;
+  }
+  throw InputError(option + " " + name, "is no controller; there are " + names);
 }
 
 void declare_run_options(CLI::App& app, CoordinateOptions& o) {

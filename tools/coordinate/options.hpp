@@ -3,9 +3,10 @@
 #include <CLI/CLI.hpp>
 #include <cstdint>
 #include <optional>
-#include <span>
 #include <string>
 #include <vector>
+
+#include "coordinator/controllers/registry.hpp"
 
 namespace mvtp {
 
@@ -18,7 +19,7 @@ struct CoordinateOptions {
   std::vector<std::string> coordinate_types;  ///< ids; none: all
   std::vector<std::string> human_types;       ///< ids
   std::string signal_timing = "real";         ///< or "instant"
-  std::string controller = "escot";           ///< one of controller_names()
+  std::string controller = "escot";           ///< one of controller_kinds()
   std::string parking = "any";                ///< or "forward", "reverse"
   std::vector<std::string> breakdowns;        ///< VEHICLE@SECONDS
   std::string output_dir = "out";
@@ -40,19 +41,9 @@ struct CoordinateOptions {
   std::vector<std::string> sumo;  ///< more options for SUMO, behind "--"
 };
 
-/// Who may drive.
-struct ControllerName {
-  std::string name;
-  std::string meaning;
-  bool at_junctions = false;
-  bool on_lots = false;
-};
-/// SUMO's own control, with the same figures.
-constexpr const char* kSumoController = "sumo";
-
-[[nodiscard]] std::span<const ControllerName> controller_names();
-/// @throws InputError for a name that is not one of them
-[[nodiscard]] const ControllerName& controller_named(const std::string& name);
+/// @throws InputError, which names all that there are, for a name of none
+[[nodiscard]] const ControllerKind& controller_named(const std::string& option,
+                                                     const std::string& name);
 
 /// Declares the options that say what is run and how it is coordinated: all but the controller, the
 /// seed and the output. `mvtp compare` hands them on to each of its runs.

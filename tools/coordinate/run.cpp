@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
+#include <map>
 #include <memory>
 
 #include "coordinator/interrupt.hpp"
@@ -59,12 +60,14 @@ class Run {
         audit_(area_, traffic_->step_length()),
         log_(*traffic_),
         free_flow_(traffic_->network()),
+        safety_(traffic_->network(), traffic_->step_length()),
         drivers_(options, *traffic_, area_, junctions_, lots_),
         simulation_(*traffic_) {
     report_.controller = options.controller;
     report_.command = command;
     report_.seed = options.seed;
-    report_.penetration = options.controller == kSumoController ? 0.0 : options.penetration;
+    report_.penetration =
+        controller_named("--controller", options.controller).drives ? options.penetration : 0.0;
     report_.mvtp_version = version();
     report_.sumo_version = sumo_version();
     report_.begin = report_.end = traffic_->time();
@@ -111,6 +114,9 @@ class Run {
       report_.end = now.time;
       report_.sumo_collisions += traffic_->collisions();
       log_.observe(now);
+      style_.observe(now.time, now.vehicles, now.resting);
+      safety_.observe(now.time, now.vehicles);
+      people_.observe(now);
       audit_.observe(now.time, now.vehicles, now.people);
       recorder_->observe(now.time, now.vehicles, audit_);
       if (now.time >= next_checkpoint_) checkpoint();
@@ -158,11 +164,18 @@ class Run {
   void judge(const std::vector<Trip>& trips) {
     report_.audit = audit_.figures();
     report_.events = audit_.events();
+    report_.pet = safety_.post_encroachment();
+    report_.ttc = safety_.to_collision();
+    report_.people = people_.figures();
     drivers_.report_to(report_);
     report_.vehicles = log_.records(
         trips, free_flow_, report_.end,
         [this](const std::string& type) { return simulation_.type_of(type).body.max_speed; },
         audit_.clearances());
+    const std::map<std::string, DrivingFigures> driving = style_.figures();
+    for (VehicleRecord& v : report_.vehicles) {
+      if (const auto known = driving.find(v.id); known != driving.end()) v.driving = known->second;
+    }
     drivers_.report_lots(report_, log_, trips, free_flow_, simulation_);
   }
 
@@ -218,8 +231,8 @@ class Run {
                       report_.audit.overlap_pairs_coordinated, folder_.path("events.csv")));
     }
     if (report_.audit.people_touched > 0) {
-      say(fmt::format("{} people were touched; see {}", report_.audit.people_touched,
-                      folder_.path("events.csv")));
+      say(fmt::format("coordinated vehicles touched people {} times; see {}",
+                      report_.audit.people_touched, folder_.path("events.csv")));
     }
     if (missing > 0) {
       say(fmt::format("{} of {} vehicles had not arrived at t = {:.2f} s ({})", missing,
@@ -236,7 +249,10 @@ class Run {
   DrivableArea area_;
   Audit audit_;
   TripLog log_;
+  PeopleLog people_;
   FreeFlow free_flow_;
+  DrivingStyle style_;
+  SurrogateSafety safety_;
   Drivers drivers_;
   Simulation simulation_;
   RunReport report_;
@@ -250,7 +266,7 @@ class Run {
 
 int run_coordinate(const CoordinateOptions& options, const std::string& command) {
   note_interrupts();
-  (void)controller_named(options.controller);
+  (void)controller_named("--controller", options.controller);
   RunFolder folder(options.output_dir, "--output-dir");
   announce_run_folder(options.output_dir);
   return Run(options, command, folder).drive();

@@ -62,6 +62,14 @@ void choose_step_length(const CoordinateOptions& options, Scenario& scenario) {
       fmt::format("SUMO runs at steps of {} s, not the scenario's {} s", kStepLength, step));
 }
 
+/// Every vehicle has the device, unless the user says otherwise.
+void equip_with_emissions(const CoordinateOptions& options, Scenario& scenario) {
+  const char* option = "--device.emissions.probability";
+  const bool chosen = std::ranges::any_of(
+      options.sumo, [](const auto& word) { return word.starts_with("--device.emissions"); });
+  if (!chosen) scenario.sumo.extra.insert(scenario.sumo.extra.end(), {option, "1"});
+}
+
 void choose_end(const CoordinateOptions& options, Scenario& scenario) {
   scenario.end = scenario.configuration.end;
   if (const auto text = given(options, "--end", "-e")) {
@@ -87,8 +95,8 @@ void note_settings(Scenario& scenario) {
   }
   if (scenario.demand.people) {
     note(
-        "people on foot: the audit watches them; coordinated vehicles do not wait for them at "
-        "junctions");
+        "people on foot: coordinated vehicles keep clear of them at crossings; nobody expects them "
+        "on the road elsewhere");
   }
 }
 
@@ -147,6 +155,7 @@ Scenario plan_run(const CoordinateOptions& options, RunFolder& folder) {
   sumo.log = folder.part("sumo.log");
   sumo.extra = options.sumo;
   choose_step_length(options, scenario);
+  equip_with_emissions(options, scenario);
   choose_end(options, scenario);
   note_settings(scenario);
   return scenario;

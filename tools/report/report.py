@@ -186,6 +186,54 @@ def draw(figure, time_limit):
     return canvas
 
 
+def draw_sweep(figure):
+    """Lines with bands of one standard deviation; a panel for each scenario or demand."""
+    panels = figure["panels"]
+    columns = min(len(panels), 3)
+    rows = -(-len(panels) // columns)
+    canvas, grid = pyplot.subplots(
+        rows, columns, squeeze=False, figsize=(max(3.4 * columns + 0.6, 5.0), 3.0 * rows + 0.8)
+    )
+    labels = list(dict.fromkeys(line["label"] for panel in panels for line in panel["lines"]))
+    cycle = list(STYLES.values()) + SPARE_STYLES
+    styles = {label: cycle[i % len(cycle)] for i, label in enumerate(labels)}
+    handles = {}
+    for axes, panel in zip(grid.flat, panels):
+        axes.set_title(panel["title"], fontsize=9)
+        axes.grid(True, color="#DDDDDD", linewidth=0.6)
+        for side in ("top", "right"):
+            axes.spines[side].set_visible(False)
+        values = [y for line in panel["lines"] for y in line["y"] if y > 0]
+        if figure["y"].startswith("Mean delay") and values and max(values) > 20 * min(values):
+            axes.set_yscale("log")
+            axes.yaxis.set_major_formatter(FuncFormatter(format_seconds))
+        for line in panel["lines"]:
+            colour, marker, dash = styles[line["label"]]
+            low = [y - sd for y, sd in zip(line["y"], line["sd"])]
+            high = [y + sd for y, sd in zip(line["y"], line["sd"])]
+            axes.fill_between(line["x"], low, high, color=colour, alpha=0.15, linewidth=0)
+            (handles[line["label"]],) = axes.plot(
+                line["x"], line["y"], color=colour, linestyle=dash, linewidth=1.4,
+                marker=marker if len(line["x"]) < 20 else None, markersize=5,
+                markeredgecolor="white", markeredgewidth=0.5,
+            )
+        if axes.get_yscale() == "linear":
+            axes.set_ylim(bottom=0)
+        axes.set_xlabel(figure["x"])
+    for axes in list(grid.flat)[len(panels):]:
+        axes.set_visible(False)
+    for row in grid:
+        row[0].set_ylabel(figure["y"])
+    per_row = max(2, 2 * columns)
+    legend_rows = -(-len(labels) // per_row)
+    canvas.tight_layout(rect=(0, 0, 1, 1 - (0.25 * legend_rows + 0.1) / canvas.get_figheight()))
+    canvas.legend(
+        [handles[label] for label in labels], labels, loc="upper center", ncol=per_row,
+        frameon=False, handlelength=3.0, fontsize=8,
+    )
+    return canvas
+
+
 def save(canvas, path):
     """Beside and then renamed, so that nobody sees half a figure; without date and version."""
     for kind, metadata in (
@@ -204,7 +252,7 @@ def main():
         {"svg.hashsalt": "mvtp", "font.size": 9, "axes.linewidth": 0.8, "font.family": "DejaVu Sans"}
     )
     for figure in document["figures"]:
-        canvas = draw(figure, document["time_limit"])
+        canvas = draw_sweep(figure) if "sweep" in document else draw(figure, document["time_limit"])
         save(canvas, os.path.join(sys.argv[2], figure["name"]))
         pyplot.close(canvas)
 

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "coordinator/controller.hpp"
+#include "coordinator/coordinator.hpp"
+#include "coordinator/drivable_area.hpp"
+
+namespace mvtp {
+
+/// What a controller is made for; all of it outlives the controller.
+struct ControllerSetup {
+  Traffic& traffic;
+  const DrivableArea& area;
+  /// Which junctions, who is taken over, margins, seed, ...; `junctions` names them all.
+  CoordinatorOptions options;
+};
+
+/// A controller by its name.
+struct ControllerKind {
+  std::string name;
+  std::string meaning;  ///< one line for `--help`
+  /// Makes it for junctions; nullptr: it is for parking lots only.
+  /// @throws InputError if there is nothing for it to control
+  std::unique_ptr<Controller> (*make)(const ControllerSetup& setup) = nullptr;
+  bool drives = false;         ///< vehicles go where it says
+  bool needs_signals = false;  ///< it runs those of the network
+  bool on_lots = false;        ///< it drives on parking lots too
+};
+
+}  // namespace mvtp

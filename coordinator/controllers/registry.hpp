@@ -1,0 +1,15 @@
+#pragma once
+
+#include <span>
+
+#include "coordinator/controllers/controller_kind.hpp"
+
+namespace mvtp {
+
+/// All controllers that there are, in the order in which they are listed.
+[[nodiscard]] std::span<const ControllerKind> controller_kinds();
+
+/// nullptr if there is none with this name.
+[[nodiscard]] const ControllerKind* find_controller(const std::string& name);
+
+}  // namespace mvtp

@@ -1,0 +1,109 @@
+// How a vehicle that comes under control is seen by the planner.
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "coordinator/coordinator.hpp"
+
+namespace mvtp {
+namespace {
+
+constexpr double kApproachReserve = 0.9;  ///< share of its acceleration used off its path,
+constexpr double kBeforeCrossing = 0.4;   ///< [m] before a line who waits leaves to people there
+constexpr double kLeastShare = 0.5;       ///< and where the path bends besides
+
+/// Behind a line nobody without a complete plan creeps on, onto a crossing where people wait for
+/// it to leave: a line at every place there.
+std::vector<double> lines_beside_people(const std::vector<double>& stops) {
+  constexpr double kInside = 15.0;  // [m] of junction
+  std::vector<double> lines;
+  for (const double stop : stops) {
+    for (double s = stop - kBeforeCrossing; s < stop + kInside; s += GuidePath::kSpacing) {
+      if (lines.empty() || s > lines.back()) lines.push_back(s);
+    }
+  }
+  return lines;
+}
+
+/// Between each line and where its tail has left the junction, people cross: nobody waits there.
+std::vector<std::pair<double, double>> inside_junctions(const Corridor& corridor, double length) {
+  constexpr double kRounding = 0.05;  // [m] of where it waits before the line
+  constexpr double kLong = 25.0;      // [m] of junction, where another one follows
+  std::vector<std::pair<double, double>> inside;
+  for (std::size_t i = 0; i < corridor.stops.size(); ++i) {
+    const double line = corridor.stops[i];
+    const bool is_last = i + 1 == corridor.stops.size();
+    const double out = is_last ? corridor.s_exit + length
+                               : std::min(line + kLong + length, corridor.stops[i + 1] - 1.0);
+    inside.emplace_back(line - kBeforeCrossing + kRounding, out);
+  }
+  return inside;
+}
+
+}  // namespace
+
+/// From where a vehicle is onto the path of a corridor, about `station` along it.
+PathApproach Coordinator::approach_to(const Corridor& corridor, const VehicleState& v,
+                                      double station) const {
+  constexpr double kNear = 3.0;  // [m]
+  const GuidePath& path = corridors_.library().path(corridor.path);
+  return {path, v.pose, path.project({v.pose.x, v.pose.y}, station - kNear, station + kNear)};
+}
+
+/// Has it been turned away for long?
+bool Coordinator::is_impatient(const std::string& id) const {
+  const auto times = turned_away_.find(id);
+  return times != turned_away_.end() && times->second * grid_.decision() > kPatience;
+}
+
+Driven Coordinator::admit(const Newcomer& newcomer, std::int64_t key) {
+  const VehicleState& v = *newcomer.state;
+  const VehicleType& type = type_of(v.type);
+  Driven driven{.key = key, .corridor = newcomer.corridor, .route = newcomer.route};
+  const CorridorCourse& course = corridors_[newcomer.corridor].course;
+  const double expected = corridors_[newcomer.corridor].lines.front() - newcomer.to_line;
+  driven.approach = approach_to(corridors_[driven.corridor], v, expected);
+  if (driven.approach.is_notable()) {
+    // Beside its path the vehicle drives a little faster or slower than along it.
+    Vehicle body = type.body;
+    const double beside = driven.approach.ground_acceleration(
+        corridors_.library().path(corridors_[driven.corridor].path), v.speed);
+    const double left = 1.0 - beside / std::min(body.max_accel, body.max_decel);
+    // In steps, so that vehicles share corridors.
+    const double share = std::clamp(std::floor(left * 10.0) / 10.0, kLeastShare, kApproachReserve);
+    body.max_accel *= share;
+    body.max_decel *= share;
+    driven.corridor = corridors_.corridor_for(course, body);
+  }
+  const Corridor& c = corridors_[driven.corridor];
+
+  std::vector<double> limits = c.lateral_limits;
+  for (std::size_t i = 0; i < limits.size(); ++i) {
+    limits[i] = std::min({limits[i], v.speed_factor * c.lane_limits[i], type.body.max_speed});
+  }
+  RoadVehicle& road = driven.road;
+  road.key = driven.key;
+  road.stuck = v.speed == 0.0 && is_impatient(v.id);
+  road.path = c.path;
+  road.now = {driven.approach.begin(), v.speed * c.ratios[c.piece_at(expected)]};
+  road.cruise_speed = std::min(v.speed_factor * c.lane_limits.back(), type.body.max_speed);
+  road.envelope =
+      std::make_shared<SpeedEnvelope>(std::move(limits), comfortable_braking(type.body));
+  road.min_gap = type.min_gap;
+  road.tau = type.tau;
+  road.stop_lines = people_ ? lines_beside_people(c.stops) : c.stops;
+  if (people_) road.no_waiting = inside_junctions(c, type.body.length());
+  const ExitRoot root = predictor_.exit_root(c.course.pieces.front().lane);
+  if (root.lane != LaneGraph::kNone) {
+    road.entry_lane = root.lane;
+    road.s_entry_lane = c.stations.front() - root.offset;
+  }
+  road.exit_lane = c.exit_lane;
+  road.s_exit_lane = c.s_exit;
+  road.s_handback = c.s_handback;
+  road.s_end = c.s_end;
+  return driven;
+}
+
+}  // namespace mvtp

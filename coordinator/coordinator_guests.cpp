@@ -1,0 +1,154 @@
+// Which guests may go over junctions: drivers who are not under control, and people on foot.
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "coordinator/coordinator.hpp"
+#include "coordinator/referee.hpp"
+
+namespace mvtp {
+
+/// Would one of the guests who are to go touch somebody under control? Who is within their margins
+/// already is not kept clear of them by its plan.
+bool Coordinator::touches_guests(const Trial& trial) {
+  return std::ranges::any_of(trial.guests, [&](const std::string& guest) {
+    const VehicleState* state = find_state(guest);
+    if (state == nullptr) return false;  // people: see is_clear_of()
+    const std::vector<Forecast> passages = predict_one(*state, trial.guests);
+    return std::ranges::any_of(trial.decision.plan.entries, [&](const JointPlan::Entry& e) {
+      return std::ranges::any_of(passages, [&](const Forecast& passage) {
+        return touches_passage(corridors_.library(), trial.paths.at(e.key), *e.trajectory, passage,
+                               step_);
+      });
+    });
+  });
+}
+
+/// Does somebody behind its line, not yet out of the junction, stand there for a while? It may be
+/// in the way of a guest for whom it waits.
+bool Coordinator::waits_inside(const Trial& trial) const {
+  const std::int64_t a_while = step_ + 2 * grid_.steps_per_decision;
+  return std::ranges::any_of(driven_, [&](const auto& entry) {
+    const RoadVehicle& v = entry.second.road;
+    const double out = v.s_exit_lane + corridors_.library().body(v.path).length();
+    if (v.stop_lines.empty() || v.now.s <= v.stop_lines.front() || v.now.s >= out) return false;
+    const PathTrajectory* plan = trial.decision.plan.find(v.key);
+    if (plan == nullptr) return false;
+    const InertialState then = state_at(*plan, a_while);
+    return then.v == 0.0 && then.s < out;
+  });
+}
+
+/// Does nobody under control come where these drivers and people may be? Planning lets a vehicle
+/// brake fully wherever it is; a green is not shown on that.
+bool Coordinator::is_clear_of(const std::vector<std::string>& guests, const Trial& trial) {
+  std::vector<People::Expected> people;
+  if (people_) people = people_->expect(guests);
+  std::erase_if(people, [&](const People::Expected& person) {
+    return std::ranges::count(guests, people_->id_of(person.crossing)) == 0;
+  });
+  constexpr double kWhole = PathTrajectory::kGone / 2.0;
+  for (const JointPlan::Entry& e : trial.decision.plan.entries) {
+    const auto path = trial.paths.find(e.key);
+    if (path == trial.paths.end()) continue;
+    if (humans_ && humans_->may_meet(guests, path->second, *e.trajectory)) return false;
+    const bool meets_people = std::ranges::any_of(people, [&](const People::Expected& person) {
+      const Forecast& f = person.forecast;
+      return may_meet(corridors_.library().contacts(path->second, f.vehicle.path),
+                      {*e.trajectory, *e.trajectory}, kWhole, {f.trajectory, *f.latest}, kWhole,
+                      step_);
+    });
+    if (meets_people) return false;
+  }
+  return true;
+}
+
+/// Could vehicles that keep their drivers and people meet, if these pass too? Only where one of
+/// them has not been let pass before.
+bool Coordinator::may_meet_people(const std::vector<std::string>& guests) {
+  if (!people_) return false;
+  const auto is_new = [&](const std::string& id) { return std::ranges::count(guests, id) > 0; };
+  std::vector<std::pair<bool, Forecast>> passing;
+  for (const VehicleState& v : traffic_.vehicles()) {
+    const bool goes = is_new(v.id) || gate_.passes(v.id) || (humans_ && humans_->passes(v.id));
+    if (!goes || driven_.contains(v.id)) continue;
+    for (Forecast& f : predict_one(v, guests)) passing.emplace_back(is_new(v.id), std::move(f));
+  }
+  const auto tube = [](const Forecast& f) {
+    return TubeView(f.trajectory, f.latest ? *f.latest : f.trajectory);
+  };
+  constexpr double kWhole = PathTrajectory::kGone / 2.0;
+  return std::ranges::any_of(people_->expect(guests), [&](const People::Expected& person) {
+    const bool walks_now = is_new(people_->id_of(person.crossing));
+    const Forecast& p = person.forecast;
+    return std::ranges::any_of(passing, [&](const auto& entry) {
+      const auto& [drives_now, v] = entry;
+      return (walks_now || drives_now) &&
+             may_meet(corridors_.library().contacts(v.vehicle.path, p.vehicle.path), tube(v),
+                      kWhole, tube(p), kWhole, step_, p.slack_before, p.slack_behind);
+    });
+  });
+}
+
+/// Do the lights of drivers among them cross those of people?
+bool Coordinator::exclude_each_other(const std::vector<std::string>& guests,
+                                     const std::vector<std::string>& others) const {
+  if (!people_ || !humans_) return false;
+  const auto excludes = [&](const std::string& crossing, const std::string& driver) {
+    return people_->knows(crossing) && humans_->knows(driver) &&
+           humans_->is_crossed_by(driver, people_->light_of(crossing));
+  };
+  return std::ranges::any_of(guests, [&](const std::string& a) {
+    return std::ranges::any_of(
+        others, [&](const std::string& b) { return excludes(a, b) || excludes(b, a); });
+  });
+}
+
+/// Does one of them get over the junction without a light?
+bool Coordinator::is_at_gate(const std::vector<std::string>& guests) const {
+  return std::ranges::any_of(guests, [&](const std::string& guest) {
+    return !(people_ && people_->knows(guest)) && !(humans_ && humans_->knows(guest));
+  });
+}
+
+/// What it is worth to those under control that these pass now [s]; at the gate whatever it costs.
+double Coordinator::worth(const std::vector<std::string>& guests) const {
+  if (is_at_gate(guests)) return std::numeric_limits<double>::infinity();
+  return (people_ ? people_->worth(guests) : 0.0) + (humans_ ? humans_->worth(guests) : 0.0);
+}
+
+/// Those who may go over junctions now, in groups that only go together: people, drivers at
+/// signals, and guests at the gate.
+std::vector<std::vector<std::string>> Coordinator::groups_of_guests() {
+  std::vector<std::vector<std::string>> groups;
+  for (const std::string& guest : gate_.propose()) groups.push_back({guest});
+  if (people_) {
+    for (const std::string& crossing : people_->propose()) groups.push_back({crossing});
+  }
+  if (humans_) {
+    for (auto& group : humans_->propose()) groups.push_back(std::move(group));
+  }
+  return groups;
+}
+
+/// Guests who may go over junctions now, in the order in which that is tried: all at once, or else
+/// each group alone.
+std::vector<std::vector<std::string>> Coordinator::offers() {
+  constexpr std::size_t kMost = 3;  // alone
+  std::vector<std::vector<std::string>> groups;
+  std::vector<std::string> all;
+  for (auto& group : groups_of_guests()) {
+    if (may_meet_people(group)) continue;
+    std::vector<std::string> with = all;
+    with.insert(with.end(), group.begin(), group.end());
+    if (!may_meet_people(with) && !exclude_each_other(all, group)) all = std::move(with);
+    groups.push_back(std::move(group));
+  }
+  if (groups.size() < 2) return groups;
+  groups.resize(std::min(groups.size(), kMost));
+  if (std::ranges::count(groups, all) == 0) groups.insert(groups.begin(), std::move(all));
+  return groups;
+}
+
+}  // namespace mvtp

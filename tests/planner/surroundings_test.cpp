@@ -1,0 +1,69 @@
+#include "planner/road/surroundings.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "tests/planner/crossing_fixture.hpp"
+
+namespace mvtp {
+namespace {
+
+//   At 12 m/s, 15 m before the other path: however hard it brakes it comes onto it, where a driver
+//   may be from half a second to two seconds from now.
+class BeforeADriver : public Crossing {
+ protected:
+  [[nodiscard]] bool may_brake_fully(bool relies) {
+    const RoadVehicle vehicle = add(0, 85.0, 12.0);
+    Forecast driver{.vehicle = add(1, 88.0, 12.0), .trajectory = {}, .yields = false};
+    scene.vehicles.pop_back();
+    driver.vehicle.key = -1;
+    driver.relies = relies;
+    const auto drive = [](double v) {
+      PathTrajectory t{.states = {}};
+      for (int k = 0; k < 100; ++k) t.states.push_back({88.0 + v * 0.1 * k, v});
+      return t;
+    };
+    driver.trajectory = drive(12.0);
+    driver.latest = drive(4.0);
+    scene.forecasts = {driver};
+    const RoadPairs pairs(scene);
+    const WholeTrajectoryOptions options;
+    const Surroundings around(pairs, scene.vehicles.front(), {}, options);
+    const double b = kCar.max_decel;
+    return around.step_is_clear(0, vehicle.now, -b, advance(vehicle.now, -b, 0.5));
+  }
+};
+
+TEST_F(BeforeADriver, BrakingIsAWayOutIfHeBrakesToo) { EXPECT_TRUE(may_brake_fully(false)); }
+
+TEST_F(BeforeADriver, BrakingIsNoneIfHeReliesOnHisSignal) { EXPECT_FALSE(may_brake_fully(true)); }
+
+using NoWaiting = Crossing;
+
+// Another one stands on the crossing for 20 s, and drives on. Who waits for it does so right before
+// the crossing, or as far away as it has to.
+TEST_F(NoWaiting, KeepsAStretchFree) {
+  add(0, 40.0, 10.0);
+  add(1, 100.0, 0.0);
+  PathTrajectory stands{.states = std::vector<InertialState>(200, {100.0, 0.0})};
+  while (stands.states.back().s < 190.0) {
+    const InertialState last = stands.states.back();
+    stands.states.push_back(advance(last, last.v < 13.0 ? 2.0 : 0.0, 0.1));
+  }
+  const std::vector<JointPlan::Entry> before = {{1, std::make_shared<PathTrajectory>(stands)}};
+  const auto rests_within = [&](double from, double to) {
+    const RoadPairs pairs(scene);
+    const auto plan = plan_vehicle(pairs, scene.vehicles[0], before, {});
+    if (!plan) throw std::runtime_error("no plan");
+    return std::ranges::any_of(
+        plan->states, [&](const InertialState& x) { return x.v == 0.0 && x.s > from && x.s < to; });
+  };
+  EXPECT_TRUE(rests_within(80.0, 100.0)) << "where it may wait anywhere";
+  scene.vehicles[0].no_waiting = {{80.0, 110.0}};
+  EXPECT_FALSE(rests_within(80.0, 110.0));
+}
+
+}  // namespace
+}  // namespace mvtp

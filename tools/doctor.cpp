@@ -1,0 +1,107 @@
+#include <fmt/format.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "tools/child_process.hpp"
+#include "tools/commands.hpp"
+#include "tools/sibling.hpp"
+
+namespace mvtp {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Something that a command needs.
+struct Need {
+  std::string what;
+  bool found = false;
+  std::string without;  ///< what does not work then
+  std::string remedy;
+};
+
+/// Does this program run and say that all is well?
+bool runs(const std::vector<std::string>& arguments) {
+  Job job{.arguments = arguments, .messages = "/dev/null", .time_limit = 20.0};
+  int status = -1;
+  const bool complete = run_jobs(std::span(&job, 1), 1, [&](std::size_t, int end) {
+    status = end;
+    return true;
+  });
+  return complete && WIFEXITED(status) && WEXITSTATUS(status) == 0;
+}
+
+/// Is there an executable of this name on the PATH?
+bool is_on_path(const std::string& name) {
+  const char* path = std::getenv("PATH");
+  std::string rest = path == nullptr ? "" : path;
+  while (!rest.empty()) {
+    const std::size_t end = std::min(rest.find(':'), rest.size());
+    const fs::path file = fs::path(rest.substr(0, end)) / name;
+    if (::access(file.c_str(), X_OK) == 0) return true;
+    rest.erase(0, std::min(end + 1, rest.size()));
+  }
+  return false;
+}
+
+bool has_sumo() {
+  const fs::path program = sibling_path("mvtp-sumo");
+  return fs::exists(program) && runs({program.string(), "--version"});
+}
+
+bool has_matplotlib() {
+  const char* python = "/usr/bin/python3";
+  return fs::exists(python) && runs({python, "-E", "-c", "import matplotlib"});
+}
+
+std::string sumo_home() {
+  const char* home = std::getenv("SUMO_HOME");
+  return home == nullptr || *home == '\0' ? "/usr/share/sumo" : home;
+}
+
+std::vector<Need> examine() {
+  return {{"mvtp-sumo", has_sumo(), "coordinate, compare, sweep",
+           "install sumo and libsumo, and build with -DMVTP_WITH_SUMO=ON"},
+          {"sumo-gui", is_on_path("sumo-gui"), "coordinate --gui", "install sumo"},
+          {"netconvert", is_on_path("netconvert"), "making networks (networks/make.sh)",
+           "install sumo"},
+          {"SUMO's data in " + sumo_home(), fs::is_directory(fs::path(sumo_home()) / "data"),
+           "scenarios that use them, e.g. scenarios/rilsa", "install sumo-tools or set SUMO_HOME"},
+          {"matplotlib of /usr/bin/python3", has_matplotlib(), "figures of report",
+           "install python3-matplotlib"},
+          {"report.py", fs::exists(shared_file("report.py")), "figures of report",
+           "install mvtp again"},
+          {"Bluetooth support", MVTP_HAS_BLUETOOTH != 0, "toio scan, run, calibrate",
+           "install libsystemd-dev and build again"},
+          {"D-Bus system bus", fs::exists("/run/dbus/system_bus_socket"),
+           "toio scan, run, calibrate with real cubes", "install and start dbus and bluez"}};
+}
+
+int examine_and_tell() {
+  std::size_t missing = 0;
+  for (const Need& need : examine()) {
+    if (need.found) {
+      fmt::print("ok       {}\n", need.what);
+      continue;
+    }
+    ++missing;
+    fmt::print("missing  {}: without it not: {}; {}\n", need.what, need.without, need.remedy);
+  }
+  fmt::print("solve, validate, generate, bench, view, export and toio export need nothing more.\n");
+  return missing == 0 ? kDone : kNotAchieved;
+}
+
+}  // namespace
+
+Action declare_doctor(CLI::App& app) {
+  app.footer("Exit code: 0 nothing is missing; 1 something is.");
+  return [] { return examine_and_tell(); };
+}
+
+}  // namespace mvtp
