@@ -15,6 +15,11 @@ namespace {
 /// and whoever stands at the end of one stands in the way of all others for good.
 constexpr int kMostRefusals = 6;
 
+double machine_clock() {
+  const auto now = std::chrono::steady_clock::now().time_since_epoch();
+  return std::chrono::duration<double, std::milli>(now).count();
+}
+
 }  // namespace
 
 Coordinator::Coordinator(Traffic& traffic, const DrivableArea& area,
@@ -27,7 +32,9 @@ Coordinator::Coordinator(Traffic& traffic, const DrivableArea& area,
       corridors_(graph_, area, options.limits),
       area_(area),
       predictor_(graph_, finder_, corridors_, options.corridors.takeover),
-      gate_(traffic) {
+      gate_(traffic),
+      pace_(options.replan_budget_ms) {
+  if (!options_.clock) options_.clock = machine_clock;
   grid_.dt = traffic.step_length();
   grid_.steps_per_decision = std::max(1, int(std::lround(options.decision / grid_.dt)));
   if (options.share.is_whole() && graph_.crossings() == 0) return;
@@ -119,7 +126,7 @@ void Coordinator::replan() {
   if (planner_is_dead()) return hold_back(newcomers);
   if (newcomers.empty() && driven_.empty()) return admit_guests_freely();
 
-  const auto begin = std::chrono::steady_clock::now();
+  const double begin = options_.clock();
   for (const Newcomer& n : newcomers) arrivals.emplace(n.state->id, admit(n, next_key_++));
   const std::vector<std::int64_t> upset = stagnating_groups();
   const Trial trial = best_trial(arrivals, upset);
@@ -130,10 +137,8 @@ void Coordinator::replan() {
                 .groups = trial.decision.groups,
                 .stepped = trial.decision.stepped,
                 .cost = trial.decision.cost};
-  record.ms =
-      std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
-  const bool late =
-      traffic_.time() >= options_.budget_from && record.ms > options_.replan_budget_ms;
+  record.ms = options_.clock() - begin;
+  const bool late = traffic_.time() >= options_.budget_from && pace_.note(record.ms);
   record.fallback = late || !trial.refused.empty();
   replans_.push_back(record);
   accept(trial, late, arrivals);
@@ -240,23 +245,21 @@ std::vector<std::int64_t> Coordinator::stagnating_groups() {
   return upset;
 }
 
-/// Who has stood for long without a complete plan, or inside a junction, is stuck until the end of
-/// its corridor. Inside, a plan may be to wait for somebody who waits for it.
+/// Who has stood for long without a complete plan, or in the way of a guest who may not go because
+/// of it, is stuck until the end of its corridor: its plan may be to wait for that guest.
 void Coordinator::notice_the_stuck() {
   std::map<std::int64_t, int> standing;
   for (auto& [id, driven] : driven_) {
     RoadVehicle& road = driven.road;
-    const bool is_inside =
-        !road.stop_lines.empty() && road.now.s > road.stop_lines.front() &&
-        road.now.s < road.s_exit_lane + corridors_.library().body(road.path).length();
-    const bool stands = road.now.v == 0.0 && (is_inside || !plan_.find(driven.key)->complete);
-    if (!stands) continue;
+    const bool waits = blocking_guests_.contains(driven.key) || !plan_.find(driven.key)->complete;
+    if (road.now.v != 0.0 || !waits) continue;
     const auto before = standing_.find(driven.key);
     const int decisions = before == standing_.end() ? 1 : before->second + 1;
     standing.emplace(driven.key, decisions);
     road.stuck |= decisions * grid_.decision() > kPatience;
   }
   standing_ = std::move(standing);
+  blocking_guests_.clear();
 }
 
 RoadScene Coordinator::scene() const {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <optional>
 #include <set>
@@ -18,6 +19,7 @@
 #include "coordinator/people.hpp"
 #include "coordinator/prediction.hpp"
 #include "coordinator/referee.hpp"
+#include "coordinator/replan_pace.hpp"
 #include "planner/road/road_escot.hpp"
 
 namespace mvtp {
@@ -29,9 +31,11 @@ struct CoordinatorOptions {
   std::vector<std::string> junctions;  ///< ids; none: all with conflicting connections
   double decision = 0.5;  ///< [s] between two plans; rounded to whole steps of the traffic
   /// [ms] of wall clock for one plan, from `budget_from` [s] on; a plan that takes longer is
-  /// dropped. 0: no planning at all, as if the planner had died.
+  /// dropped, see ReplanPace. 0: no planning at all, as if the planner had died.
   double replan_budget_ms = 1e9;
   double budget_from = 0.0;
+  /// Wall clock [ms] since any time; none: the machine's.
+  std::function<double()> clock;
   ControlledShare share;  ///< who is taken over
   SignalTiming signals;   ///< where human-driven vehicles get their greens from us
 };
@@ -218,6 +222,7 @@ class Coordinator : public Controller {
   std::optional<SignalHeads> heads_;
   std::optional<HumanDrivers> humans_;
   std::optional<People> people_;
+  ReplanPace pace_;
   DecisionGrid grid_;
   std::int64_t step_ = 0;
   std::int64_t next_key_ = 0;
@@ -232,6 +237,7 @@ class Coordinator : public Controller {
   std::map<std::string, int> turned_away_;  ///< decisions for which newcomers had to wait
   std::map<std::int64_t, int> standing_;    ///< decisions in a row without a complete plan, by key
   std::map<std::int64_t, int> refusals_;    ///< of the referee in a row, by key
+  std::set<std::int64_t> blocking_guests_;  ///< keys, at the last decision
   std::vector<Replan> replans_;
   std::vector<std::string> taken_over_;
   std::vector<std::string> handed_back_;

@@ -202,7 +202,8 @@ Coordinator::Trial Coordinator::plan_trial(const std::map<std::string, Driven>& 
            std::ranges::count(upset, e.key) > 0;
   });
   trial.decision =
-      decide_on_road(now, incumbent, without_plan(now, incumbent, upset), options_.escot);
+      decide_on_road(now, incumbent, without_plan(now, incumbent, upset),
+                     pace_.for_next(options_.escot));
   trial.contacts = find_planned_contacts(now, trial.decision.plan, plan_);
   trial.refused = groups_in_contact(trial.decision.members, trial.contacts);
   return trial;

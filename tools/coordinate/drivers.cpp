@@ -76,7 +76,8 @@ CoordinatorOptions coordinator_options(const CoordinateOptions& options,
       options.signal_timing == "instant" ? SignalTiming::instant() : SignalTiming::real();
   coordinator.escot.crossing.tries = options.tries;
   coordinator.escot.threads = options.threads;
-  if (options.replan_budget_ms >= 0.0) coordinator.replan_budget_ms = options.replan_budget_ms;
+  coordinator.replan_budget_ms = options.replan_budget_ms >= 0.0 ? options.replan_budget_ms
+                                                                 : 1000.0 * coordinator.decision;
   coordinator.budget_from = options.replan_budget_from;
   return coordinator;
 }

@@ -28,7 +28,7 @@ struct CoordinateOptions {
   std::uint32_t seed = 23423;       ///< SUMO's own default
   std::optional<double> end;        ///< [s]
   double max_lateral_accel = 0.0;   ///< [m/s^2]; 0: no limit but the lanes'
-  double replan_budget_ms = -1.0;   ///< [ms]; < 0: no limit
+  double replan_budget_ms = -1.0;   ///< [ms]; < 0: the decision period
   double replan_budget_from = 0.0;  ///< [s]
   int tries = 30;
   int threads = 0;             ///< that plan; 0: one per core
