@@ -164,18 +164,25 @@ bool Audit::compare(double time, const Passage& a, const Passage& b) {
 
 void Audit::follow(double time, const Sighting& s) {
   const Point where{s.state->pose.x, s.state->pose.y};
-  if (area_.share_outside(s.state->pose, s.type->body, kRoadTolerance) > 0.0) {
-    ++figures_.off_road_steps;
-    figures_.off_road_steps_coordinated += s.coordinated ? 1 : 0;
-    if (events_.size() < 1000) events_.push_back({time, s.state->id + " is off the road", where});
-  }
   Track now{.pose = s.state->pose,
             .speed = s.state->speed,
             .along = {},
             .recent = {},
             .coordinated = s.coordinated,
+            .off_road = area_.share_outside(s.state->pose, s.type->body, kRoadTolerance) > 0.0,
             .handed_back = -1e9};
   const auto found = tracks_.find(s.state->id);
+  if (now.off_road) {
+    ++figures_.off_road_steps;
+    figures_.off_road_steps_coordinated += s.coordinated ? 1 : 0;
+    // Once for each time that it leaves the road, or comes under control beside it.
+    const bool was = found != tracks_.end() && found->second.off_road &&
+                     found->second.coordinated == s.coordinated;
+    if (!was) {
+      const char* who = s.coordinated ? "" : ", with its own driver,";
+      events_.push_back({time, fmt::format("{}{} is off the road", s.state->id, who), where});
+    }
+  }
   if (found != tracks_.end()) {
     const Track& before = found->second;
     now.handed_back = before.coordinated && !s.coordinated ? time : before.handed_back;

@@ -100,6 +100,7 @@ class Audit {
     std::optional<double> along;  ///< [m] that it drove in the last step
     std::vector<Stretch> recent;  ///< the last metre or second in one direction, oldest first
     bool coordinated = false;
+    bool off_road = false;
     double handed_back = -1e9;  ///< when [s]
   };
 

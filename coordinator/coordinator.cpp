@@ -15,11 +15,6 @@ namespace {
 /// and whoever stands at the end of one stands in the way of all others for good.
 constexpr int kMostRefusals = 6;
 
-double machine_clock() {
-  const auto now = std::chrono::steady_clock::now().time_since_epoch();
-  return std::chrono::duration<double, std::milli>(now).count();
-}
-
 }  // namespace
 
 Coordinator::Coordinator(Traffic& traffic, const DrivableArea& area,
@@ -32,9 +27,7 @@ Coordinator::Coordinator(Traffic& traffic, const DrivableArea& area,
       corridors_(graph_, area, options.limits),
       area_(area),
       predictor_(graph_, finder_, corridors_, options.corridors.takeover),
-      gate_(traffic),
-      pace_(options.replan_budget_ms) {
-  if (!options_.clock) options_.clock = machine_clock;
+      gate_(traffic) {
   grid_.dt = traffic.step_length();
   grid_.steps_per_decision = std::max(1, int(std::lround(options.decision / grid_.dt)));
   if (options.share.is_whole() && graph_.crossings() == 0) return;
@@ -126,7 +119,7 @@ void Coordinator::replan() {
   if (planner_is_dead()) return hold_back(newcomers);
   if (newcomers.empty() && driven_.empty()) return admit_guests_freely();
 
-  const double begin = options_.clock();
+  const auto begin = std::chrono::steady_clock::now();
   for (const Newcomer& n : newcomers) arrivals.emplace(n.state->id, admit(n, next_key_++));
   const std::vector<std::int64_t> upset = stagnating_groups();
   const Trial trial = best_trial(arrivals, upset);
@@ -137,11 +130,18 @@ void Coordinator::replan() {
                 .groups = trial.decision.groups,
                 .stepped = trial.decision.stepped,
                 .cost = trial.decision.cost};
-  record.ms = options_.clock() - begin;
-  const bool late = traffic_.time() >= options_.budget_from && pace_.note(record.ms);
-  record.fallback = late || !trial.refused.empty();
+  record.ms =
+      std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
+  record.fallback = !trial.decision.late.empty() || !trial.refused.empty();
   replans_.push_back(record);
-  accept(trial, late, arrivals);
+  accept(trial, arrivals);
+}
+
+/// How plans are made now.
+RoadEscotOptions Coordinator::escot() const {
+  RoadEscotOptions options = options_.escot;
+  if (traffic_.time() >= options_.budget_from) options.budget.ms = options_.replan_budget_ms;
+  return options;
 }
 
 /// The passage of a guest is planned.
@@ -164,10 +164,9 @@ void Coordinator::admit_guests_freely() {
   }
 }
 
-/// Makes a trial's plan what is executed, but for groups that the referee refuses and for all if it
-/// is late: those go on as before, and the newcomers among them are not taken over.
-void Coordinator::accept(const Trial& trial, bool late,
-                         const std::map<std::string, Driven>& arrivals) {
+/// Makes a trial's plan what is executed, but for groups that are late or that the referee refuses:
+/// those go on as before, and the newcomers among them are not taken over.
+void Coordinator::accept(const Trial& trial, const std::map<std::string, Driven>& arrivals) {
   std::set<std::int64_t> keep;  // keys
   std::map<std::int64_t, int> refusals;
   for (std::size_t g = 0; g < trial.decision.members.size(); ++g) {
@@ -178,6 +177,7 @@ void Coordinator::accept(const Trial& trial, bool late,
       const auto known = refusals_.find(key);
       if (known != refusals_.end()) before = std::max(before, known->second);
     }
+    const bool late = std::ranges::binary_search(trial.decision.late, g);
     const bool obeyed = refused && before < kMostRefusals;
     if (late || obeyed) keep.insert(members.begin(), members.end());
     if (obeyed) {
@@ -193,7 +193,8 @@ void Coordinator::accept(const Trial& trial, bool late,
   plan_ = std::move(plan);
   groups_ = trial.decision.members;
   forecasts_ = trial.forecasts;
-  if (!late) {
+  // A guest goes by the plans of all.
+  if (trial.decision.late.empty()) {
     for (const std::string& guest : trial.guests) let_pass(guest);
   }
   for (const auto& [id, arrival] : arrivals) {

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <functional>
 #include <map>
 #include <optional>
 #include <set>
@@ -19,7 +18,6 @@
 #include "coordinator/people.hpp"
 #include "coordinator/prediction.hpp"
 #include "coordinator/referee.hpp"
-#include "coordinator/replan_pace.hpp"
 #include "planner/road/road_escot.hpp"
 
 namespace mvtp {
@@ -30,12 +28,10 @@ struct CoordinatorOptions {
   CorridorLimits limits;
   std::vector<std::string> junctions;  ///< ids; none: all with conflicting connections
   double decision = 0.5;  ///< [s] between two plans; rounded to whole steps of the traffic
-  /// [ms] of wall clock for one plan, from `budget_from` [s] on; a plan that takes longer is
-  /// dropped, see ReplanPace. 0: no planning at all, as if the planner had died.
+  /// [ms] of processor time for the plan of one group, from `budget_from` [s] on; see GroupBudget.
+  /// 0: no planning at all, as if the planner had died.
   double replan_budget_ms = 1e9;
   double budget_from = 0.0;
-  /// Wall clock [ms] since any time; none: the machine's.
-  std::function<double()> clock;
   ControlledShare share;  ///< who is taken over
   SignalTiming signals;   ///< where human-driven vehicles get their greens from us
 };
@@ -125,7 +121,8 @@ class Coordinator : public Controller {
   }
   [[nodiscard]] bool owns_signals() const { return humans_ && shows_lights(); }
   void look_at_signals();
-  void accept(const Trial& trial, bool late, const std::map<std::string, Driven>& arrivals);
+  [[nodiscard]] RoadEscotOptions escot() const;
+  void accept(const Trial& trial, const std::map<std::string, Driven>& arrivals);
   void admit_guests_freely();
   [[nodiscard]] bool is_surprise(const VehicleState& v) const;
   void brake_for_surprises();
@@ -222,7 +219,6 @@ class Coordinator : public Controller {
   std::optional<SignalHeads> heads_;
   std::optional<HumanDrivers> humans_;
   std::optional<People> people_;
-  ReplanPace pace_;
   DecisionGrid grid_;
   std::int64_t step_ = 0;
   std::int64_t next_key_ = 0;

@@ -55,8 +55,9 @@ void declare_planning(CLI::App& app, CoordinateOptions& o) {
       ->type_name("VEHICLE@SECONDS")
       ->group("Control");
   app.add_option("--replan-budget-ms", o.replan_budget_ms,
-                 "Drop plans that take longer [ms], and do less work for the next ones; 0: no "
-                 "planning, as if the planner were dead (default: the decision period, 500)")
+                 "Processor time for the plan of one group of vehicles [ms]; a later plan is "
+                 "dropped. 0: no planning, as if the planner were dead (default: the decision "
+                 "period, 500)")
       ->check(number_between(0.0, 1e9))
       ->group("Control");
   app.add_option("--replan-budget-from", o.replan_budget_from,
