@@ -1,6 +1,7 @@
 #include "tools/coordinate/drivers.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <ranges>
@@ -144,6 +145,31 @@ void Drivers::join(Simulation& simulation) {
     simulation.add([&lot = *lot](const Snapshot& now) { lot.observe(now.time); });
   }
   if (dump_) simulation.add([this](const Snapshot&) { dump_->observe(); });
+}
+
+std::vector<std::string> Drivers::describe_zones() const {
+  constexpr std::size_t kMostZones = 20;
+  constexpr std::size_t kMostJunctions = 8;
+  std::vector<ZoneFigures> zones;
+  for (const auto& controller : controllers_) {
+    for (ZoneFigures& zone : controller->zones()) zones.push_back(std::move(zone));
+  }
+  std::vector<std::string> lines;
+  for (const ZoneFigures& zone : zones) {
+    const std::size_t all = zone.junctions.size();
+    const std::size_t named = std::min(all, kMostJunctions);
+    const std::string more = all > named ? fmt::format(" and {} more", all - named) : "";
+    lines.push_back(fmt::format("control zone {} of {}: {} {}{}; {} movements", lines.size() + 1,
+                                zones.size(), all == 1 ? "junction" : "junctions",
+                                fmt::join(std::span(zone.junctions).first(named), ", "), more,
+                                zone.corridors));
+    if (lines.size() == kMostZones && zones.size() > kMostZones) {
+      lines.push_back(fmt::format("{} more control zones: see zones in summary.json",
+                                  zones.size() - kMostZones));
+      break;
+    }
+  }
+  return lines;
 }
 
 void Drivers::report_to(RunReport& report) const {

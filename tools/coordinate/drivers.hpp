@@ -37,6 +37,8 @@ class Drivers {
 
   /// Lets them take part; so do those who watch the lots, and who dumps decisions.
   void join(Simulation& simulation);
+  /// A line for each control zone: its junctions, and how many movements lead over them.
+  [[nodiscard]] std::vector<std::string> describe_zones() const;
   /// What they did.
   void report_to(RunReport& report) const;
   /// How it went on the parking lots.

@@ -75,6 +75,8 @@ class Run {
         std::make_unique<RunRecorder>(options_, traffic_->network(), junctions_, lots_, report_);
     for (const std::string& note : scenario_.notes) say("note: " + note);
     for (const std::string& note : notes_on(*traffic_)) say("note: " + note);
+    if (options_.quiet) return;
+    for (const std::string& zone : drivers_.describe_zones()) say(zone);
   }
 
   int drive() {
@@ -193,6 +195,12 @@ class Run {
     if (cut_off_) (void)complete_crashed_run(options_.output_dir, report_.message);
     for (const std::string& note : copy_outputs(scenario_, options_.configuration)) {
       say("note: " + note);
+    }
+    if (!report_.left_to_sumo.empty()) {
+      const LeftToTraffic& first = report_.left_to_sumo.front();
+      say(fmt::format("note: {} turns are left to SUMO, see left_to_sumo in {}; first: {}: {}",
+                      report_.left_to_sumo.size(), folder_.path("summary.json"), first.what,
+                      first.why));
     }
     if (warnings.untold == 0) return;
     say(fmt::format("note: SUMO warned {} times, see {}; first: {}", warnings.untold,
