@@ -18,7 +18,9 @@ Surroundings::Surroundings(const RoadPairs& pairs, const RoadVehicle& vehicle,
   for (std::size_t f = 0; count && f < scene.forecasts.size(); ++f) {
     if (pairs.follows(f, self)) continue;
     const Forecast& forecast = scene.forecasts[f];
-    add({pairs.towards_forecast(self, f), &forecast.trajectory,
+    const ContactView contact = pairs.towards_forecast(self, f);
+    const bool stays = forecast.held && !contact.contact->never() && !pairs.is_behind(self, f);
+    add({contact, stays ? &*forecast.held : &forecast.trajectory,
          forecast.latest ? &*forecast.latest : nullptr, &forecast.vehicle,
          &scene.body(forecast.vehicle), true, forecast.yields, forecast.relies});
     if (forecasts == Forecasts::kWithSlack) add_slack(forecast);

@@ -104,5 +104,29 @@ TEST_F(BesideADriver, BrakingDoesNotMakeItRightToCutIn) { EXPECT_FALSE(may_cut_i
 
 TEST_F(BesideADriver, FarBeforeHimItMayComeOverAndBrake) { EXPECT_TRUE(may_cut_in(55.0)); }
 
+//   A driver stands on the crossing, as if for 10 s. He is held there until others have passed.
+class HeldDriver : public Crossing {
+ protected:
+  [[nodiscard]] bool has_plan(int path, double s, bool is_held) {
+    const RoadVehicle vehicle = add(path, s, 8.0);
+    RoadVehicle driver = add(1, 98.0, 0.0);
+    scene.vehicles.pop_back();
+    driver.key = -1;
+    PathTrajectory t{.states = std::vector<InertialState>(100, {98.0, 0.0})};
+    while (t.states.back().s < 190.0) t.states.push_back(advance(t.states.back(), 1.0, 0.1));
+    Forecast forecast{.vehicle = driver, .trajectory = t};
+    if (is_held) forecast.held = PathTrajectory{.states = {{98.0, 0.0}}, .complete = false};
+    scene.forecasts = {forecast};
+    const RoadPairs pairs(scene);
+    return plan_vehicle(pairs, vehicle, {}, {}).has_value();
+  }
+};
+
+TEST_F(HeldDriver, WhoComesAcrossDoesNotCountOnHimToLeave) {
+  EXPECT_FALSE(has_plan(0, 60.0, /*is_held=*/true));
+}
+TEST_F(HeldDriver, WhoIsBehindHimWaitsForHim) { EXPECT_TRUE(has_plan(1, 60.0, /*is_held=*/true)); }
+TEST_F(HeldDriver, WhoIsNotHeldLeaves) { EXPECT_TRUE(has_plan(0, 60.0, /*is_held=*/false)); }
+
 }  // namespace
 }  // namespace mvtp
