@@ -76,6 +76,21 @@ TEST(Svg, ShowsWhoIsThereAndEscapesText) {
   EXPECT_THAT(svg, HasSubstr("#cc3d93"));  // b reverses
 }
 
+TEST(Svg, ShowsLightsAndPeople) {
+  ReplayScene scene;
+  scene.lights = {{.signal = 0, .index = 1, .from = {1, 1}, .to = {1, 4}}};
+  ReplayRecorder recorder({.title = "x"}, scene, 0.0);
+  recorder.add_lights(0.0, recorder.add_signal("s"), "rG");
+  ReplayVehicle person{.id = "p", .length = 0.5, .width = 0.5, .front = 0.25};
+  person.person = true;
+  recorder.add_vehicle(person);
+  recorder.add_frame(0.0,
+                     std::vector<ReplayVehicleState>{{0, {3, 4, 0}, 1.0, ReplayState::kWalking}});
+  const std::string svg = to_svg(recorder.finish(), 0.0, "r");
+  EXPECT_THAT(svg, HasSubstr("points=\"1.00,1.00 1.00,4.00 \" stroke=\"#009e73\""));
+  EXPECT_THAT(svg, HasSubstr("<circle cx=\"3.00\" cy=\"4.00\" r=\"0.25\""));
+}
+
 TEST(Svg, OnlyMomentsOfTheReplayCanBeDrawn) {
   EXPECT_THROW((void)to_svg(two_cars(), 2.1, "r"), InputError);
 }

@@ -27,6 +27,9 @@ namespace mvtp {
                                                           const RoadNetwork& network,
                                                           std::span<const ParkingLot> lots);
 
+/// Which vehicles are taken over.
+[[nodiscard]] ControlledShare controlled_share(const CoordinateOptions& options);
+
 /// Who drives in a run, side by side: a controller for each parking lot and one for the junctions;
 /// or nobody but SUMO.
 class Drivers {
@@ -37,6 +40,8 @@ class Drivers {
 
   /// Lets them take part; so do those who watch the lots, and who dumps decisions.
   void join(Simulation& simulation);
+  /// Who drives at the junctions; nullptr: nobody but SUMO.
+  [[nodiscard]] const Coordinator* coordinator() const { return coordinator_; }
   /// What they did.
   void report_to(RunReport& report) const;
   /// How it went on the parking lots.
