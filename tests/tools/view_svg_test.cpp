@@ -11,6 +11,7 @@ namespace mvtp {
 namespace {
 
 using testing::HasSubstr;
+using testing::StartsWith;
 
 /// Two cars in three frames, one second apart; b comes in the second one.
 Replay two_cars(ReplayMotion motion = ReplayMotion::kContinuous) {
@@ -104,11 +105,16 @@ TEST_F(View, DrawsAMoment) {
   ASSERT_EQ(run("solve -i i.yaml -q -o p.yaml").exit_code, 0);
   ASSERT_EQ(run("view p.yaml -i i.yaml --at 1.5 -o m.svg").exit_code, 0);
   EXPECT_THAT(content_of(directory_.path("m.svg")), HasSubstr("translate(6.50 5.00)"));
+  ASSERT_EQ(run("view p.yaml -i i.yaml --at 1.5 -o m.png").exit_code, 0);
+  EXPECT_THAT(content_of(directory_.path("m.png")), StartsWith("\x89PNG"));
+  EXPECT_THAT(
+      shell(std::string("PATH= '") + MVTP_PROGRAM + "' view p.yaml -i i.yaml --at 1 -o n.png").err,
+      HasSubstr("--output: a PNG needs rsvg-convert; install librsvg2-bin"));
   expect_refused("view p.yaml -i i.yaml --at 99 -o n.svg", "--at: is 99 s; p.yaml goes from 0 .*");
   expect_refused("view p.yaml -i i.yaml --at 1 -o n.html", "--output: is n.html; give a name .*");
   expect_refused("view p.yaml -i i.yaml -o n.svg", "--output: is n.svg; give a name .*");
   expect_refused("view p.yaml p.yaml -i i.yaml --at 1 -o n.svg", "--at: draws one replay; .*");
-  EXPECT_EQ(shell("ls").out, "i.yaml\nm.svg\np.yaml\n");
+  EXPECT_EQ(shell("ls").out, "i.yaml\nm.png\nm.svg\np.yaml\n");
 }
 
 }  // namespace

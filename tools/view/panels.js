@@ -4,7 +4,8 @@
 
 function buildHeader(app) {
   const {replays} = app, several = replays.length > 1;
-  byId('title').textContent = document.title;
+  byId('title').textContent = document.title.replace(/\S*\//g, '');  // without folders
+  byId('title').title = document.title;
   replays.forEach((replay, side) => {
     const people = replay.vehicles.filter((vehicle) => vehicle.person).length;
     const facts = [several ? app.nameOf(side) : '', replay.version,
