@@ -7,11 +7,11 @@
 // A track is one vehicle in an unbroken row of frames:
 //   {vehicle: index, first: frame, count, x, y [cm], heading [0.1 deg], speed [2 cm/s], state,
 //   and, if the replay has `groups`: group (0, or 1 + index of its first vehicle), rank (1 first);
-//   if it has `emissions`: co2 [0.1 g/s]}.
+//   if it has `emissions`: co2 [0.2 g/s]}.
 
 const FORMAT = 2;
 const SPEED_UNIT = 0.02;
-const CO2_UNIT = 0.1;
+const CO2_UNIT = 0.2;
 const NO_CLEARANCE = 9999;
 const STATES = ['SUMO’s driver', 'coordinated', 'waiting', 'arrived', 'parked', 'on foot'];
 

@@ -186,7 +186,7 @@ void read_track(const Json& track, const Extras& extras, ColumnReader& reader,
     now = {vehicle, pose, double(speed[k]) * 0.02, static_cast<ReplayState>(state[k])};
     if (groups[k] > 0) now.group = static_cast<std::size_t>(groups[k] - 1);
     now.rank = static_cast<int>(ranks[k]);
-    if (extras.emissions) now.co2 = double(co2[k]) * 0.1;
+    if (extras.emissions) now.co2 = double(co2[k]) * 0.2;
   }
 }
 

@@ -15,7 +15,7 @@
 //   times [ms]; clearances [cm], if the header says so, kNoClearance for none;
 //   for each track: x [cm], y [cm], heading [0.1 deg], speed [2 cm/s], states as ReplayRuns;
 //     groups (0, or 1 + the first vehicle) and ranks as ReplayRuns, if the header says so;
-//     CO2 [0.1 g/s], if the header says so.
+//     CO2 [0.2 g/s], if the header says so.
 // A track is one vehicle in an unbroken row of frames.
 
 namespace mvtp {
@@ -27,7 +27,7 @@ constexpr int kFormat = 2;
 constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
 constexpr std::int64_t kHeadingsPerTurn = 3600;
 constexpr double kSpeedUnit = 0.02;          // [m/s]
-constexpr double kCo2Unit = 0.1;             // [g/s]
+constexpr double kCo2Unit = 0.2;             // [g/s]
 constexpr std::int64_t kNoClearance = 9999;  // [cm]
 constexpr double kFarthest = 1e7;            // [m]; beyond it a position is an error
 constexpr double kEpisodeGap = 1.0;          // [s]
