@@ -227,8 +227,9 @@ std::vector<std::string> figures_of(const json& header) {
 }
 
 TEST_F(Coordinate, ThePageOfACoordinatedRunHasGroupsCorridorsAndEmissions) {
-  ASSERT_EQ(run("coordinate -c '" + kBusy + "' --end 60 --penetration 0.8 --no-fcd --quiet").exit_code,
-            1);  // not everybody has arrived
+  ASSERT_EQ(
+      run("coordinate -c '" + kBusy + "' --end 60 --penetration 0.8 --no-fcd --quiet").exit_code,
+      1);  // not everybody has arrived
   const json page = page_of(directory_.path("out/view.html"));
   EXPECT_TRUE(page["groups"]);
   EXPECT_TRUE(page["emissions"]);
@@ -246,8 +247,9 @@ TEST_F(Coordinate, ThePageOfACoordinatedRunHasGroupsCorridorsAndEmissions) {
 TEST_F(Coordinate, ThePageOfASignalHasItsLightsPeopleAndSidewalks) {
   const std::string people =
       std::string(MVTP_SCENARIOS) + "/crossroads/crossroads-people.static.sumocfg";
-  ASSERT_EQ(run("coordinate -c '" + people + "' --controller sumo --end 60 --no-fcd --quiet").exit_code,
-            1);
+  ASSERT_EQ(
+      run("coordinate -c '" + people + "' --controller sumo --end 60 --no-fcd --quiet").exit_code,
+      1);
   const json page = page_of(directory_.path("out/view.html"));
   EXPECT_THAT(figures_of(page), AllOf(Contains("people touched"), Not(Contains("replan p95"))));
   ASSERT_EQ(page["signals"].size(), 1U);
