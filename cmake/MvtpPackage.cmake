@@ -48,7 +48,8 @@ lights, on benchmark maps, and on toio cubes. An independent referee judges
 every plan.")
 set(CPACK_DEBIAN_MVTP_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_MVTP_PACKAGE_RECOMMENDS "python3-matplotlib")
-set(CPACK_DEBIAN_MVTP_PACKAGE_SUGGESTS "bluez")
+set(CPACK_DEBIAN_MVTP_PACKAGE_SUGGESTS
+  "bluez, chromium-headless-shell | chromium, librsvg2-bin")
 if(MVTP_WITH_SUMO)
   # libsumo and libtraci lie in Debian's package sumo, without a version of their interface.
   string(REGEX MATCH "^([0-9]+)\\.([0-9]+)" sumo "${MVTP_SUMO_VERSION}")

@@ -81,6 +81,8 @@ class Coordinator : public Controller {
   /// What the planner sees now; public so that the invariants can be tested from outside.
   [[nodiscard]] RoadScene scene() const;
   [[nodiscard]] const JointPlan& plan() const { return plan_; }
+  /// Keys of the vehicles that the last decision planned together.
+  [[nodiscard]] const std::vector<std::vector<std::int64_t>>& groups() const { return groups_; }
 
  private:
   /// A vehicle that is to be driven from this decision on, if a plan for it is accepted.

@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 #include <sys/wait.h>
-#include <unistd.h>
 
 #include <cstdlib>
 #include <filesystem>
@@ -12,6 +11,7 @@
 #include "tools/child_process.hpp"
 #include "tools/commands.hpp"
 #include "tools/sibling.hpp"
+#include "tools/view/browser.hpp"
 
 namespace mvtp {
 namespace {
@@ -37,19 +37,6 @@ bool runs(const std::vector<std::string>& arguments) {
   return complete && WIFEXITED(status) && WEXITSTATUS(status) == 0;
 }
 
-/// Is there an executable of this name on the PATH?
-bool is_on_path(const std::string& name) {
-  const char* path = std::getenv("PATH");
-  std::string rest = path == nullptr ? "" : path;
-  while (!rest.empty()) {
-    const std::size_t end = std::min(rest.find(':'), rest.size());
-    const fs::path file = fs::path(rest.substr(0, end)) / name;
-    if (::access(file.c_str(), X_OK) == 0) return true;
-    rest.erase(0, std::min(end + 1, rest.size()));
-  }
-  return false;
-}
-
 bool has_sumo() {
   const fs::path program = sibling_path("mvtp-sumo");
   return fs::exists(program) && runs({program.string(), "--version"});
@@ -68,13 +55,17 @@ std::string sumo_home() {
 std::vector<Need> examine() {
   return {{"mvtp-sumo", has_sumo(), "coordinate, compare, sweep",
            "install sumo and libsumo, and build with -DMVTP_WITH_SUMO=ON"},
-          {"sumo-gui", is_on_path("sumo-gui"), "coordinate --gui", "install sumo"},
-          {"netconvert", is_on_path("netconvert"), "making networks (networks/make.sh)",
-           "install sumo"},
+          {"sumo-gui", find_program("sumo-gui").has_value(), "coordinate --gui", "install sumo"},
+          {"netconvert", find_program("netconvert").has_value(),
+           "making networks (networks/make.sh)", "install sumo"},
           {"SUMO's data in " + sumo_home(), fs::is_directory(fs::path(sumo_home()) / "data"),
            "scenarios that use them, e.g. scenarios/rilsa", "install sumo-tools or set SUMO_HOME"},
           {"matplotlib of /usr/bin/python3", has_matplotlib(), "figures of report",
            "install python3-matplotlib"},
+          {"Chromium", Browser::find().has_value(), "view --video",
+           "install chromium-headless-shell or chromium"},
+          {"rsvg-convert", find_program("rsvg-convert").has_value(), "view --at with a PNG",
+           "install librsvg2-bin"},
           {"report.py", fs::exists(shared_file("report.py")), "figures of report",
            "install mvtp again"},
           {"Bluetooth support", MVTP_HAS_BLUETOOTH != 0, "toio scan, run, calibrate",

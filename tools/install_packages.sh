@@ -13,6 +13,7 @@ packages=(
   libsystemd-dev dbus-daemon
   sumo sumo-tools
   zsh fish libxml2-utils
+  chromium-headless-shell librsvg2-bin
   "$@"
 )
 

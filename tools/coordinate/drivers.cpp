@@ -68,11 +68,7 @@ CoordinatorOptions coordinator_options(const CoordinateOptions& options,
   coordinator.limits.margins = {options.margin_along, options.margin_across};
   coordinator.junctions.assign(junctions.begin(), junctions.end());
   coordinator.escot.seed = options.seed;
-  coordinator.share = {
-      .penetration = options.penetration,
-      .coordinate_types = {options.coordinate_types.begin(), options.coordinate_types.end()},
-      .human_types = {options.human_types.begin(), options.human_types.end()},
-      .seed = options.seed};
+  coordinator.share = controlled_share(options);
   coordinator.signals =
       options.signal_timing == "instant" ? SignalTiming::instant() : SignalTiming::real();
   coordinator.escot.crossing.tries = options.tries;
@@ -84,6 +80,13 @@ CoordinatorOptions coordinator_options(const CoordinateOptions& options,
 }
 
 }  // namespace
+
+ControlledShare controlled_share(const CoordinateOptions& options) {
+  return {.penetration = options.penetration,
+          .coordinate_types = {options.coordinate_types.begin(), options.coordinate_types.end()},
+          .human_types = {options.human_types.begin(), options.human_types.end()},
+          .seed = options.seed};
+}
 
 std::set<std::string> coordinated_junctions(const CoordinateOptions& options,
                                             const RoadNetwork& network,

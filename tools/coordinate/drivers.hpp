@@ -27,6 +27,9 @@ namespace mvtp {
                                                           const RoadNetwork& network,
                                                           std::span<const ParkingLot> lots);
 
+/// Which vehicles are taken over.
+[[nodiscard]] ControlledShare controlled_share(const CoordinateOptions& options);
+
 /// Who drives in a run, side by side: a controller for each parking lot and one for the junctions;
 /// or nobody but SUMO.
 class Drivers {
@@ -39,6 +42,8 @@ class Drivers {
   void join(Simulation& simulation);
   /// A line for each control zone: its junctions, and how many movements lead over them.
   [[nodiscard]] std::vector<std::string> describe_zones() const;
+  /// Who drives at the junctions; nullptr: nobody but SUMO.
+  [[nodiscard]] const Coordinator* coordinator() const { return coordinator_; }
   /// What they did.
   void report_to(RunReport& report) const;
   /// How it went on the parking lots.

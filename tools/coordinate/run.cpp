@@ -71,8 +71,10 @@ class Run {
     report_.mvtp_version = version();
     report_.sumo_version = sumo_version();
     report_.begin = report_.end = traffic_->time();
-    recorder_ =
-        std::make_unique<RunRecorder>(options_, traffic_->network(), junctions_, lots_, report_);
+    if (!options_.no_view) {
+      recorder_ = std::make_unique<RunRecorder>(options_, *traffic_, junctions_, lots_,
+                                                drivers_.coordinator(), report_);
+    }
     for (const std::string& note : scenario_.notes) say("note: " + note);
     for (const std::string& note : notes_on(*traffic_)) say("note: " + note);
     if (options_.quiet) return;
@@ -120,7 +122,7 @@ class Run {
       safety_.observe(now.time, now.vehicles);
       people_.observe(now);
       audit_.observe(now.time, now.vehicles, now.people);
-      recorder_->observe(now.time, now.vehicles, audit_);
+      if (recorder_) recorder_->observe(now, audit_);
       if (now.time >= next_checkpoint_) checkpoint();
       tell_progress(now);
     });
@@ -190,7 +192,7 @@ class Run {
     folder_.write("vehicles.csv", vehicles_csv(report_));
     folder_.write("replans.csv", replans_csv(report_));
     folder_.write("events.csv", events_csv(report_));
-    if (!options_.no_view) folder_.write("view.html", recorder_->page(report_));
+    if (recorder_) folder_.write("view.html", recorder_->page(report_));
     folder_.commit();
     if (cut_off_) (void)complete_crashed_run(options_.output_dir, report_.message);
     for (const std::string& note : copy_outputs(scenario_, options_.configuration)) {
@@ -264,7 +266,7 @@ class Run {
   Drivers drivers_;
   Simulation simulation_;
   RunReport report_;
-  std::unique_ptr<RunRecorder> recorder_;
+  std::unique_ptr<RunRecorder> recorder_;  ///< none: nobody wants the page
   std::optional<Progress> progress_;
   double next_checkpoint_ = 0.0;  ///< [s] simulated
   bool cut_off_ = false;          ///< SUMO's own files lack their ends
