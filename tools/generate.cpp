@@ -161,10 +161,7 @@ Action declare_generate(CLI::App& app) {
       ->group("Instances");
   app.add_option("--vehicle", command->options.vehicle,
                  "Vehicle preset, written into the files [escot]")
-      ->check([](const std::string& name) {
-        const bool known = vehicle_preset(name).has_value();
-        return known ? std::string() : "is \"" + name + "\"; choose escot or cl-cbs";
-      })
+      ->check(one_of({"escot", "cl-cbs"}))
       ->type_name("escot|cl-cbs")
       ->group("Instances");
   add_choice<Bounds>(app, "--bounds", command->options.bounds,

@@ -65,6 +65,7 @@ TEST_F(Program, WrongUsageIsOneLine) {
   expect_refused("fly", "fly: is no command of mvtp; see mvtp --help");
   expect_refused("validate", "validate: --instance is required; see mvtp validate --help");
   expect_refused("validate -i a -s b --fly", "validate: .*--fly.*; see mvtp validate --help");
+  expect_refused("solve a.yaml", "solve: a.yaml was not expected; see mvtp solve --help");
   expect_refused("validate -i a -s b --yaw up",
                  "validate: --yaw: is \"up\"; choose ccw.cw; see mvtp validate --help");
   expect_refused(
@@ -72,6 +73,22 @@ TEST_F(Program, WrongUsageIsOneLine) {
       "validate: --dt: is \"nan\"; give a number from 0.001 to 1e.06; see mvtp validate --help");
   expect_refused("validate -i a -s b --vehicle tank",
                  "--vehicle: is the unknown preset \"tank\"; choose escot or cl-cbs");
+}
+
+TEST_F(Program, SlipsAreAnsweredWithTheNearestWord) {
+  expect_refused("slove -i a", "slove: is no command of mvtp; did you mean solve. see mvtp --help");
+  expect_refused("solve -i a --outptu=b",
+                 "solve: --outptu was not expected; did you mean --output.; see mvtp solve --help");
+  expect_refused("solve --instanec a", "solve: --instanec was not expected; did you mean .*");
+  expect_refused("solve -i a -a escto",
+                 "solve: --algorithm: is \"escto\"; did you mean escot. choose escot.pbcr.*");
+  expect_refused("validate -i a -s b --yaw CW",
+                 "validate: --yaw: is \"CW\"; did you mean cw. choose ccw.cw; .*");
+  expect_refused("generate dens -o out", "generate: suite: is \"dens\"; did you mean dense. .*");
+  expect_refused("toio fitt", "toio: fitt was not expected; did you mean fit.; .*");
+  (void)directory_.file("p.yaml", kPlan);
+  expect_refused("toio fit p.yaml --mat simpel",
+                 "--mat: is \"simpel\", neither a mat nor a file; did you mean simple. .*");
 }
 
 TEST_F(Program, ValidPlansGiveZero) {
@@ -343,6 +360,14 @@ TEST_F(Program, AnInterruptedSearchWithoutAPlanSaysSo) {
   EXPECT_EQ(outcome.err,
             "mvtp: i.yaml: interrupted, and not solved (timeout): a signal ended the search\n");
   EXPECT_FALSE(std::filesystem::exists(directory_.path("p.yaml")));
+}
+
+TEST_F(Program, LongWorkTellsWhatIsLeft) {
+  (void)directory_.file("i.yaml", circle_of_eight());
+  const std::string solve = "solve -i i.yaml -a escot-star --gap 0 --time-limit 2 ";
+  EXPECT_THAT(run(solve).err, testing::ContainsRegex("solve: [1-9]0 %, [12] s left\n"));
+  EXPECT_THAT(run(solve + "-q").err, IsEmpty());
+  EXPECT_THAT(run("generate typical -o suite").err, testing::ContainsRegex("generate: .*s left"));
 }
 
 //   The signal comes after the first of 29,000 files and long before the last.

@@ -73,7 +73,7 @@ class Bench : public JobSource {
       : options_(options), results_(results), runs_(std::move(runs)) {}
 
   int run() {
-    progress_.emplace("bench", options_.quiet, TimeLeft::kShown);
+    progress_.emplace("bench", options_.quiet);
     const bool complete = run_jobs(*this, options_.jobs);
     progress_.reset();  // ends its line
     report();

@@ -158,7 +158,7 @@ def panel(sheet, x, y, number, title):
 
 
 def four_cars(sheet, x, y, opacity=1.0, apart=False):
-    """Robots 1 and 2 that meet, 3 that drives alone, 4 that waits in 3's way."""
+    """Robots 1 and 2 that meet, 3 that drives alone, 4 that waits in 3's path."""
     colors = (GREEN, GREEN, BLUE, ORANGE) if apart else (BLUE,) * 4
     for (cx, cy, heading), color, name in zip(((60, 100, 0), (160, 180, -90), (60, 205, 0),
                                                (290, 205, 180)), colors, "1234"):

@@ -73,7 +73,7 @@ class Sweep : public JobSource {
       : options_(options), results_(results), runs_(std::move(runs)) {}
 
   int run() {
-    progress_.emplace("sweep", options_.quiet, TimeLeft::kShown);
+    progress_.emplace("sweep", options_.quiet);
     const bool complete = run_jobs(*this, options_.jobs);
     progress_.reset();  // ends its line
     for (const std::string& complaint : complaints_) fmt::print(stderr, "mvtp: {}\n", complaint);
