@@ -6,7 +6,7 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 
 if [ $# -eq 0 ]; then
-  tools/install_packages.sh mkdocs-material
+  tools/install_packages.sh
   cmake --preset release >/dev/null
   cmake --build --preset release --target mvtp_manual_pages
   set -- build/release/tools/manual/markdown/commands.md out/docs

@@ -35,7 +35,8 @@ const CLI::App& chosen_command(const CLI::App& app) {
 /// The first word of the command line that is nothing that the command knows, and what may have
 /// been meant; empty if there is none.
 std::string stray_word(const CLI::App& command) {
-  const std::vector<std::string> rest = command.remaining();
+  std::vector<std::string> rest = command.remaining();
+  std::erase(rest, "--");
   if (rest.empty()) return {};
   std::vector<std::string> known;
   for (const CLI::Option* option : command.get_options()) {
