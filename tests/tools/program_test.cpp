@@ -232,6 +232,7 @@ TEST_F(Program, BadInputIsOneLineThatNamesThePlace) {
                                               "ELF\0\0",
                                               6));
   (void)directory_.file("garbage", std::string(10'000'000, 'z'));
+  (void)directory_.file("cut.yaml", kInstance.substr(0, kInstance.find("goal: [12") + 7));
   (void)directory_.file("nan.yaml", replaced(kInstance, "[12, 10, 0]", "[12, .nan, 0]"));
   std::filesystem::create_directory(directory_.path("folder"));
 
@@ -244,11 +245,12 @@ TEST_F(Program, BadInputIsOneLineThatNamesThePlace) {
   expect_refused(instance("garbage"), "garbage: is not an instance file .*");
   expect_refused(instance("p.yaml"), "p.yaml: is not an instance file .*");
   expect_refused(instance("/dev/zero"), "/dev/zero: is not a text file .*");
+  expect_refused(instance("cut.yaml"), "cut.yaml: .*cut off.*");
   expect_refused(instance("nan.yaml"),
                  "nan.yaml: agents.0..goal.1.: is \".nan\"; give a finite number .m.");
   expect_refused("validate -i i.yaml -s i.yaml", "i.yaml: is not a plan file .*");
   expect_refused("validate -i i.yaml -s none", "none: cannot be read: .*");
-  EXPECT_EQ(directory_.size(), 7);  // nothing was written
+  EXPECT_EQ(directory_.size(), 8);  // nothing was written
 }
 
 TEST_F(Program, ResultsThatCannotBePrintedAreNotDone) {

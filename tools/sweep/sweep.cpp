@@ -18,6 +18,7 @@
 #include "tools/program.hpp"
 #include "tools/progress.hpp"
 #include "tools/run_folder.hpp"
+#include "tools/runs/same_options.hpp"
 #include "tools/runs/temporary_folder.hpp"
 #include "tools/sweep/rows.hpp"
 #include "tools/version.hpp"
@@ -178,6 +179,7 @@ int run_sweep(const SweepOptions& options) {
   (void)named_controls(options.run.configuration, options.controllers);  // before any file
   SweepFile results(options.output,
                     options.resume ? RowFile::Mode::kResume : RowFile::Mode::kCreate);
+  require_same_options(options.output, options.run_arguments, options.resume);
   return Sweep(options, runs_to_do(options, results.done()), results).run();
 }
 
