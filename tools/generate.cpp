@@ -111,7 +111,7 @@ const char* const kSuites =
     "         with --size and --robots also other cells\n"
     "parking: cars that come to an open lot of 58 slots and cars that leave it, all at once, of\n"
     "         mixed sizes; 60 instances with 24 and 24\n"
-    "Each robot has a way to its goal if the others are absent. The same options give the same\n"
+    "Each robot has a path to its goal if the others are absent. The same options give the same\n"
     "files, byte for byte, and each file is the same whatever else is generated.";
 
 }  // namespace

@@ -89,7 +89,7 @@ int print_description(const CLI::App& app) {
   return kDone;
 }
 
-/// Runs the action; what it printed must have arrived for it to count as done.
+/// Runs the command; what it printed must have arrived for it to count as done.
 int run(const Action& action) {
   const int code = action();
   if (std::fflush(stdout) != 0) {

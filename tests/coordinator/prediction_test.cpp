@@ -91,7 +91,7 @@ TEST(Predictor, WhoIsInsideAJunctionIsPredictedThere) {
     }
     return;
   }
-  FAIL() << "no way over A";
+  FAIL() << "no path over A";
 }
 
 TEST(Predictor, NoForecastIsFasterThanTheBodyCan) {

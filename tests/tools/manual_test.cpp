@@ -68,7 +68,7 @@ TEST(CommandHelp, ACommandOfAnotherProgramReplacesTheEmptyOne) {
   CommandHelp first = command("prog", {});
   first.commands = {command("prog go", {option("--speed", "N")}), command("prog far", {})};
   CommandHelp second = command("prog", {});
-  second.commands = {command("prog far", {option("--way", "FILE"), option("--help", "")})};
+  second.commands = {command("prog far", {option("--path", "FILE"), option("--help", "")})};
   const auto merged = merge_programs({first, second, command("other", {})});
   ASSERT_EQ(merged.size(), 2U);
   EXPECT_EQ(merged[0].commands[0], first.commands[0]);
@@ -89,14 +89,14 @@ TEST(ManPage, PrintsTextThatTroffWouldTakeForCommands) {
 }
 
 TEST(MarkdownReference, PrintsTextThatMarkdownWouldTakeForMarkup) {
-  CommandHelp go = command("prog go", {option("--way", "a|b")});
+  CommandHelp go = command("prog go", {option("--path", "a|b")});
   go.options[0].description = "One of *these*\nor <none>";
   go.options[0].default_value = "a";
   CommandHelp program = command("prog", {});
   program.commands = {go};
   const std::string page = markdown_reference(program);
   EXPECT_THAT(page, HasSubstr("## prog go\n"));
-  EXPECT_THAT(page, HasSubstr("| <code>--way</code> <code>a&#124;b</code> | "
+  EXPECT_THAT(page, HasSubstr("| <code>--path</code> <code>a&#124;b</code> | "
                               "One of \\*these\\*<br>or &lt;none> \\[a] |\n"));
 }
 

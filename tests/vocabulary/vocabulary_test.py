@@ -41,7 +41,7 @@ WORDS = {
 # English that has no other word.
 ENGLISH = re.compile(
     r"[Rr]ight of way|right_of_way|[Gg]iv(?:e|es|en|ing) way|\b(?:in )?(?:the same|this|that|either|"
-    r"both|which|other|any|each|a|no other|one|two) ways?\b|half[- ]way|\bway round\b|\bon (?:its|his|her|the|their) ways?\b|[Gg]reedy action|by the way|under way|under_way|"
+    r"both|which|other|any|each|a|no other|one|two) ways?\b|half[- ]way|\bway round\b|[Hh]alf way|\b[Gg]one on\b|\bon (?:its|his|her|the|their) ways?\b|[Gg]reedy action|by the way|under way|under_way|"
     r"one-way|all the way|no way to\b|\bways? to (?!the\b|its\b|their\b|it\b|them\b)")
 CODE = (".cpp", ".hpp", ".py", ".js", ".sh", ".html")
 SKIPPED = ("build", "out", ".git", "tests/vocabulary", "networks", "scenarios/toio/random")
@@ -62,9 +62,10 @@ def split(name, text):
         text = re.sub(hidden, lambda m: "\n" * m[0].count("\n"), text, flags=re.S | re.M)
         return [(re.sub(r"`[^`\n]*`|\]\([^)]*\)", "", line), "") for line in text.splitlines()]
     comment = r"//.*|^ *\*.*|/\*.*|<!--.*" if not name.endswith((".py", ".sh")) else r"(?:^|\s)#.*"
+    named = r"`[^`]*`|\b\w+\(|--[a-z][\w-]*|\b\w+\.[a-z]{2,4}\b"
     prose = re.compile(rf"{comment}|\"(?:[^\"\\]|\\.)*\"|\"\"\".*")
     lines = [re.sub(r"#include .*", "", line) for line in text.splitlines()]
-    return [(" ".join(prose.findall(line)), prose.sub(" ", line)) for line in lines]
+    return [(re.sub(named, " ", " ".join(prose.findall(line))), prose.sub(" ", line)) for line in lines]
 
 
 def hits_of(name, text):

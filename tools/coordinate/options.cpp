@@ -37,7 +37,8 @@ void declare_share(CLI::App& app, CoordinateOptions& o) {
 
 /// Options of planning, on roads and on lots.
 void declare_planning(CLI::App& app, CoordinateOptions& o) {
-  app.add_option("--tries", o.tries, "Orders of passage tried per replan (0: order of arrival)")
+  app.add_option("--tries", o.tries,
+                 "Orders of passage tried per replan (0: first come, first served)")
       ->check(number_between(0, 100000))
       ->capture_default_str()
       ->group("Control");
