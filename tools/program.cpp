@@ -32,8 +32,8 @@ const CLI::App& chosen_command(const CLI::App& app) {
   return chosen.empty() ? app : chosen_command(*chosen.front());
 }
 
-/// The first word of the command line that is nothing that the command knows, and what may have
-/// been meant; empty if there is none.
+/// "--fly was not expected; did you mean --dry? ", of the first word that the command does not know;
+/// empty if there is none.
 std::string stray_word(const CLI::App& command) {
   std::vector<std::string> rest = command.remaining();
   std::erase(rest, "--");
@@ -47,9 +47,7 @@ std::string stray_word(const CLI::App& command) {
     known.push_back(below->get_name());
   }
   const std::string word = rest.front().substr(0, rest.front().find('='));
-  const std::string meant = did_you_mean(word, known);
-  return fmt::format("{} was not expected{}{}", word, meant.empty() ? "" : "; ",
-                     meant.substr(0, meant.size() - (meant.empty() ? 0 : 1)));
+  return fmt::format("{} was not expected; {}", word, did_you_mean(word, known));
 }
 
 /// Help and version are exceptions in CLI11's eyes, and no errors in ours.
@@ -65,8 +63,8 @@ int finish_parsing(const CLI::App& app, const CLI::ParseError& error) {
   const auto chosen = app.get_subcommands();
   const std::string command = chosen.empty() ? "" : " " + chosen.front()->get_name();
   std::string problem = stray_word(chosen_command(app));
-  if (problem.empty()) problem = error.what();
-  print_error(fmt::format("{}{}; see mvtp{} --help",
+  if (problem.empty()) problem = std::string(error.what()) + "; ";
+  print_error(fmt::format("{}{}see mvtp{} --help",
                           command.empty() ? "" : command.substr(1) + ": ", problem, command));
   return kBadInput;
 }

@@ -42,7 +42,7 @@ std::string did_you_mean(const std::string& name, std::span<const std::string> n
   if (names.empty()) return {};
   const auto nearest =
       std::ranges::min_element(names, {}, [&](const auto& n) { return edit_distance(name, n); });
-  const std::size_t slips = std::max<std::size_t>(1, name.size() / 3);
+  const std::size_t slips = name.size() < 3 ? 0 : std::max<std::size_t>(1, name.size() / 3);
   if (edit_distance(name, *nearest) > slips) return {};
   return fmt::format("did you mean {}? ", *nearest);
 }

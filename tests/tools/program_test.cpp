@@ -78,14 +78,14 @@ TEST_F(Program, WrongUsageIsOneLine) {
 TEST_F(Program, SlipsAreAnsweredWithTheNearestWord) {
   expect_refused("slove -i a", "slove: is no command of mvtp; did you mean solve. see mvtp --help");
   expect_refused("solve -i a --outptu=b",
-                 "solve: --outptu was not expected; did you mean --output.; see mvtp solve --help");
+                 "solve: --outptu was not expected; did you mean --output. see mvtp solve --help");
   expect_refused("solve --instanec a", "solve: --instanec was not expected; did you mean .*");
   expect_refused("solve -i a -a escto",
                  "solve: --algorithm: is \"escto\"; did you mean escot. choose escot.pbcr.*");
   expect_refused("validate -i a -s b --yaw CW",
                  "validate: --yaw: is \"CW\"; did you mean cw. choose ccw.cw; .*");
   expect_refused("generate dens -o out", "generate: suite: is \"dens\"; did you mean dense. .*");
-  expect_refused("toio fitt", "toio: fitt was not expected; did you mean fit.; .*");
+  expect_refused("toio fitt", "toio: fitt was not expected; did you mean fit. .*");
   (void)directory_.file("p.yaml", kPlan);
   expect_refused("toio fit p.yaml --mat simpel",
                  "--mat: is \"simpel\", neither a mat nor a file; did you mean simple. .*");

@@ -21,6 +21,7 @@ TEST(DidYouMean, IsEmptyWhereNothingIsNear) {
   EXPECT_EQ(did_you_mean("estx", kNames), "did you mean east? ");
   EXPECT_EQ(did_you_mean("up", kNames), "");
   EXPECT_EQ(did_you_mean("up", {}), "");
+  EXPECT_EQ(did_you_mean("-q", std::vector<std::string>{"-h"}), "");
 }
 
 TEST(Suggestion, ListsSomeOfMany) {

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <algorithm>
 #include <filesystem>
 #include <sstream>
 
@@ -30,20 +29,18 @@ std::vector<std::string> lines_of(const std::string& text) {
 
 void require_same_options(const std::string& file, const std::vector<std::string>& options,
                           bool resume) {
-  std::vector<std::string> sorted = options;
-  std::ranges::sort(sorted);
   const std::string note = file + ".options";
   if (!resume || !std::filesystem::exists(note)) {
-    write_text_file(note, sorted.empty() ? "" : fmt::format("{}\n", fmt::join(sorted, "\n")));
+    write_text_file(note, options.empty() ? "" : fmt::format("{}\n", fmt::join(options, "\n")));
     return;
   }
   const std::vector<std::string> before =
       std::filesystem::is_empty(note) ? std::vector<std::string>{}
                                       : lines_of(read_text_file(note, kMostBytes));
-  if (before == sorted) return;
+  if (before == options) return;
   throw InputError(file, fmt::format("has runs with {}, not with {}; give the same, or choose "
                                      "another --output",
-                                     shown(before), shown(sorted)));
+                                     shown(before), shown(options)));
 }
 
 }  // namespace mvtp
