@@ -18,7 +18,7 @@ TEST(Suggestion, NamesTheNearestIfItCouldBeASlip) {
 }
 
 TEST(DidYouMean, IsEmptyWhereNothingIsNear) {
-  EXPECT_EQ(did_you_mean("estx", kNames), "did you mean east? ");
+  EXPECT_EQ(did_you_mean("esat", kNames), "did you mean east? ");
   EXPECT_EQ(did_you_mean("up", kNames), "");
   EXPECT_EQ(did_you_mean("up", {}), "");
   EXPECT_EQ(did_you_mean("-q", std::vector<std::string>{"-h"}), "");
