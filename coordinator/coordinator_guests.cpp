@@ -30,7 +30,7 @@ bool Coordinator::touches_guests(const Trial& trial) {
 }
 
 /// Does somebody behind its line, not yet out of the junction, stand there for a while? It may be
-/// in the way of a guest for whom it waits.
+/// blocking a guest for whom it waits.
 bool Coordinator::waits_inside(const Trial& trial) const {
   const std::int64_t a_while = step_ + 2 * grid_.steps_per_decision;
   return std::ranges::any_of(driven_, [&](const auto& entry) {

@@ -440,7 +440,7 @@ void CorridorMap::set_limits(const GuidePath& path, const Vehicle& body, Corrido
   }
 }
 
-/// A turn that lies well before the first stop line is left to the vehicle's own driver: it is
+/// A turn that lies well before the first stop line is left to its driver: it is
 /// taken over behind it. Anything later makes the corridor undriven.
 void CorridorMap::set_drivable(const GuidePath& path, const Vehicle& body,
                                Corridor& corridor) const {

@@ -10,7 +10,7 @@ namespace {
 
 void declare_options(CLI::App& app, CoordinateOptions& o) {
   declare_run_options(app, o);
-  app.add_option("--seed", o.seed, "Seed of SUMO's random numbers and of ours")
+  app.add_option("--seed", o.seed, "Seed of SUMO's and mvtp's random numbers")
       ->check(whole_number_between(0, 2147483647))
       ->capture_default_str()
       ->group("Input");

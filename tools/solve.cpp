@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "planner/problem/check_instance.hpp"
@@ -16,6 +17,7 @@
 #include "tools/interrupt.hpp"
 #include "tools/option_types.hpp"
 #include "tools/output_files.hpp"
+#include "tools/progress.hpp"
 #include "tools/solve_options.hpp"
 #include "tools/version.hpp"
 
@@ -48,7 +50,7 @@ void write_statistics(const SolveCommand& command, const Statistics& statistics)
              command.reading.yaw);
 }
 
-/// @throws InputError if the instance cannot be solved at first sight.
+/// @throws InputError if the instance cannot be solved, whoever plans.
 void refuse_blocked(const SolveCommand& command, const Instance& instance) {
   const std::vector<InputError> problems = check_instance(instance, command.instance);
   if (problems.empty()) return;
@@ -93,7 +95,9 @@ int solve_file(const SolveCommand& command) {
   refuse_blocked(command, instance);
 
   const NotedInterrupt interrupt;
+  std::optional<TimeProgress> progress(std::in_place, "solve", command.time_limit, command.quiet);
   Plan plan = solve(instance, command.solving, deadline.or_when(interrupt.seen()));
+  progress.reset();
   const bool interrupted = interrupt.seen();
   if (interrupted && plan.statistics.status == to_string(Status::kTimeout)) {
     plan.statistics.reason = "a signal ended the search";
@@ -134,7 +138,8 @@ Action declare_solve(CLI::App& app) {
                  "How it went, solved or not (YAML: a plan without trajectories) [none]")
       ->type_name("FILE")
       ->group("Output");
-  app.add_flag("-q,--quiet", command->quiet, "Print nothing when solved")->group("Output");
+  app.add_flag("-q,--quiet", command->quiet, "Print nothing when solved, and no progress")
+      ->group("Output");
   add_search_options(app, *command);
   add_instance_options(app, command->reading);
   add_collision_option(app, command->solving.collision);

@@ -40,9 +40,8 @@ void add_limit_options(CLI::App& app, SolveOptions& options, double& time_limit)
 }
 
 std::string known_algorithm(const std::string& name) {
-  const bool known = std::ranges::count(algorithm_names(), name) > 0;
-  return known ? std::string()
-               : fmt::format("is \"{}\"; choose {}", name, fmt::join(algorithm_names(), "|"));
+  static const auto kCheck = one_of(algorithm_names());
+  return kCheck(name);
 }
 
 }  // namespace mvtp

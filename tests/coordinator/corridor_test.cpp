@@ -134,7 +134,7 @@ TEST(CorridorMap, BodiesOfOneShapeShareACorridor) {
   EXPECT_EQ(map.corridor_for(*course, body), first);
   body.max_speed += 1.0;
   EXPECT_EQ(map.corridor_for(*course, body), first);
-  // One that is weaker drives the same path in its own way.
+  // One that is weaker drives the same path in its own path.
   Vehicle weak = body;
   weak.max_accel *= 0.5;
   const int slow = map.corridor_for(*course, weak);

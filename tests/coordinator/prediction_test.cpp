@@ -109,7 +109,7 @@ TEST(Predictor, WhoIsInsideAJunctionIsPredictedThere) {
     }
     return;
   }
-  FAIL() << "no way over A";
+  FAIL() << "no path over A";
 }
 
 TEST(Predictor, NoForecastIsFasterThanTheBodyCan) {

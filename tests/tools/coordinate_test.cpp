@@ -73,6 +73,13 @@ class Coordinate : public Program {
   }
 };
 
+TEST_F(Coordinate, AWindowNeedsADisplay) {
+  const Outcome outcome = shell(std::string("unset DISPLAY WAYLAND_DISPLAY; '") + MVTP_PROGRAM +
+                                "' coordinate -c '" + kBusy + "' --gui");
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_THAT(outcome.err, testing::MatchesRegex("mvtp: --gui: there is no display [^\n]*\n"));
+}
+
 TEST_F(Coordinate, BrokenScenariosAreOneLine) {
   (void)directory_.file("empty.sumocfg", "");
   (void)directory_.file("garbage.sumocfg", std::string(10'000'000, '\x91'));

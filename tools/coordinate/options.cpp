@@ -29,14 +29,16 @@ void declare_share(CLI::App& app, CoordinateOptions& o) {
   app.add_option("--signal-timing", o.signal_timing,
                  "Lights for human-driven vehicles: real (yellow 3 s at 50 km/h, 1 s all red, 5 s\n"
                  "least green) or instant (they turn at once)")
-      ->check(CLI::IsMember({"real", "instant"}))
+      ->type_name("real|instant")
+      ->check(one_of({"real", "instant"}))
       ->capture_default_str()
       ->group("Control");
 }
 
 /// Options of planning, on roads and on lots.
 void declare_planning(CLI::App& app, CoordinateOptions& o) {
-  app.add_option("--tries", o.tries, "Orders of passage tried per replan (0: order of arrival)")
+  app.add_option("--tries", o.tries,
+                 "Orders of passage tried per replan (0: first come, first served)")
       ->check(number_between(0, 100000))
       ->capture_default_str()
       ->group("Control");
@@ -47,7 +49,8 @@ void declare_planning(CLI::App& app, CoordinateOptions& o) {
       ->capture_default_str()
       ->group("Control");
   app.add_option("--parking", o.parking, "How to stand in slots: forward, reverse, or any")
-      ->check(CLI::IsMember({"forward", "reverse", "any"}))
+      ->type_name("forward|reverse|any")
+      ->check(one_of({"forward", "reverse", "any"}))
       ->capture_default_str()
       ->group("Control");
   app.add_option("--break-down", o.breakdowns,
@@ -71,11 +74,10 @@ void declare_planning(CLI::App& app, CoordinateOptions& o) {
 
 const ControllerKind& controller_named(const std::string& option, const std::string& name) {
   if (const ControllerKind* kind = find_controller(name)) return *kind;
-  std::string names;
-  for (const ControllerKind& kind : controller_kinds()) {
-    names += (names.empty() ? "" : ", ") + kind.name;
-  }
-  throw InputError(option + " " + name, "is no controller; there are " + names);
+  std::vector<std::string> names;
+  for (const ControllerKind& kind : controller_kinds()) names.push_back(kind.name);
+  throw InputError(option + " " + name, "is no controller; " + did_you_mean(name, names) +
+                                            "there are " + CLI::detail::join(names, ", "));
 }
 
 void declare_run_options(CLI::App& app, CoordinateOptions& o) {

@@ -113,7 +113,7 @@ class Run {
   /// Who looks at every step.
   void watch() {
     drivers_.join(simulation_);
-    progress_.emplace("coordinate", options_.quiet, TimeLeft::kShown);
+    progress_.emplace("coordinate", options_.quiet);
     simulation_.add([this](const Snapshot& now) {
       report_.end = now.time;
       report_.sumo_collisions += traffic_->collisions();
