@@ -10,6 +10,7 @@ import hashlib
 import os
 import re
 import shlex
+import shutil
 import stat
 import subprocess
 import sys
@@ -50,7 +51,9 @@ def _build(stage):
         f"-DPython3_EXECUTABLE={sys.executable}",
         *shlex.split(os.environ.get("CMAKE_ARGS", "")),
     ]
-    _run("cmake", "-S", ROOT, "-B", BUILD, *options)
+    if shutil.which("ninja"):
+        options = ["-G", "Ninja", *options]
+    _run("cmake", "--fresh", "-S", ROOT, "-B", BUILD, *options)
     _run("cmake", "--build", BUILD, "--parallel", os.cpu_count() or 1)
     for component in ("mvtp", "python"):
         _run("cmake", "--install", BUILD, "--prefix", stage, "--component", component, "--strip")

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <optional>
 #include <utility>
+#include <variant>
 
 #include "planner/problem/check_instance.hpp"
 #include "planner/problem/document.hpp"
@@ -63,23 +64,30 @@ std::string rows_text(const Numbers& array) {
   return "[" + text + "]";
 }
 
+using VehicleChoice = std::variant<std::string, Vehicle>;  ///< a preset's name, or its fields
+
 /// What an instance is built from in Python.
 struct Parts {
-  py::object starts, goals, size, circles, polygons, vehicle, names;
+  py::object starts, goals;
+  std::pair<double, double> size;
+  py::object circles;
+  py::iterable polygons;
+  std::variant<VehicleChoice, std::vector<VehicleChoice>> vehicle;
+  std::optional<std::vector<std::string>> names;
   std::optional<double> dt;
 };
 
-std::string vehicle_entry(const py::handle& vehicle) {
-  if (py::isinstance<Vehicle>(vehicle)) return vehicle_fields_text(vehicle.cast<const Vehicle&>());
-  return fmt::format("{{preset: {}}}", yaml_string(vehicle.cast<std::string>()));
+std::string vehicle_entry(const VehicleChoice& choice) {
+  if (const auto* vehicle = std::get_if<Vehicle>(&choice)) return vehicle_fields_text(*vehicle);
+  return fmt::format("{{preset: {}}}", yaml_string(std::get<std::string>(choice)));
 }
 
 /// One for every agent, or none if all have the same.
 std::vector<std::string> own_vehicles(const Parts& parts, py::ssize_t agents) {
   std::vector<std::string> texts;
-  if (py::isinstance<Vehicle>(parts.vehicle) || py::isinstance<py::str>(parts.vehicle))
-    return texts;
-  for (const py::handle vehicle : parts.vehicle) texts.push_back(vehicle_entry(vehicle));
+  const auto* vehicles = std::get_if<std::vector<VehicleChoice>>(&parts.vehicle);
+  if (vehicles == nullptr) return texts;
+  for (const VehicleChoice& vehicle : *vehicles) texts.push_back(vehicle_entry(vehicle));
   if (py::ssize_t(texts.size()) == agents) return texts;
   throw InputError(std::string(kBuilt) + ": vehicle",
                    fmt::format("has {} entries for {} agents; give one each, or one for all",
@@ -95,9 +103,8 @@ std::string agents_text(const Parts& parts) {
                      fmt::format("has {} rows for {} starts; give one goal for each start",
                                  goals.size() / 3, count));
   }
-  std::vector<std::string> names;
-  if (!parts.names.is_none()) names = parts.names.cast<std::vector<std::string>>();
-  if (!names.empty() && py::ssize_t(names.size()) != count) {
+  const std::vector<std::string> names = parts.names.value_or(std::vector<std::string>());
+  if (parts.names && py::ssize_t(names.size()) != count) {
     throw InputError(
         std::string(kBuilt) + ": names",
         fmt::format("has {} entries for {} starts; give one each, or None", names.size(), count));
@@ -122,17 +129,16 @@ std::string map_text(const Parts& parts) {
                                     "arrays of the shape (n, 2): x, y [m]");
     polygons += (polygons.empty() ? "" : ", ") + rows_text(corners);
   }
-  const auto [width, height] = parts.size.cast<std::pair<double, double>>();
+  const auto [width, height] = parts.size;
   return fmt::format("{{dimensions: [{}, {}], obstacles: {}, polygons: [{}]}}", number_text(width),
                      number_text(height), rows_text(circles), polygons);
 }
 
 /// The text of an instance file: so that its reader judges Python's values as those of a file.
 std::string instance_text(const Parts& parts) {
-  const bool common =
-      py::isinstance<Vehicle>(parts.vehicle) || py::isinstance<py::str>(parts.vehicle);
+  const auto* common = std::get_if<VehicleChoice>(&parts.vehicle);
   return fmt::format("{}{}agents: {}\nmap: {}\n",
-                     common ? fmt::format("vehicle: {}\n", vehicle_entry(parts.vehicle)) : "",
+                     common != nullptr ? fmt::format("vehicle: {}\n", vehicle_entry(*common)) : "",
                      parts.dt ? fmt::format("dt: {}\n", number_text(*parts.dt)) : "",
                      agents_text(parts), map_text(parts));
 }
@@ -223,7 +229,8 @@ std::vector<std::string> problems(const NamedInstance& self) {
 Vehicle make_vehicle(const std::string& preset, const py::kwargs& fields) {
   std::string text = "preset: " + yaml_string(preset);
   for (const auto& [key, value] : fields) {
-    text += fmt::format(", {}: {}", key.cast<std::string>(), number_text(value.cast<double>()));
+    text += fmt::format(", {}: {}", key.cast<std::string>(),
+                        number_text(py::float_(py::reinterpret_borrow<py::object>(value))));
   }
   const Document document = Document::parse("vehicle", "{" + text + "}", {"preset"}, "a vehicle");
   return read_vehicle(document.root(), vehicle_preset("escot").value()).vehicle;
@@ -255,11 +262,12 @@ void bind_vehicle(py::module_& module) {
 void bind_making(py::class_<NamedInstance>& instance) {
   using namespace py::literals;
   instance
-      .def(py::init([](py::object starts, py::object goals, py::object size, py::object circles,
-                       py::object polygons, py::object vehicle, py::object names,
-                       std::optional<double> dt, const std::string& bounds,
-                       const std::string& initial_overlap) {
-             return build({std::move(starts), std::move(goals), std::move(size), std::move(circles),
+      .def(py::init([](py::object starts, py::object goals, std::pair<double, double> size,
+                       py::object circles, py::iterable polygons,
+                       std::variant<VehicleChoice, std::vector<VehicleChoice>> vehicle,
+                       std::optional<std::vector<std::string>> names, std::optional<double> dt,
+                       const std::string& bounds, const std::string& initial_overlap) {
+             return build({std::move(starts), std::move(goals), size, std::move(circles),
                            std::move(polygons), std::move(vehicle), std::move(names), dt},
                           bounds, initial_overlap);
            }),

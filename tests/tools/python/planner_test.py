@@ -53,6 +53,7 @@ def test_poses_are_views_of_one_block_and_whoever_has_arrived_rests(circle8):
         assert np.shares_memory(own, plan.trajectory(robot))
         np.testing.assert_array_equal(plan.states[robot, : len(own)], own)
         assert (plan.poses[robot, len(own) :] == own[-1, :3]).all()
+        assert (plan.states[robot, len(own) :, 3:] == 0).all()
     np.testing.assert_allclose(plan.poses[:, -1], mvtp.Instance.load(circle8).goals, atol=1e-9)
 
 
@@ -137,6 +138,22 @@ def test_bad_values_get_one_line(make, line):
     with pytest.raises(mvtp.InputError, match=line) as caught:
         make()
     assert "\n" not in str(caught.value) and isinstance(caught.value, ValueError)
+
+
+@pytest.mark.parametrize(
+    "make",
+    [
+        lambda: mvtp.Instance([[1, 1, 0]], [[2, 2, 0]], size=40),
+        lambda: swap(vehicle=3),
+        lambda: swap(vehicle=[3, 4]),
+        lambda: swap(names=7),
+        lambda: mvtp.Vehicle(width=[]),
+        lambda: mvtp.solve("circle8.yaml"),
+    ],
+)
+def test_values_of_another_type_are_type_errors(make):
+    with pytest.raises(TypeError):
+        make()
 
 
 def test_bad_files_get_the_line_that_the_command_prints(command, tmp_path):
