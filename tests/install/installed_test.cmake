@@ -51,7 +51,7 @@ if(PYTHON)
   set(import ${CMAKE_COMMAND} -E env PYTHONPATH=${prefix}/lib/python3/dist-packages ${PYTHON} -B)
   expect_output("finds 0 violations" ${import} ${SOURCE_DIR}/docs/examples/python/solve.py)
   expect_output("^${prefix}/bin/mvtp" ${import} -c
-    "import mvtp._program; print(mvtp._program._program())")
+    "print(__import__('mvtp._program', fromlist=['_program'])._program())")
 endif()
 
 # No file points back at the tree that it was built in.
