@@ -1,5 +1,3 @@
-#include "planner/solve.hpp"
-
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -11,13 +9,13 @@
 
 #include "planner/problem/check_instance.hpp"
 #include "planner/problem/plan_file.hpp"
-#include "planner/problem/validate.hpp"
 #include "tools/commands.hpp"
 #include "tools/instance_options.hpp"
 #include "tools/interrupt.hpp"
 #include "tools/option_types.hpp"
 #include "tools/output_files.hpp"
 #include "tools/progress.hpp"
+#include "tools/solve_and_judge.hpp"
 #include "tools/solve_options.hpp"
 #include "tools/version.hpp"
 
@@ -33,15 +31,6 @@ struct SolveCommand {
   double time_limit = 60.0;
   bool quiet = false;
 };
-
-/// Lets the referee judge: a plan that breaks a rule is no solution, whatever the solver says.
-void judge(const Instance& instance, CollisionRule rule, Plan& plan) {
-  if (plan.statistics.status != to_string(Status::kSolved)) return;
-  const std::vector<Violation> violations = find_violations(instance, plan, rule);
-  if (violations.empty()) return;
-  plan.statistics.status = "invalid";
-  plan.statistics.reason = "the referee rejects the plan: " + violations.front().message;
-}
 
 /// Writes how it went, solved or not, as a plan without trajectories.
 void write_statistics(const SolveCommand& command, const Statistics& statistics) {
@@ -96,27 +85,9 @@ int solve_file(const SolveCommand& command) {
 
   const NotedInterrupt interrupt;
   std::optional<TimeProgress> progress(std::in_place, "solve", command.time_limit, command.quiet);
-  Plan plan = solve(instance, command.solving, deadline.or_when(interrupt.seen()));
+  const Plan plan = solve_and_judge(instance, command.solving, deadline, interrupt.seen());
   progress.reset();
-  const bool interrupted = interrupt.seen();
-  if (interrupted && plan.statistics.status == to_string(Status::kTimeout)) {
-    plan.statistics.reason = "a signal ended the search";
-  }
-  plan.statistics.version = version();
-  judge(instance, command.solving.collision, plan);
-  return report(command, plan, interrupted);
-}
-
-void add_search_options(CLI::App& app, SolveCommand& command) {
-  app.add_option("-a,--algorithm", command.solving.algorithm, "What plans [escot]")
-      ->type_name(fmt::format("{}", fmt::join(algorithm_names(), "|")))
-      ->check(known_algorithm)
-      ->group(kSearchGroup);
-  app.add_option("--seed", command.solving.seed, "Of the random choices [0]")
-      ->type_name("N")
-      ->check(whole_number_between(0, std::numeric_limits<std::int64_t>::max()))
-      ->group(kSearchGroup);
-  add_limit_options(app, command.solving, command.time_limit);
+  return report(command, plan, interrupt.seen());
 }
 
 }  // namespace
@@ -140,7 +111,7 @@ Action declare_solve(CLI::App& app) {
       ->group("Output");
   app.add_flag("-q,--quiet", command->quiet, "Print nothing when solved, and no progress")
       ->group("Output");
-  add_search_options(app, *command);
+  add_search_options(app, command->solving, command->time_limit);
   add_instance_options(app, command->reading);
   add_collision_option(app, command->solving.collision);
   add_instance_rules(app, command->reading);

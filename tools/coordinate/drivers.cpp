@@ -142,8 +142,15 @@ Drivers::Drivers(const CoordinateOptions& options, Traffic& traffic, const Driva
   controllers_.push_back(std::move(controller));
 }
 
+std::vector<Controller*> Drivers::all() const {
+  std::vector<Controller*> all;
+  for (const auto& controller : controllers_) all.push_back(controller.get());
+  all.insert(all.end(), guests_.begin(), guests_.end());
+  return all;
+}
+
 void Drivers::join(Simulation& simulation) {
-  for (const auto& controller : controllers_) simulation.add(*controller);
+  for (Controller* controller : all()) simulation.add(*controller);
   for (const auto& lot : lots_) {
     simulation.add([&lot = *lot](const Snapshot& now) { lot.observe(now.time); });
   }
@@ -182,7 +189,7 @@ void Drivers::report_to(RunReport& report) const {
   const auto append = [](auto& to, const auto& more) {
     to.insert(to.end(), more.begin(), more.end());
   };
-  for (const auto& controller : controllers_) {
+  for (const Controller* controller : all()) {
     append(report.replans, controller->replans());
     append(report.zones, controller->zones());
     append(report.left_to_sumo, controller->left_to_sumo());

@@ -38,6 +38,8 @@ class Drivers {
   Drivers(const CoordinateOptions& options, Traffic& traffic, const DrivableArea& area,
           const std::set<std::string>& junctions, std::span<const ParkingLot> lots);
 
+  /// One more, from outside; it outlives the drivers.
+  void plug_in(Controller& controller) { guests_.push_back(&controller); }
   /// Lets them take part; so do those who watch the lots, and who dumps decisions.
   void join(Simulation& simulation);
   /// A line for each control zone: its junctions, and how many movements lead over them.
@@ -53,7 +55,11 @@ class Drivers {
   void write_lot_files(const RunReport& report, RunFolder& folder) const;
 
  private:
+  /// Everyone who takes part, guests last.
+  [[nodiscard]] std::vector<Controller*> all() const;
+
   std::vector<std::unique_ptr<Controller>> controllers_;
+  std::vector<Controller*> guests_;
   const Coordinator* coordinator_ = nullptr;  ///< the one of the junctions
   std::vector<std::unique_ptr<LotRecorder>> lots_;
   std::optional<InstanceDump> dump_;

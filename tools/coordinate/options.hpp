@@ -24,6 +24,7 @@ struct CoordinateOptions {
   std::vector<std::string> breakdowns;        ///< VEHICLE@SECONDS
   std::string output_dir = "out";
   bool gui = false;
+  bool separate_process = false;  ///< SUMO is a program of its own: no option of the command
   bool quiet = false;
   std::uint32_t seed = 23423;       ///< SUMO's own default
   std::optional<double> end;        ///< [s]
@@ -48,5 +49,7 @@ struct CoordinateOptions {
 /// Declares the options that say what is run and how it is coordinated: all but the controller, the
 /// seed and the output. `mvtp compare` hands them on to each of its runs.
 void declare_run_options(CLI::App& app, CoordinateOptions& options);
+/// Declares all options of `mvtp coordinate`.
+void declare_coordinate_options(CLI::App& app, CoordinateOptions& options);
 
 }  // namespace mvtp

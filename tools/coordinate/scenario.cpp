@@ -150,6 +150,7 @@ Scenario plan_run(const CoordinateOptions& options, RunFolder& folder) {
   sumo.configuration = options.configuration;
   sumo.seed = options.seed;
   sumo.gui = options.gui;
+  sumo.separate_process = options.separate_process;
   if (!options.no_fcd) sumo.fcd_output = folder.path("fcd.xml");
   sumo.tripinfo_output = folder.path("tripinfo.xml");
   sumo.log = folder.part("sumo.log");
