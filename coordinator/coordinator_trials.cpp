@@ -268,9 +268,12 @@ std::vector<Forecast> Coordinator::predict_one(const VehicleState& v,
   }
   const std::vector<int> route = route_of(v);
   const bool passes = gate_.passes(v.id) || is_let_pass;
-  return predictor_.predict(v, query_for(v, route), type_of(v.type).body,
-                            passes ? Intent::kPasses : Intent::kWaits, time_at_stop(v), grid_,
-                            step_);
+  std::vector<Forecast> forecasts =
+      predictor_.predict(v, query_for(v, route), type_of(v.type).body,
+                         passes ? Intent::kPasses : Intent::kWaits, time_at_stop(v), grid_, step_);
+  if (gate_.holds_guest(v.id)) return forecasts;
+  for (Forecast& f : forecasts) f.held.reset();  // it is taken over as soon as it has a plan
+  return forecasts;
 }
 
 /// How long a vehicle still stands at a scheduled stop [s].

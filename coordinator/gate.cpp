@@ -79,6 +79,11 @@ bool Gate::passes(const std::string& id) const {
   return visitor != visitors_.end() && visitor->second.passes;
 }
 
+bool Gate::holds_guest(const std::string& id) const {
+  const auto visitor = visitors_.find(id);
+  return visitor != visitors_.end() && visitor->second.guest && visitor->second.held;
+}
+
 /// Drivers on one lane keep clear of each other.
 bool Gate::are_apart(const Visitor& a, const Visitor& b) {
   return a.lane == b.lane || std::hypot(a.pose.x - b.pose.x, a.pose.y - b.pose.y) > kClear;

@@ -31,6 +31,8 @@ class Gate {
   /// Until it is released, or is no more seen.
   void hold(const std::string& id);
   [[nodiscard]] bool passes(const std::string& id) const;
+  /// Is it a guest, and held until it is let through?
+  [[nodiscard]] bool holds_guest(const std::string& id) const;
   /// Guests who wait at their lines and may be let through next, the longest not asked first: as
   /// many as do not come near each other, or near those who pass.
   [[nodiscard]] std::vector<std::string> propose();

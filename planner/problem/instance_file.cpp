@@ -254,6 +254,8 @@ std::string map_text(const Map& map, bool is_plain_format) {
 }  // namespace
 
 Instance read_instance(const std::string& path, const InstanceReadOptions& options) {
+  // What is wrong with the options is said before what is wrong with the file.
+  (void)read_preset("--vehicle", options.vehicle_preset.value_or("escot"));
   return parse_instance(path, read_text_file(path, kMaxBytes), options);
 }
 

@@ -63,6 +63,18 @@ TEST_F(GateTest, HoldsWhoeverCanStillStop) {
   EXPECT_TRUE(gate.passes("near"));
 }
 
+TEST_F(GateTest, KnowsGuestsThatItHoldsFromThoseWhoAreToBeTakenOver) {
+  gate.begin();
+  see("guest", 60.0, 13.0);
+  see("goes", 10.0, 13.0);
+  gate.hold("newcomer");
+  gate.end();
+  EXPECT_TRUE(gate.holds_guest("guest"));
+  EXPECT_FALSE(gate.holds_guest("goes"));
+  EXPECT_FALSE(gate.holds_guest("newcomer"));
+  EXPECT_FALSE(gate.holds_guest("nobody"));
+}
+
 TEST_F(GateTest, ProposesNobodyWhoIsStillFarFromItsLine) {
   gate.begin();
   see("a", 40.0, 10.0);

@@ -237,7 +237,7 @@ TEST_F(CoordinateRun, ListsOfJunctionsMayBeFollowedByOptions) {
   const Outcome outcome = coordinate("--junction C --junction W,E -- --begin 0");
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
   expect_refused("coordinate -c x.sumocfg --junction C,c1",
-                 "--junction c1: the network has no junction with this id; did you mean C. [^\n]*");
+                 "--junction c1: the network has no junction with this id; there is C");
 }
 
 /// Two small parking lots, and a crossing far from both; two cars come to each.

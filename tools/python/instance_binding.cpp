@@ -290,7 +290,7 @@ place of what the file says, unless None.)")
       .def("save", &save, "path"_a, py::kw_only(), "yaw"_a = "ccw",
            "Writes an instance file (YAML); load() gives back the same numbers, bit by bit.")
       .def("problems", &problems,
-           "What makes it unsolvable at first sight, a line each: solve() raises the first of\n"
+           "What makes it unsolvable by itself, a line each: solve() raises the first of\n"
            "them.");
 }
 

@@ -71,7 +71,7 @@ py::object people_of(const TrafficDoor& door) {
 
 void bind_network(py::module_& module) {
   py::class_<Connection>(module, "Connection",
-                         "One way across a junction, from a normal lane to the next.")
+                         "One connection over a junction, from a normal lane to the next.")
       .def_readonly("from_lane", &Connection::from_lane, "Its id.")
       .def_readonly("via", &Connection::via, "The ids of the lanes inside, in driving order.")
       .def_readonly("to_lane", &Connection::to_lane, "Its id.")
@@ -99,7 +99,7 @@ void bind_network(py::module_& module) {
           "shape", [](const Junction& j) { return points_array(j.shape); },
           "The outline, (n_points, 2): x, y [m], not closed.")
       .def_readonly("incoming_lanes", &Junction::incoming_lanes, "Their ids.")
-      .def_readonly("connections", &Junction::connections, "All ways across it.")
+      .def_readonly("connections", &Junction::connections, "All connections over it.")
       .def_readonly("has_conflicts", &Junction::has_conflicts,
                     "Do two of its connections share ground?");
   py::class_<RoadNetwork>(module, "RoadNetwork", "Lanes and junctions, by their ids.")
@@ -167,7 +167,7 @@ void bind_driving(Door& traffic) {
           "From now on the vehicle goes only where place() puts it, once before every step.")
       .def(
           "hand_back", [](TrafficDoor& d, const std::string& id) { d.open().hand_back(id); },
-          "id"_a, "SUMO's own driver goes on from the vehicle's pose and speed.")
+          "id"_a, "SUMO's car-following model goes on from the vehicle's pose and speed.")
       .def(
           "place",
           [](TrafficDoor& d, const std::string& id, const std::array<double, 3>& pose,
@@ -180,7 +180,7 @@ void bind_driving(Door& traffic) {
       .def(
           "hold", [](TrafficDoor& d, const std::string& id, bool stop) { d.open().hold(id, stop); },
           "id"_a, "stop"_a,
-          "Makes a vehicle with its own driver stop before the end of its lane, or go on.")
+          "Makes a vehicle that is not controlled stop before the end of its lane, or go on.")
       .def(
           "let_through",
           [](TrafficDoor& d, const std::string& id, bool pass) { d.open().let_through(id, pass); },
@@ -191,11 +191,11 @@ void bind_driving(Door& traffic) {
             d.open().cap_speed(id, speed.value_or(std::numeric_limits<double>::infinity()));
           },
           "id"_a, "speed"_a,
-          "Keeps a vehicle with its own driver from driving faster [m/s]; None: no longer.")
+          "Keeps a vehicle that is not controlled from driving faster [m/s]; None: no longer.")
       .def(
           "keep_lane",
           [](TrafficDoor& d, const std::string& id, bool keep) { d.open().keep_lane(id, keep); },
-          "id"_a, "keep"_a, "Keeps a vehicle with its own driver in its lane, or no longer.")
+          "id"_a, "keep"_a, "Keeps a vehicle that is not controlled in its lane, or no longer.")
       .def(
           "limit_speed",
           [](TrafficDoor& d, const std::string& lane, double speed) {

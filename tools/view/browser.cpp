@@ -87,7 +87,7 @@ Browser::Browser(const std::filesystem::path& program) {
   if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) != 0) {
     fail(std::string("no socket for it (") + std::strerror(errno) + ")");
   }
-  // The child gets its end under numbers that are not those of any of ours.
+  // The child gets its end under numbers that this process does not use.
   const int theirs = fcntl(ends[1], F_DUPFD_CLOEXEC, 10);
   close(ends[1]);
   socket_ = ends[0];

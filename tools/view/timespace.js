@@ -61,7 +61,7 @@ function timeSpaceOf(replay, movement) {
   return {lines, lights: lightsOnPath(replay, path), length: Math.max(path.length, 1)};
 }
 
-/// Of each stop line on the path the light for those who go on along the path.
+/// Of each stop line on the path the signal for those who go on along the path.
 function lightsOnPath(replay, path) {
   const lights = [];
   for (const {signal, index, line, target} of replay.scene.lights) {

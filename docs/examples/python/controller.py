@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A controller of one's own at a junction of SUMO: one vehicle at a time, in the order of arrival.
+"""A controller of one's own at a junction of SUMO: one vehicle at a time, first come, first served.
 
 SUMO's drivers drive; the controller says who has to wait at its line and who goes.
 """
@@ -17,7 +17,7 @@ class OneAtATime(mvtp.Controller):
         super().__init__()
         self.junction = junction
         self.reach = reach  # from where on a vehicle stands in the queue [m]
-        self.queue = []  # ids in the order of arrival; the first has the junction
+        self.queue = []  # ids, first come, first served
         self.road = None
 
     def decide(self):

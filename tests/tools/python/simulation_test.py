@@ -196,7 +196,7 @@ def test_sumo_may_run_in_a_process_of_its_own(crossroads):
 @pytest.mark.parametrize(
     ("options", "line"),
     [
-        ({"controller": "aimm"}, r"--controller aimm: is no controller; there are escot, "),
+        ({"controller": "aimm"}, r"--controller aimm: is no controller; did you mean aim\? there are escot, "),
         ({"controller": 3}, r"controller: is 3; give a name, a mvtp\.Controller, or None"),
         ({"zone_radius": 5}, r'coordinate: --zone-radius: is "5"; give a number from 20 to 1000'),
         ({"zone_radios": 50}, r"coordinate: .*--zone-radios.*; see mvtp coordinate --help"),
