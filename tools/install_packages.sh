@@ -12,7 +12,7 @@ packages=(
   python3-matplotlib
   libsystemd-dev dbus-daemon
   sumo sumo-tools
-  zsh fish libxml2-utils
+  zsh fish libxml2-utils parallel
   "$@"
 )
 
