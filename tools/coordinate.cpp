@@ -14,6 +14,19 @@ void declare_options(CLI::App& app, CoordinateOptions& o) {
       ->check(whole_number_between(0, 2147483647))
       ->capture_default_str()
       ->group("Input");
+  app.add_option("--remote", o.remote,
+                 "Join a SUMO that was started on the same scenario with --remote-port PORT,\n"
+                 "instead of starting one; its options, seed and outputs are its own")
+      ->type_name("HOST:PORT")
+      ->group("Input");
+  app.add_option("--order", o.order, "Of this client of it, from 1: who speaks first in a step")
+      ->check(whole_number_between(1, 1000))
+      ->capture_default_str()
+      ->group("Input");
+  app.add_option("--num-clients", o.num_clients, "Clients that it waits for, as it was told")
+      ->check(whole_number_between(1, 1000))
+      ->capture_default_str()
+      ->group("Input");
   std::string meanings = "Who drives:";
   std::string names;
   for (const ControllerKind& c : controller_kinds()) {

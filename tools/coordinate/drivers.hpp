@@ -27,6 +27,11 @@ namespace mvtp {
                                                           const RoadNetwork& network,
                                                           std::span<const ParkingLot> lots);
 
+/// What the plans have to bear, by `--assume-noise`.
+/// @throws InputError
+[[nodiscard]] FaultTolerance declared_tolerance(const CoordinateOptions& options,
+                                                const Traffic& traffic);
+
 /// Who drives in a run, side by side: a controller for each parking lot and one for the junctions;
 /// or nobody but SUMO.
 class Drivers {
