@@ -1,4 +1,5 @@
-# The Debian packages: mvtp (programs, manual pages, completion) and libmvtp-dev (the library).
+# The Debian packages: mvtp (programs, manual pages, completion), libmvtp-dev (the library), and
+# python3-mvtp.
 # tools/package.sh builds and checks them.
 set(MVTP_MAINTAINER "mvtp maintainers <maintainers@mvtp.invalid>" CACHE STRING
   "Whom the packages name as their maintainer")
@@ -14,6 +15,10 @@ file(READ ${PROJECT_SOURCE_DIR}/LICENSE MVTP_LICENSE)
 
 set(packages mvtp libmvtp-dev)
 set(components mvtp development)
+if(MVTP_BUILD_PYTHON)
+  list(APPEND packages python3-mvtp)
+  list(APPEND components python)
+endif()
 set(doc_dir ${PROJECT_BINARY_DIR}/package)
 foreach(package IN LISTS packages)
   configure_file(cmake/package/changelog.in ${doc_dir}/${package}/changelog.Debian @ONLY)
@@ -48,7 +53,8 @@ lights, on benchmark maps, and on toio cubes. An independent referee judges
 every plan.")
 set(CPACK_DEBIAN_MVTP_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_MVTP_PACKAGE_RECOMMENDS "python3-matplotlib")
-set(CPACK_DEBIAN_MVTP_PACKAGE_SUGGESTS "bluez")
+set(CPACK_DEBIAN_MVTP_PACKAGE_SUGGESTS
+  "bluez, chromium-headless-shell | chromium, librsvg2-bin")
 if(MVTP_WITH_SUMO)
   # libsumo and libtraci lie in Debian's package sumo, without a version of their interface.
   string(REGEX MATCH "^([0-9]+)\\.([0-9]+)" sumo "${MVTP_SUMO_VERSION}")
@@ -64,4 +70,19 @@ set(CPACK_DEBIAN_DEVELOPMENT_DESCRIPTION
 controllers of one's own, from C++. CMake finds it as mvtp, with the targets
 mvtp::planner and mvtp::coordinator.")
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS "libeigen3-dev, libfcl-dev, libfmt-dev, libompl-dev, libyaml-cpp-dev, libtbb-dev")
+
+set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-mvtp)
+set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
+set(CPACK_DEBIAN_PYTHON_DESCRIPTION
+"Solves and judges instances, steps the coordinated traffic of a SUMO network,
+also under controllers written in Python, and runs whole scenarios; plans are
+NumPy arrays.")
+set(CPACK_DEBIAN_PYTHON_PACKAGE_SHLIBDEPS ON)
+if(MVTP_BUILD_PYTHON)
+  math(EXPR next_python "${Python3_VERSION_MINOR} + 1")
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "mvtp (= ${PROJECT_VERSION}-${CPACK_DEBIAN_PACKAGE_RELEASE}), \
+python3 (>= 3.${Python3_VERSION_MINOR}), python3 (<< 3.${next_python}), python3-numpy")
+endif()
+set(CPACK_DEBIAN_PYTHON_PACKAGE_CONTROL_EXTRA
+  "${PROJECT_SOURCE_DIR}/cmake/package/python/postinst;${PROJECT_SOURCE_DIR}/cmake/package/python/prerm")
 include(CPack)

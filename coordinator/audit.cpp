@@ -112,7 +112,12 @@ void Audit::compare_with_person(double time, const Passage& p, const Pedestrian&
   const std::string& id = p.seen->state->id;
   const auto [touched, is_new] = touched_people_.try_emplace({id, person.id}, ours);
   if (is_new || (ours && !touched->second)) {
-    events_.push_back({time, id + " touches " + person.id, person.position});
+    events_.push_back({AuditEventKind::kPersonTouched,
+                       time,
+                       id + " touches " + person.id,
+                       person.position,
+                       {id, person.id},
+                       -nearest.gap});
   }
   touched->second |= ours;
 }
@@ -154,28 +159,42 @@ bool Audit::compare(double time, const Passage& a, const Passage& b) {
   const auto pair = std::minmax(a.seen->state->id, b.seen->state->id);
   if (overlapping_.insert(pair).second) {
     const Pose where = a.motion.at(nearest.t);
-    events_.push_back({time - (1.0 - nearest.t) * dt_,
+    events_.push_back({AuditEventKind::kOverlap,
+                       time - (1.0 - nearest.t) * dt_,
                        "overlap of " + pair.first + " and " + pair.second,
-                       {where.x, where.y}});
+                       {where.x, where.y},
+                       {pair.first, pair.second},
+                       -gap});
   }
   if (a.seen->coordinated || b.seen->coordinated) overlapping_coordinated_.insert(pair);
   return true;
 }
 
+void Audit::report(AuditEventKind kind, double time, const Sighting& s, const std::string& what) {
+  const VehicleState& v = *s.state;
+  events_.push_back({kind, time, v.id + ' ' + what, {v.pose.x, v.pose.y}, {v.id}});
+}
+
 void Audit::follow(double time, const Sighting& s) {
-  const Point where{s.state->pose.x, s.state->pose.y};
-  if (area_.share_outside(s.state->pose, s.type->body, kRoadTolerance) > 0.0) {
-    ++figures_.off_road_steps;
-    figures_.off_road_steps_coordinated += s.coordinated ? 1 : 0;
-    if (events_.size() < 1000) events_.push_back({time, s.state->id + " is off the road", where});
-  }
   Track now{.pose = s.state->pose,
             .speed = s.state->speed,
             .along = {},
             .recent = {},
             .coordinated = s.coordinated,
+            .off_road = area_.share_outside(s.state->pose, s.type->body, kRoadTolerance) > 0.0,
             .handed_back = -1e9};
   const auto found = tracks_.find(s.state->id);
+  if (now.off_road) {
+    ++figures_.off_road_steps;
+    figures_.off_road_steps_coordinated += s.coordinated ? 1 : 0;
+    // Once for each time that it leaves the road, or comes under control beside it.
+    const bool was = found != tracks_.end() && found->second.off_road &&
+                     found->second.coordinated == s.coordinated;
+    if (!was) {
+      report(AuditEventKind::kOffRoad, time, s,
+             s.coordinated ? "is off the road" : "(with its own driver) is off the road");
+    }
+  }
   if (found != tracks_.end()) {
     const Track& before = found->second;
     now.handed_back = before.coordinated && !s.coordinated ? time : before.handed_back;
@@ -184,10 +203,9 @@ void Audit::follow(double time, const Sighting& s) {
       const double jumped = jump(before, now, s.type->body);
       figures_.max_jump = std::max(figures_.max_jump, jumped);
       if (jumped > kJump) {
-        events_.push_back({time,
-                           fmt::format("{} jumps {:.2f} m at its {}", s.state->id, jumped,
-                                       s.coordinated ? "takeover" : "hand-back"),
-                           where});
+        report(AuditEventKind::kJump, time, s,
+               fmt::format("jumps {:.2f} m at its {}", jumped,
+                           s.coordinated ? "takeover" : "hand-back"));
       }
     }
     if (s.coordinated) judge_motion(time, s, before, now);
@@ -195,7 +213,7 @@ void Audit::follow(double time, const Sighting& s) {
     if (!s.coordinated && time - now.handed_back < kAfterHandback &&
         braking > s.type->body.max_decel + 0.1) {
       ++figures_.hard_brakings_after_handback;
-      events_.push_back({time, s.state->id + " brakes hard after its hand-back", where});
+      report(AuditEventKind::kHardBraking, time, s, "brakes hard after its hand-back");
     }
   }
   tracks_.insert_or_assign(s.state->id, std::move(now));
@@ -249,8 +267,7 @@ void Audit::judge_acceleration(double time, const Sighting& s, double before, do
   constexpr double kNoise = 0.05;  // [m/s^2] from differentiating positions twice
   if (accel > body.max_accel + kNoise || decel > body.max_decel + kNoise) {
     ++figures_.accel_violations;
-    events_.push_back(
-        {time, s.state->id + " exceeds its acceleration", {s.state->pose.x, s.state->pose.y}});
+    report(AuditEventKind::kAcceleration, time, s, "exceeds its acceleration");
   }
 }
 

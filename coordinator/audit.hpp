@@ -50,11 +50,23 @@ struct AuditFigures {
   std::int64_t hard_brakings_after_handback = 0;  ///< vehicle-steps
 };
 
-/// An overlap or a place off the road, for the replay.
+enum class AuditEventKind : std::uint8_t {
+  kOverlap,
+  kPersonTouched,
+  kOffRoad,
+  kJump,          ///< more than any driving explains
+  kAcceleration,  ///< beyond the vehicle's own limits
+  kHardBraking,   ///< after a hand-back
+};
+
+/// Something that should not have happened, for the replay.
 struct AuditEvent {
-  double time = 0.0;
-  std::string what;
+  AuditEventKind kind = AuditEventKind::kOverlap;
+  double time = 0.0;  ///< [s]
+  std::string what;   ///< in one line
   Point where;
+  std::vector<std::string> who;  ///< ids of the vehicles, and of the person
+  double depth = 0.0;            ///< [m] of an overlap or a touch
 };
 
 /// The footprint audit: every vehicle at every step of the traffic and between the steps,
@@ -100,6 +112,7 @@ class Audit {
     std::optional<double> along;  ///< [m] that it drove in the last step
     std::vector<Stretch> recent;  ///< the last metre or second in one direction, oldest first
     bool coordinated = false;
+    bool off_road = false;
     double handed_back = -1e9;  ///< when [s]
   };
 
@@ -121,6 +134,7 @@ class Audit {
   void compare_pairs(double time, std::span<const Passage> passages);
   /// @return whether the two overlap.
   bool compare(double time, const Passage& a, const Passage& b);
+  void report(AuditEventKind kind, double time, const Sighting& s, const std::string& what);
   void follow(double time, const Sighting& sighting);
   void judge_motion(double time, const Sighting& s, const Track& before, Track& now);
   void judge_acceleration(double time, const Sighting& s, double before, double now);

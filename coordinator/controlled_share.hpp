@@ -7,7 +7,7 @@
 namespace mvtp {
 
 /// Which vehicles are automated (CAVs) and taken over at junctions; all others are human-driven and
-/// keep the traffic's own drivers.
+/// keep the traffic's drivers.
 struct ControlledShare {
   /// Share of the vehicles that are automated, 0 ... 1. A vehicle that is automated at one rate is
   /// so at every higher one.

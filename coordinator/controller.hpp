@@ -22,7 +22,7 @@ struct Replan {
   double ms = 0.0;        ///< wall clock
 };
 
-/// Something that the controller leaves to the traffic's own drivers, and why.
+/// Something that the controller leaves to the traffic's drivers, and why.
 struct LeftToTraffic {
   std::string what;  ///< e.g. "junction C", "lane W_0 to E_1 for type bus"
   std::string why;
@@ -31,7 +31,7 @@ struct LeftToTraffic {
 /// Junctions whose vehicles are planned together.
 struct ZoneFigures {
   std::vector<std::string> junctions;  ///< ids
-  int corridors = 0;                   ///< ways through them
+  int corridors = 0;                   ///< paths through them
 };
 
 /// Who lets some of the vehicles of a traffic drive. Several may control one traffic: each takes
@@ -55,7 +55,7 @@ class Controller {
   [[nodiscard]] virtual std::vector<LeftToTraffic> left_to_sumo() const { return {}; }
 };
 
-/// Leaves all vehicles to their own drivers.
+/// Leaves all vehicles to human drivers.
 class OwnDrivers : public Controller {
  public:
   void decide() override {}

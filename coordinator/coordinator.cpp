@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <numeric>
 
 #include "coordinator/partition.hpp"
 #include "planner/road/emergency_braking.hpp"
@@ -138,7 +139,7 @@ void Coordinator::replan() {
   const auto begin = std::chrono::steady_clock::now();
   for (const Newcomer& n : newcomers) arrivals.emplace(n.state->id, admit(n, next_key_++));
   const std::vector<std::int64_t> upset = stagnating_groups();
-  const Trial trial = best_trial(arrivals, upset);
+  Trial trial = best_trial(arrivals, upset);
   Replan record{.time = traffic_.time(),
                 .vehicles = int(driven_.size() + newcomers.size()),
                 .newcomers = int(newcomers.size()),
@@ -148,12 +149,20 @@ void Coordinator::replan() {
                 .cost = trial.decision.cost};
   record.ms =
       std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
-  const bool late =
-      (traffic_.time() >= options_.budget_from && record.ms > options_.replan_budget_ms) ||
-      comes_late();
-  record.fallback = late || !trial.refused.empty();
+  if (comes_late()) {
+    trial.decision.late.resize(trial.decision.members.size());
+    std::iota(trial.decision.late.begin(), trial.decision.late.end(), std::size_t{0});
+  }
+  record.fallback = !trial.decision.late.empty() || !trial.refused.empty();
   replans_.push_back(record);
-  accept(trial, late, arrivals);
+  accept(trial, arrivals);
+}
+
+/// How plans are made now.
+RoadEscotOptions Coordinator::escot() const {
+  RoadEscotOptions options = options_.escot;
+  if (traffic_.time() >= options_.budget_from) options.budget.ms = options_.replan_budget_ms;
+  return options;
 }
 
 /// The passage of a guest is planned.
@@ -176,10 +185,9 @@ void Coordinator::admit_guests_freely() {
   }
 }
 
-/// Makes a trial's plan what is executed, but for groups that the referee refuses and for all if it
-/// is late: those go on as before, and the newcomers among them are not taken over.
-void Coordinator::accept(const Trial& trial, bool late,
-                         const std::map<std::string, Driven>& arrivals) {
+/// Makes a trial's plan what is executed, but for groups that are late or that the referee refuses:
+/// those go on as before, and the newcomers among them are not taken over.
+void Coordinator::accept(const Trial& trial, const std::map<std::string, Driven>& arrivals) {
   std::set<std::int64_t> keep;  // keys
   std::map<std::int64_t, int> refusals;
   for (std::size_t g = 0; g < trial.decision.members.size(); ++g) {
@@ -190,6 +198,7 @@ void Coordinator::accept(const Trial& trial, bool late,
       const auto known = refusals_.find(key);
       if (known != refusals_.end()) before = std::max(before, known->second);
     }
+    const bool late = std::ranges::binary_search(trial.decision.late, g);
     const bool obeyed = refused && before < kMostRefusals;
     if (late || obeyed) keep.insert(members.begin(), members.end());
     if (obeyed) {
@@ -205,7 +214,8 @@ void Coordinator::accept(const Trial& trial, bool late,
   plan_ = std::move(plan);
   groups_ = trial.decision.members;
   forecasts_ = trial.forecasts;
-  if (!late) {
+  // A guest goes by the plans of all.
+  if (trial.decision.late.empty()) {
     for (const std::string& guest : trial.guests) let_pass(guest);
   }
   for (const auto& [id, arrival] : arrivals) {
@@ -264,23 +274,21 @@ std::vector<std::int64_t> Coordinator::stagnating_groups() {
   return upset;
 }
 
-/// Who has stood for long without a complete plan, or inside a junction, is stuck until the end of
-/// its corridor. Inside, a plan may be to wait for somebody who waits for it.
+/// Who has stood for long without a complete plan, or in the way of a guest who may not go because
+/// of it, is stuck until the end of its corridor: its plan may be to wait for that guest.
 void Coordinator::notice_the_stuck() {
   std::map<std::int64_t, int> standing;
   for (auto& [id, driven] : driven_) {
     RoadVehicle& road = driven.road;
-    const bool is_inside =
-        !road.stop_lines.empty() && road.now.s > road.stop_lines.front() &&
-        road.now.s < road.s_exit_lane + corridors_.library().body(road.path).length();
-    const bool stands = road.now.v == 0.0 && (is_inside || !plan_.find(driven.key)->complete);
-    if (!stands) continue;
+    const bool waits = blocking_guests_.contains(driven.key) || !plan_.find(driven.key)->complete;
+    if (road.now.v != 0.0 || !waits) continue;
     const auto before = standing_.find(driven.key);
     const int decisions = before == standing_.end() ? 1 : before->second + 1;
     standing.emplace(driven.key, decisions);
     road.stuck |= decisions * grid_.decision() > kPatience;
   }
   standing_ = std::move(standing);
+  blocking_guests_.clear();
 }
 
 RoadScene Coordinator::scene() const {

@@ -31,8 +31,8 @@ struct CoordinatorOptions {
   CorridorLimits limits;
   std::vector<std::string> junctions;  ///< ids; none: all with conflicting connections
   double decision = 0.5;  ///< [s] between two plans; rounded to whole steps of the traffic
-  /// [ms] of wall clock for one plan, from `budget_from` [s] on; a plan that takes longer is
-  /// dropped. 0: no planning at all, as if the planner had died.
+  /// [ms] of processor time for the plan of one group, from `budget_from` [s] on; see GroupBudget.
+  /// 0: no planning at all, as if the planner had died.
   double replan_budget_ms = 1e9;
   double budget_from = 0.0;
   /// Share of the decisions that are dropped as if they were late, at random.
@@ -94,6 +94,8 @@ class Coordinator : public Controller {
   /// What the planner sees now; public so that the invariants can be tested from outside.
   [[nodiscard]] RoadScene scene() const;
   [[nodiscard]] const JointPlan& plan() const { return plan_; }
+  /// Keys of the vehicles that the last decision planned together.
+  [[nodiscard]] const std::vector<std::vector<std::int64_t>>& groups() const { return groups_; }
 
  private:
   /// A vehicle that is to be driven from this decision on, if a plan for it is accepted.
@@ -139,7 +141,8 @@ class Coordinator : public Controller {
   }
   [[nodiscard]] bool owns_signals() const { return humans_ && shows_lights(); }
   void look_at_signals();
-  void accept(const Trial& trial, bool late, const std::map<std::string, Driven>& arrivals);
+  [[nodiscard]] RoadEscotOptions escot() const;
+  void accept(const Trial& trial, const std::map<std::string, Driven>& arrivals);
   void admit_guests_freely();
   [[nodiscard]] bool is_surprise(const VehicleState& v) const;
   void brake_for_surprises();
@@ -268,6 +271,7 @@ class Coordinator : public Controller {
   std::map<std::string, std::shared_ptr<const PathTrajectory>> announced_;  ///< to the traffic
   /// By key; kept only where plans take effect later.
   std::map<std::int64_t, std::shared_ptr<const PathTrajectory>> executed_;
+  std::set<std::int64_t> blocking_guests_;  ///< keys, at the last decision
   std::vector<Replan> replans_;
   std::vector<std::string> taken_over_;
   std::vector<std::string> handed_back_;

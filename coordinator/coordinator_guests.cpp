@@ -10,23 +10,27 @@
 namespace mvtp {
 
 /// Would one of the guests who are to go touch somebody under control? Who is within their margins
-/// already is not kept clear of them by its plan.
+/// already is not kept clear of them by its plan. Notes who is in the way.
 bool Coordinator::touches_guests(const Trial& trial) {
-  return std::ranges::any_of(trial.guests, [&](const std::string& guest) {
+  bool touches = false;
+  for (const std::string& guest : trial.guests) {
     const VehicleState* state = find_state(guest);
-    if (state == nullptr) return false;  // people: see is_clear_of()
+    if (state == nullptr) continue;  // people: see is_clear_of()
     const std::vector<Forecast> passages = predict_one(*state, trial.guests);
-    return std::ranges::any_of(trial.decision.plan.entries, [&](const JointPlan::Entry& e) {
-      return std::ranges::any_of(passages, [&](const Forecast& passage) {
+    for (const JointPlan::Entry& e : trial.decision.plan.entries) {
+      const bool is_hit = std::ranges::any_of(passages, [&](const Forecast& passage) {
         return touches_passage(corridors_.library(), trial.paths.at(e.key), *e.trajectory, passage,
                                step_);
       });
-    });
-  });
+      if (is_hit) blocking_guests_.insert(e.key);
+      touches |= is_hit;
+    }
+  }
+  return touches;
 }
 
 /// Does somebody behind its line, not yet out of the junction, stand there for a while? It may be
-/// in the way of a guest for whom it waits.
+/// blocking a guest for whom it waits.
 bool Coordinator::waits_inside(const Trial& trial) const {
   const std::int64_t a_while = step_ + 2 * grid_.steps_per_decision;
   return std::ranges::any_of(driven_, [&](const auto& entry) {

@@ -270,8 +270,10 @@ std::vector<Coordinator::Newcomer> Coordinator::find_newcomers() {
   return newcomers;
 }
 
-/// Does it enter the network just now, its tail still behind the beginning of its first lane?
+/// Does it enter the network just now, its tail still behind the beginning of its first lane? Inside
+/// a junction its tail may be beside the road, too, but it has been seen before.
 bool Coordinator::is_entering(const VehicleState& v) {
+  if (graph_.edge_of(graph_.find_lane(v.lane)) == LaneGraph::kNone) return false;
   const double length = type_of(v.type).body.length();
   const auto trail = trails_.find(v.id);
   const bool came = trail != trails_.end() && trail->second.before != LaneGraph::kNone;

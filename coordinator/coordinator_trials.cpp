@@ -204,8 +204,7 @@ Coordinator::Trial Coordinator::plan_trial(const std::map<std::string, Driven>& 
     return !e.trajectory->complete || arriving.contains(e.key) ||
            std::ranges::count(upset, e.key) > 0;
   });
-  trial.decision =
-      decide_on_road(now, incumbent, without_plan(now, incumbent, upset), options_.escot);
+  trial.decision = decide_on_road(now, incumbent, without_plan(now, incumbent, upset), escot());
   trial.contacts = find_planned_contacts(now, trial.decision.plan, plan_);
   trial.refused = groups_in_contact(trial.decision.members, trial.contacts);
   return trial;

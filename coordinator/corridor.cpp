@@ -349,8 +349,9 @@ void CorridorMap::set_stations(const Line& line, const GuidePath& path, const Ve
   corridor.exit_lane = course.pieces[exit].lane;
   corridor.s_exit = corridor.stations[exit];
   corridor.s_end = corridor.s_exit + course.end;
-  corridor.s_handback =
-      straight_from(line, path, body, corridor.s_exit + course.handback, corridor.s_end);
+  const double wanted = corridor.s_exit + course.handback;
+  const double earliest = corridor.s_exit + std::min(course.handback, body.length() + 1.0);
+  corridor.s_handback = straight_near(line, path, body, wanted, {earliest, corridor.s_end});
   corridor.s_latest = straight_until(line, path, body, corridor.s_handback, corridor.s_end);
 }
 
@@ -363,18 +364,20 @@ double CorridorMap::aside(const Line& line, const GuidePath& path, const Vehicle
 
 constexpr double kAside = 0.05;  ///< [m] of either end of a body that lies along its lane
 
-/// The first place from `from` to `to` where the body lies along its lane; else the one where it
-/// does so best.
-double CorridorMap::straight_from(const Line& line, const GuidePath& path, const Vehicle& body,
-                                  double from, double to) {
+/// The first place from `from` on, or else the last before it, where the body lies along its lane;
+/// else the one where it does so best.
+double CorridorMap::straight_near(const Line& line, const GuidePath& path, const Vehicle& body,
+                                  double from, std::pair<double, double> within) {
   double best = from;
   double least = aside(line, path, body, from);
-  for (double s = from; s < to && least > kAside; s += 1.0) {
+  const auto look_at = [&](double s) {
     const double here = aside(line, path, body, s);
-    if (here >= least) continue;
+    if (here >= least) return;
     least = here;
     best = s;
-  }
+  };
+  for (double s = from; s < within.second && least > kAside; s += 1.0) look_at(s);
+  for (double s = from; s > within.first && least > kAside; s -= 1.0) look_at(s);
   return best;
 }
 
@@ -437,7 +440,7 @@ void CorridorMap::set_limits(const GuidePath& path, const Vehicle& body, Corrido
   }
 }
 
-/// A turn that lies well before the first stop line is left to the vehicle's own driver: it is
+/// A turn that lies well before the first stop line is left to its driver: it is
 /// taken over behind it. Anything later makes the corridor undriven.
 void CorridorMap::set_drivable(const GuidePath& path, const Vehicle& body,
                                Corridor& corridor) const {

@@ -5,6 +5,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "coordinator/corridor_course.hpp"
@@ -79,8 +80,9 @@ class CorridorMap {
                                     double s);
   [[nodiscard]] static double last_in_lane(const Line& line, const GuidePath& path,
                                            const Vehicle& body, double from, double to);
-  [[nodiscard]] static double straight_from(const Line& line, const GuidePath& path,
-                                            const Vehicle& body, double from, double to);
+  [[nodiscard]] static double straight_near(const Line& line, const GuidePath& path,
+                                            const Vehicle& body, double from,
+                                            std::pair<double, double> within);
   [[nodiscard]] static double straight_until(const Line& line, const GuidePath& path,
                                              const Vehicle& body, double from, double to);
   void set_limits(const GuidePath& path, const Vehicle& body, Corridor& corridor) const;

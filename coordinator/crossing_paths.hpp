@@ -8,7 +8,7 @@
 
 namespace mvtp {
 
-/// The ways of people over crossings, as paths for the planner: one per crossing and direction,
+/// The paths of people over crossings, as paths for the planner: one per crossing and direction,
 /// from a few metres before the kerb to a few metres behind the other one. Stations count from the
 /// beginning of a path [m].
 class CrossingPaths {
@@ -25,15 +25,15 @@ class CrossingPaths {
   CrossingPaths(const LaneGraph& graph, PathLibrary& library) : graph_(graph), library_(library) {}
 
   /// A point by the path of a crossing: how far along, and how far to its left [m]. Before the
-  /// crossing `s` is the kerb's less the shortest way there; negative: not on the path yet.
+  /// crossing `s` is the kerb's less the shortest path there; negative: not on the path yet.
   struct Place {
     double s = 0.0;
     double aside = 0.0;
   };
   [[nodiscard]] Place place(int crossing, bool forward, bool is_on_it, const Point& p);
-  /// Which way somebody before the crossing will go over it: from the nearer kerb.
+  /// Which path somebody before the crossing will go over it: from the nearer kerb.
   [[nodiscard]] bool starts_forward(int crossing, const Point& p) const;
-  /// Which way somebody on the crossing goes who walks in this direction [rad].
+  /// Which path somebody on the crossing goes who walks in this direction [rad].
   [[nodiscard]] bool heads_forward(int crossing, double theta) const;
 
   /// The number of the path in the library.

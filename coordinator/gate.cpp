@@ -38,7 +38,7 @@ void Gate::see(const VehicleState& v, double to_line, double to_hold, bool is_fi
   guest.waits = is_first && ((to_line < kNear && v.speed < kCrawl) || v.speed < kStands);
   const double room = stopping_distance(v.speed, 0.8 * body.max_decel) + kReaction * v.speed;
   const bool anew = guest.passes && to_line > std::max(kApart, room);
-  // It stands before its line although it may go: somebody in its way may be waiting for it.
+  // It stands before its line although it may go: somebody blocking its path may be waiting for it.
   const bool in_vain = guest.passes && guest.stands >= kPatience && to_hold > 0.0;
   if (in_vain) guest.asked = decisions_;
   if (guest.held || (!came && !anew && !in_vain)) return;

@@ -8,7 +8,7 @@
 
 namespace mvtp {
 
-/// The way over coordinated junctions for vehicles that are not under control.
+/// The path over coordinated junctions for vehicles that are not under control.
 ///
 /// Whoever comes without a plan is held before its stop line. Guests, vehicles that keep their own
 /// drivers, are let through when all vehicles under control have plans around their passage,
@@ -17,7 +17,7 @@ class Gate {
  public:
   explicit Gate(Traffic& traffic) : traffic_(traffic) {}
 
-  /// A decision begins: who is not seen until the end of it has gone.
+  /// A decision begins: who is not seen until the end of it has departed.
   void begin();
   /// A guest, `to_line` [m] before its stop line (0: behind it, inside), and `to_hold` [m] before
   /// the place where it can be held: the end of its lane.

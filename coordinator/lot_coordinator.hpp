@@ -52,18 +52,18 @@ struct LotVisit {
   bool there_at_start = false;        ///< it was parked when the run began
   std::string slot;                   ///< its id; empty before it has one
   std::optional<double> asked_in;     ///< first seen at the gate, waiting to be let in
-  std::optional<double> admitted_in;  ///< it got its way to the slot
+  std::optional<double> admitted_in;  ///< it got its path to the slot
   std::optional<double> parked;
   std::optional<double> wished_out;  ///< its stay was over
   std::optional<double> admitted_out;
   std::optional<double> handed_back;  ///< on the exit lane
-  double alone_in = 0.0;              ///< what the way in would take with nobody else moving
+  double alone_in = 0.0;              ///< what the path in would take with nobody else moving
   double alone_out = 0.0;
   double distance = 0.0;  ///< driven under control [m]
   double waited = 0.0;    ///< standing on the way
   int reversals = 0;
   bool broken = false;
-  bool stranded = false;  ///< it once had no way any more
+  bool stranded = false;  ///< it once had no path any more
 };
 
 /// The lot at one moment.
@@ -83,11 +83,11 @@ struct LotSighting {
 };
 
 /// The closed loop on an open parking lot: takes vehicles over in the entry lanes, gives each a
-/// slot, brings it there, and, when its stay is over, to an exit lane and back to its own driver.
+/// slot, brings it there, and, when its stay is over, to an exit lane and back to a human driver.
 ///
 /// Two properties hold at every step: everyone braking now is free of contact, and
-/// everyone under way has a complete way in an order that lets all arrive (LotMotion). A breakdown
-/// is the one thing that ends the second; who cannot go on then stops, and asks for a new way.
+/// everyone under way has a complete path in an order that lets all arrive (LotMotion). A breakdown
+/// is the one thing that ends the second; who cannot go on then stops, and asks for a new path.
 class LotCoordinator : public Controller {
  public:
   LotCoordinator(Traffic& traffic, const ParkingLot& lot, const LotOptions& options);

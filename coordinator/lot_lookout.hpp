@@ -9,7 +9,7 @@
 
 namespace mvtp {
 
-/// Looks ahead for those whom no plan knows: people on foot and vehicles with their own drivers.
+/// Looks ahead for those whom no plan knows: people on foot and vehicles with human drivers.
 ///
 /// People are expected to go on as they walk now. A car stops before ground where somebody will be
 /// while it is there, at a place where nobody walks into it; if it is too late for that it drives

@@ -223,7 +223,7 @@ Forecast People::stays(const Person& person, double to) {
 
 /// @param from  negative: he is not on the path yet, where nobody can meet him.
 /// @param wait  steps before he walks.
-/// @param leaves  and is gone at the end; else he stands there.
+/// @param leaves  and has left at the end; else he stands there.
 PathTrajectory People::walk(double from, std::int64_t wait, double speed, double to,
                             bool leaves) const {
   PathTrajectory t{.begin = step_, .states = {{from, 0.0}}, .complete = leaves};

@@ -13,11 +13,11 @@
 namespace mvtp {
 
 /// People on foot at crossings: obstacles of the planner wherever they are or may be, and, where
-/// the light of a crossing is ours, those who ask for a green.
+/// the signal of a crossing is the coordinator's, those who ask for a green.
 ///
 /// Safety: who is on a crossing, or may step onto it, is in a tube that vehicles under control keep
-/// clear of; at a crossing of ours nobody may step onto it but in its green, which is shown only
-/// once everybody's plan keeps clear of those who use it. Liveness: a green that is due begins
+/// clear of; at a crossing of the coordinator nobody may step onto it but in its green, shown
+/// only once everybody's plan keeps clear of those who use it. Liveness: a green that is due begins
 /// three seconds after it is promised, before which everybody can stop.
 class People {
  public:

@@ -37,6 +37,14 @@ void drive_on(PathTrajectory& t, const RoadVehicle& v, const DecisionGrid& grid,
   }
 }
 
+/// What it does until it stands at its line, and there it stays; nullopt if it does not stand there.
+std::optional<PathTrajectory> held_at_line(const PathTrajectory& t, const DecisionGrid& grid) {
+  const auto stand = std::ptrdiff_t(0.9 * kStand / grid.dt);
+  const auto rest = std::ranges::search_n(t.states, stand, 0.0, {}, &InertialState::v);
+  if (rest.empty()) return std::nullopt;
+  return PathTrajectory{t.begin, {t.states.begin(), rest.begin() + 1}, /*complete=*/false};
+}
+
 constexpr double kNearEnd = 60.0;     ///< [m] before the end of its corridor it needs a longer path
 constexpr double kHorizon = 120.0;    ///< [m] along its route for which a vehicle is predicted
 constexpr double kAlongside = 40.0;   ///< [m] behind the place of the takeover
@@ -159,13 +167,15 @@ std::vector<Forecast> Predictor::predict(const VehicleState& v, const CourseQuer
     return {forecast};
   }
   std::optional<double> stop;
+  bool is_held = false;
   if (to_line) {
     // It is held at the end of its lane, or driven as soon as it is nearer.
     const double lane_end = graph_.lane(query.lane).length - query.position;
-    const bool is_held = at_line && !is_inside;
+    is_held = at_line && !is_inside;
     stop = s + (is_held ? std::min(*to_line, lane_end) : *to_line);
   }
   forecast.trajectory = predict_leader(road, stop, grid, step);
+  if (is_held) forecast.held = held_at_line(forecast.trajectory, grid);
   return {forecast};
 }
 

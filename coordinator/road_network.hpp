@@ -37,7 +37,7 @@ struct Lane {
   }
 };
 
-/// One way across a junction: from a normal lane over its internal lanes to the next normal lane.
+/// One path across a junction: from a normal lane over its internal lanes to the next normal lane.
 struct Connection {
   std::string from_lane;
   std::vector<std::string> via;  ///< the chain of internal lanes, in driving order; may be empty
@@ -46,7 +46,7 @@ struct Connection {
   int signal_index = -1;    ///< which of the signal's lights
 };
 
-/// A marked way for people on foot over the lanes at a junction.
+/// A marked path for people on foot over the lanes at a junction.
 struct PedestrianCrossing {
   std::string id;                      ///< of its edge
   double width = 4.0;                  ///< [m]

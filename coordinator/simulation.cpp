@@ -32,20 +32,23 @@ void Simulation::step() {
   traffic_.step();
   for (Controller* controller : controllers_) controller->observe();
   const Snapshot now = look();
-  alive_ = is_alive(now);
+  if (is_alive(now)) last_motion_ = now.time;
   for (const Observer& observe : observers_) observe(now);
 }
 
+std::optional<RunStatus> Simulation::end_by(const RunLimits& limits) const {
+  if (!traffic_.running()) return RunStatus::kFinished;
+  if (limits.interrupted()) return RunStatus::kInterrupted;
+  if (limits.end && traffic_.time() >= *limits.end) return RunStatus::kEndReached;
+  if (traffic_.time() - last_motion_ > limits.stuck_after) return RunStatus::kStuck;
+  return std::nullopt;
+}
+
 RunStatus Simulation::run(const RunLimits& limits) {
-  double last_motion = traffic_.time();
-  while (traffic_.running()) {
-    if (limits.interrupted()) return RunStatus::kInterrupted;
-    if (limits.end && traffic_.time() >= *limits.end) return RunStatus::kEndReached;
-    if (traffic_.time() - last_motion > limits.stuck_after) return RunStatus::kStuck;
+  while (true) {
+    if (const std::optional<RunStatus> end = end_by(limits)) return *end;
     step();
-    if (alive_) last_motion = traffic_.time();
   }
-  return RunStatus::kFinished;
 }
 
 const VehicleType& Simulation::type_of(const std::string& id) {

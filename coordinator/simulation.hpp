@@ -38,7 +38,7 @@ class Simulation {
  public:
   using Observer = std::function<void(const Snapshot&)>;
 
-  explicit Simulation(Traffic& traffic) : traffic_(traffic) {}
+  explicit Simulation(Traffic& traffic) : traffic_(traffic), last_motion_(traffic.time()) {}
 
   void add(Controller& controller) { controllers_.push_back(&controller); }
   /// Observers look at each step in the order in which they were added.
@@ -47,7 +47,9 @@ class Simulation {
   /// Every controller decides, then every controller acts, then the traffic steps, and everyone
   /// looks at what became of it.
   void step();
-  /// Steps until a limit is reached or the last vehicle has arrived.
+  /// How the run has ended: a limit is reached, or the last vehicle has arrived; none: it goes on.
+  [[nodiscard]] std::optional<RunStatus> end_by(const RunLimits& limits) const;
+  /// Steps until the run has ended.
   [[nodiscard]] RunStatus run(const RunLimits& limits);
 
   [[nodiscard]] const VehicleType& type_of(const std::string& id);
@@ -65,7 +67,7 @@ class Simulation {
   std::vector<char> resting_;
   std::vector<std::string> pending_;
   double next_look_at_pending_ = -1e300;  ///< [s]
-  bool alive_ = true;
+  double last_motion_ = 0.0;              ///< [s] when somebody last moved or rested
 };
 
 }  // namespace mvtp

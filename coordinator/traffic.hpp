@@ -167,11 +167,17 @@ class Traffic {
       const std::string& /*signal*/) const {
     return {};
   }
+  /// What a signal shows now: a letter each, as in SignalPhase; empty if it is not known.
+  [[nodiscard]] virtual std::string shown(const std::string& /*signal*/) const { return {}; }
   /// Has a signal's phases run in this way from now on.
   virtual void control_signal(const std::string& /*signal*/, SignalControl /*control*/) {}
   /// Lowers the limit of a lane for every driver [m/s].
   virtual void limit_speed(const std::string& lane, double speed) = 0;
 
+  /// What the vehicle's motor gave off in the last step [g/s of CO2]; none: not known.
+  [[nodiscard]] virtual std::optional<double> co2(const std::string& /*id*/) const {
+    return std::nullopt;
+  }
   /// The next stop of the vehicle, if it has one.
   [[nodiscard]] virtual std::optional<Stop> next_stop(const std::string& /*id*/) const {
     return std::nullopt;

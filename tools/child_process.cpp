@@ -170,6 +170,18 @@ std::optional<siginfo_t> AwaitedSignals::next(Deadline latest) const {
   }
 }
 
+std::optional<std::filesystem::path> find_program(const std::string& name) {
+  const char* path = std::getenv("PATH");
+  std::string rest = path == nullptr ? "" : path;
+  while (!rest.empty()) {
+    const std::size_t end = std::min(rest.find(':'), rest.size());
+    std::filesystem::path file = std::filesystem::path(rest.substr(0, end)) / name;
+    if (::access(file.c_str(), X_OK) == 0) return file;
+    rest.erase(0, std::min(end + 1, rest.size()));
+  }
+  return std::nullopt;
+}
+
 void end_with_parent() {
   const char* const parent = std::getenv(kParent);
   if (parent == nullptr || parent != std::to_string(::getppid())) return;

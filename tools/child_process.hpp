@@ -33,6 +33,9 @@ class AwaitedSignals {
   sigset_t before_;
 };
 
+/// Where an executable of this name is on the PATH.
+[[nodiscard]] std::optional<std::filesystem::path> find_program(const std::string& name);
+
 /// Ends this process by SIGTERM once the one that started it by start_child() has died, however.
 void end_with_parent();
 

@@ -14,4 +14,4 @@ echo
 echo "Crossroads, one lane per arm, 400 vehicles per hour and approach, for half an hour:"
 build/release/bin/mvtp compare -c scenarios/crossroads/crossroads-400.sumocfg --seeds 1-2 \
   --output-dir "$results"
-echo "Open $results/view.html in a browser: the light and the coordination side by side."
+echo "Open $results/view.html in a browser: traffic signal and coordination side by side."

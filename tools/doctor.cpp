@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 #include <sys/wait.h>
-#include <unistd.h>
 
 #include <cstdlib>
 #include <filesystem>
@@ -12,16 +11,18 @@
 #include "tools/child_process.hpp"
 #include "tools/commands.hpp"
 #include "tools/sibling.hpp"
+#include "tools/view/browser.hpp"
 
 namespace mvtp {
 namespace {
 
 namespace fs = std::filesystem;
 
-/// Something that a command needs.
+/// Something that a command needs; without it the others work.
 struct Need {
   std::string what;
   bool found = false;
+  bool required = false;  ///< a part of mvtp itself, as it was built
   std::string without;  ///< what does not work then
   std::string remedy;
 };
@@ -35,19 +36,6 @@ bool runs(const std::vector<std::string>& arguments) {
     return true;
   });
   return complete && WIFEXITED(status) && WEXITSTATUS(status) == 0;
-}
-
-/// Is there an executable of this name on the PATH?
-bool is_on_path(const std::string& name) {
-  const char* path = std::getenv("PATH");
-  std::string rest = path == nullptr ? "" : path;
-  while (!rest.empty()) {
-    const std::size_t end = std::min(rest.find(':'), rest.size());
-    const fs::path file = fs::path(rest.substr(0, end)) / name;
-    if (::access(file.c_str(), X_OK) == 0) return true;
-    rest.erase(0, std::min(end + 1, rest.size()));
-  }
-  return false;
 }
 
 bool has_sumo() {
@@ -66,41 +54,50 @@ std::string sumo_home() {
 }
 
 std::vector<Need> examine() {
-  return {{"mvtp-sumo", has_sumo(), "coordinate, compare, sweep",
+  constexpr bool kRequired = true;
+  return {{"mvtp-sumo", has_sumo(), MVTP_HAS_SUMO != 0, "coordinate, compare, sweep",
            "install sumo and libsumo, and build with -DMVTP_WITH_SUMO=ON"},
-          {"sumo-gui", is_on_path("sumo-gui"), "coordinate --gui", "install sumo"},
-          {"netconvert", is_on_path("netconvert"), "making networks (networks/make.sh)",
-           "install sumo"},
-          {"SUMO's data in " + sumo_home(), fs::is_directory(fs::path(sumo_home()) / "data"),
-           "scenarios that use them, e.g. scenarios/rilsa", "install sumo-tools or set SUMO_HOME"},
-          {"matplotlib of /usr/bin/python3", has_matplotlib(), "figures of report",
-           "install python3-matplotlib"},
-          {"report.py", fs::exists(shared_file("report.py")), "figures of report",
+          {"report.py", fs::exists(shared_file("report.py")), kRequired, "figures of report",
            "install mvtp again"},
-          {"Bluetooth support", MVTP_HAS_BLUETOOTH != 0, "toio scan, run, calibrate",
+          {"sumo-gui", find_program("sumo-gui").has_value(), !kRequired, "coordinate --gui",
+           "install sumo"},
+          {"netconvert", find_program("netconvert").has_value(), !kRequired,
+           "making networks (networks/make.sh)", "install sumo"},
+          {"SUMO's data in " + sumo_home(), fs::is_directory(fs::path(sumo_home()) / "data"),
+           !kRequired, "scenarios that use them, e.g. scenarios/rilsa",
+           "install sumo-tools or set SUMO_HOME"},
+          {"matplotlib of /usr/bin/python3", has_matplotlib(), !kRequired, "figures of report",
+           "install python3-matplotlib"},
+          {"Chromium", Browser::find().has_value(), !kRequired, "view --video",
+           "install chromium-headless-shell or chromium"},
+          {"rsvg-convert", find_program("rsvg-convert").has_value(), !kRequired,
+           "view --at with a PNG", "install librsvg2-bin"},
+          {"Bluetooth support", MVTP_HAS_BLUETOOTH != 0, !kRequired, "toio scan, run, calibrate",
            "install libsystemd-dev and build again"},
-          {"D-Bus system bus", fs::exists("/run/dbus/system_bus_socket"),
+          {"D-Bus system bus", fs::exists("/run/dbus/system_bus_socket"), !kRequired,
            "toio scan, run, calibrate with real cubes", "install and start dbus and bluez"}};
 }
 
 int examine_and_tell() {
-  std::size_t missing = 0;
+  bool complete = true;
   for (const Need& need : examine()) {
     if (need.found) {
       fmt::print("ok       {}\n", need.what);
       continue;
     }
-    ++missing;
-    fmt::print("missing  {}: without it not: {}; {}\n", need.what, need.without, need.remedy);
+    complete = complete && !need.required;
+    fmt::print("{}  {}: without it not: {}; {}\n", need.required ? "MISSING" : "absent ", need.what,
+               need.without, need.remedy);
   }
   fmt::print("solve, validate, generate, bench, view, export and toio export need nothing more.\n");
-  return missing == 0 ? kDone : kNotAchieved;
+  return complete ? kDone : kNotAchieved;
 }
 
 }  // namespace
 
 Action declare_doctor(CLI::App& app) {
-  app.footer("Exit code: 0 nothing is missing; 1 something is.");
+  app.footer("absent: an optional part; MISSING: a part of mvtp itself.\n"
+      "Exit code: 0 nothing is MISSING; 1 something is.");
   return [] { return examine_and_tell(); };
 }
 

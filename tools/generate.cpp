@@ -111,7 +111,7 @@ const char* const kSuites =
     "         with --size and --robots also other cells\n"
     "parking: cars that come to an open lot of 58 slots and cars that leave it, all at once, of\n"
     "         mixed sizes; 60 instances with 24 and 24\n"
-    "Each robot has a way to its goal if the others are absent. The same options give the same\n"
+    "Each robot has a path to its goal if the others are absent. The same options give the same\n"
     "files, byte for byte, and each file is the same whatever else is generated.";
 
 }  // namespace
@@ -161,10 +161,7 @@ Action declare_generate(CLI::App& app) {
       ->group("Instances");
   app.add_option("--vehicle", command->options.vehicle,
                  "Vehicle preset, written into the files [escot]")
-      ->check([](const std::string& name) {
-        const bool known = vehicle_preset(name).has_value();
-        return known ? std::string() : "is \"" + name + "\"; choose escot or cl-cbs";
-      })
+      ->check(one_of({"escot", "cl-cbs"}))
       ->type_name("escot|cl-cbs")
       ->group("Instances");
   add_choice<Bounds>(app, "--bounds", command->options.bounds,

@@ -10,9 +10,11 @@ packages=(
   libcli11-dev libfmt-dev zlib1g-dev libtbb-dev
   libgtest-dev libgmock-dev libbenchmark-dev
   python3-matplotlib
+  pybind11-dev python3-dev python3-numpy python3-pytest
   libsystemd-dev dbus-daemon
   sumo sumo-tools
-  zsh fish libxml2-utils parallel
+  zsh fish libxml2-utils mkdocs-material parallel
+  chromium-headless-shell librsvg2-bin
   "$@"
 )
 

@@ -18,7 +18,7 @@ std::atomic<std::int64_t> noted_at = 0;  // [ns]
 static_assert(std::atomic<bool>::is_always_lock_free);
 static_assert(std::atomic<std::int64_t>::is_always_lock_free);
 
-/// A signal to the whole process group may arrive twice within an instant: that is one wish to end.
+/// A signal to the whole process group may arrive twice within a moment: that is one wish to end.
 constexpr std::int64_t kSameWish = 1'000'000'000;  // [ns]
 
 std::int64_t now() {

@@ -10,6 +10,7 @@
 #include "tools/manual/command_help.hpp"
 #include "tools/manual/completion.hpp"
 #include "tools/manual/man_page.hpp"
+#include "tools/manual/markdown_page.hpp"
 #include "tools/version.hpp"
 
 // Writes the manual pages and the shells' completion from what the programs say of themselves
@@ -38,16 +39,19 @@ void write_all(const std::vector<std::string>& inputs, const fs::path& folder) {
     programs.push_back(help_of_json(read_text_file(input, kMaxTextBytes), input));
   }
   fs::remove_all(folder);
+  std::string reference = "# Commands\nMade from the options of the programs.\n\n";
   for (const CommandHelp& program : merge_programs(programs)) {
     write_pages(folder / "man1", program, nullptr);
     write(folder / "bash", program.name, bash_completion(program));
     write(folder / "zsh", "_" + program.name, zsh_completion(program));
     write(folder / "fish", program.name + ".fish", fish_completion(program));
+    reference += markdown_reference(program);
   }
+  write(folder / "markdown", "commands.md", reference);
 }
 
 int run(int argc, char** argv) {
-  CLI::App app("Writes manual pages and shell completion", "mvtp-manual");
+  CLI::App app("Writes manual pages, shell completion and the reference of the docs", "mvtp-manual");
   std::vector<std::string> inputs;
   std::string folder;
   app.add_option("DESCRIPTION", inputs, "What \"PROGRAM describe\" printed")->required();

@@ -1,13 +1,17 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <cstdint>
 #include <map>
 #include <sstream>
 #include <string>
+#include <utility>
 #include <vector>
+
+#include "tools/suggest.hpp"
 
 namespace mvtp {
 
@@ -66,19 +70,26 @@ inline CLI::Option* add_numbers(CLI::App& app, const std::string& name, std::vec
       ->type_name("N,N,...");
 }
 
+/// For CLI::Option::check(): one of these words.
+[[nodiscard]] inline auto one_of(std::vector<std::string> words) {
+  return [words = std::move(words)](const std::string& word) -> std::string {
+    if (std::find(words.begin(), words.end(), word) != words.end()) return "";
+    return "is \"" + word + "\"; " + did_you_mean(word, words) + "choose " +
+           CLI::detail::join(words, "|");
+  };
+}
+
 /// Declares an option that takes one of a few words, each standing for a value.
 template <class Value, class Target>
 CLI::Option* add_choice(CLI::App& app, const std::string& name, Target& target,
                         const std::map<std::string, Value>& words, const std::string& description) {
-  std::string type;
-  for (const auto& [word, value] : words) type += (type.empty() ? "" : "|") + word;
+  std::vector<std::string> choices;
+  for (const auto& [word, value] : words) choices.push_back(word);
   return app
       .add_option_function<std::string>(
           name, [&target, words](const std::string& word) { target = words.at(word); }, description)
-      ->check([words, type](const std::string& word) {
-        return words.contains(word) ? "" : "is \"" + word + "\"; choose " + type;
-      })
-      ->type_name(type);
+      ->check(one_of(choices))
+      ->type_name(CLI::detail::join(choices, "|"));
 }
 
 }  // namespace mvtp

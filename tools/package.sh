@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # Builds the Debian packages; looks them over with lintian, where it is installed.
 #   tools/package.sh [--bare] [FOLDER]    where they go; out/packages if not given
-# --bare (root, debootstrap): also installs them into a bare Debian 12, and runs mvtp and a program
-# that uses the library there.
+# --bare (root, debootstrap): also installs them into a bare Debian 12, and runs mvtp, an example in
+# Python, and a program that uses the library there.
 set -euo pipefail
 bare=false
 [ "${1:-}" = --bare ] && { bare=true; shift; }
@@ -11,7 +11,7 @@ cd "$(dirname "$0")/.."
 
 tools/install_packages.sh dpkg-dev file
 cmake --preset release >/dev/null
-cmake --build --preset release --target mvtp_manual_pages  # needs all that is installed
+cmake --build --preset release --target mvtp_manual_pages mvtp_python  # all that is installed
 rm -rf "$folder"
 cpack --config build/release/CPackConfig.cmake -B "$folder" >/dev/null
 rm -rf "$folder/_CPack_Packages"
@@ -26,7 +26,9 @@ trap 'rm -rf "$root"' EXIT
 chmod 755 "$root"
 debootstrap --variant=minbase bookworm "$root" >/dev/null
 cp "$folder"/*.deb "$root"
-cp -r networks scenarios docs/examples "$root/opt"
+cp -r networks scenarios "$root/opt"
+mkdir "$root/opt/docs"
+cp -r docs/examples "$root/opt/docs"
 unshare --mount --pid --fork --mount-proc="$root/proc" chroot "$root" bash -euxc '
   export DEBIAN_FRONTEND=noninteractive LC_ALL=C.UTF-8
   apt-get update -qq
@@ -37,8 +39,11 @@ unshare --mount --pid --fork --mount-proc="$root/proc" chroot "$root" bash -euxc
   test -s run/view.html
   mvtp solve -i opt/scenarios/circle/circle8.yaml -o plan.yaml
   mvtp validate -i opt/scenarios/circle/circle8.yaml -s plan.yaml
+  apt-get install -y -qq --no-install-recommends ./python3-mvtp_*.deb >/dev/null
+  python3 opt/docs/examples/python/solve.py
+  python3 opt/docs/examples/python/controller.py --end 60
   apt-get install -y -qq --no-install-recommends ./libmvtp-dev_*.deb g++ cmake make >/dev/null
-  cmake -S opt/examples -B examples >/dev/null
+  cmake -S opt/docs/examples -B examples >/dev/null
   cmake --build examples >/dev/null
   examples/solve
   examples/controller' 2>&1

@@ -6,12 +6,14 @@
 #include <cstdio>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "planner/problem/input_error.hpp"
 #include "tools/child_process.hpp"
 #include "tools/interrupt.hpp"
 #include "tools/manual/command_help.hpp"
 #include "tools/sibling.hpp"
+#include "tools/suggest.hpp"
 #include "tools/version.hpp"
 
 namespace mvtp {
@@ -22,6 +24,30 @@ void print_error(std::string message) {
   std::replace(message.begin(), message.end(), '\n', ' ');
   while (!message.empty() && message.back() == ' ') message.pop_back();
   std::fputs(("mvtp: " + message + "\n").c_str(), stderr);  // fmt's throws if stderr is closed
+}
+
+/// The command that was chosen last: of "mvtp toio fit" that is fit.
+const CLI::App& chosen_command(const CLI::App& app) {
+  const std::vector<CLI::App*> chosen = app.get_subcommands();
+  return chosen.empty() ? app : chosen_command(*chosen.front());
+}
+
+/// "--fly was not expected; did you mean --dry? ", of the first word that the command does not know;
+/// empty if there is none.
+std::string stray_word(const CLI::App& command) {
+  std::vector<std::string> rest = command.remaining();
+  std::erase(rest, "--");
+  if (rest.empty()) return {};
+  std::vector<std::string> known;
+  for (const CLI::Option* option : command.get_options()) {
+    for (const std::string& name : option->get_lnames()) known.push_back("--" + name);
+    for (const std::string& name : option->get_snames()) known.push_back("-" + name);
+  }
+  for (const CLI::App* below : command.get_subcommands([](const CLI::App*) { return true; })) {
+    known.push_back(below->get_name());
+  }
+  const std::string word = rest.front().substr(0, rest.front().find('='));
+  return fmt::format("{} was not expected; {}", word, did_you_mean(word, known));
 }
 
 /// Help and version are exceptions in CLI11's eyes, and no errors in ours.
@@ -36,8 +62,10 @@ int finish_parsing(const CLI::App& app, const CLI::ParseError& error) {
   }
   const auto chosen = app.get_subcommands();
   const std::string command = chosen.empty() ? "" : " " + chosen.front()->get_name();
-  print_error(fmt::format("{}{}; see mvtp{} --help",
-                          command.empty() ? "" : command.substr(1) + ": ", error.what(), command));
+  std::string problem = stray_word(chosen_command(app));
+  if (problem.empty()) problem = std::string(error.what()) + "; ";
+  print_error(fmt::format("{}{}see mvtp{} --help",
+                          command.empty() ? "" : command.substr(1) + ": ", problem, command));
   return kBadInput;
 }
 
@@ -45,7 +73,11 @@ const Command& find(std::span<const Command> commands, std::string_view name) {
   const auto found = std::find_if(commands.begin(), commands.end(),
                                   [&](const Command& command) { return command.name == name; });
   if (found == commands.end()) {
-    throw InputError(std::string(name), "is no command of mvtp; see mvtp --help");
+    std::vector<std::string> names;
+    for (const Command& command : commands) names.emplace_back(command.name);
+    throw InputError(std::string(name), "is no command of mvtp; " +
+                                            did_you_mean(std::string(name), names) +
+                                            "see mvtp --help");
   }
   return *found;
 }
@@ -55,7 +87,7 @@ int print_description(const CLI::App& app) {
   return kDone;
 }
 
-/// Runs the action; what it printed must have arrived for it to count as done.
+/// Runs the command; what it printed must have arrived for it to count as done.
 int run(const Action& action) {
   const int code = action();
   if (std::fflush(stdout) != 0) {

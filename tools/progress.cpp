@@ -5,7 +5,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <condition_variable>
 #include <cstdio>
+#include <mutex>
 #include <utility>
 
 namespace mvtp {
@@ -18,11 +20,8 @@ std::string time_left(double seconds, double fraction) {
   return fmt::format("{:.1f} h left", left / 3600.0);
 }
 
-Progress::Progress(std::string label, bool quiet, TimeLeft time_left)
-    : label_(std::move(label)),
-      quiet_(quiet),
-      on_terminal_(::isatty(STDERR_FILENO) == 1),
-      time_left_(time_left) {}
+Progress::Progress(std::string label, bool quiet)
+    : label_(std::move(label)), quiet_(quiet), on_terminal_(::isatty(STDERR_FILENO) == 1) {}
 
 Progress::~Progress() {
   if (width_ > 0) fmt::print(stderr, "\n");
@@ -31,12 +30,9 @@ Progress::~Progress() {
 void Progress::update(double fraction, const std::string& what) {
   if (quiet_ || !(fraction >= 0.0)) return;
   fraction = std::min(fraction, 1.0);
-  std::string note = what;
-  if (time_left_ == TimeLeft::kShown) {
-    const std::chrono::duration<double> elapsed = Clock::now() - start_;
-    const std::string left = time_left(elapsed.count(), fraction);
-    if (!left.empty()) note = left + (what.empty() ? "" : ", ") + what;
-  }
+  const std::chrono::duration<double> elapsed = Clock::now() - start_;
+  const std::string left = time_left(elapsed.count(), fraction);
+  const std::string note = left + (left.empty() || what.empty() ? "" : ", ") + what;
   if (on_terminal_) {
     draw_bar(fraction, note);
     return;
@@ -58,6 +54,23 @@ void Progress::draw_bar(double fraction, const std::string& note) {
   fmt::print(stderr, "\r{:<{}}", line, width_);
   std::fflush(stderr);
   width_ = line.size();
+}
+
+TimeProgress::TimeProgress(const std::string& label, double seconds, bool quiet) {
+  if (quiet) return;
+  thread_ = std::jthread([label, seconds](const std::stop_token& stop) {
+    const auto start = std::chrono::steady_clock::now();
+    Progress progress(label, false);
+    std::mutex mutex;
+    std::condition_variable_any stopped;
+    std::unique_lock lock(mutex);
+    for (double fraction = 0.0; fraction < 1.0 && !stop.stop_requested();) {
+      stopped.wait_for(lock, stop, std::chrono::milliseconds(100), [] { return false; });
+      fraction = std::chrono::duration<double>(std::chrono::steady_clock::now() - start) /
+                 std::chrono::duration<double>(seconds);
+      if (fraction >= 0.1 && !stop.stop_requested()) progress.update(std::min(fraction, 0.99));
+    }
+  });
 }
 
 }  // namespace mvtp

@@ -1,21 +1,21 @@
-#include "planner/solve.hpp"
-
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <cstdint>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "planner/problem/check_instance.hpp"
 #include "planner/problem/plan_file.hpp"
-#include "planner/problem/validate.hpp"
 #include "tools/commands.hpp"
 #include "tools/instance_options.hpp"
 #include "tools/interrupt.hpp"
 #include "tools/option_types.hpp"
 #include "tools/output_files.hpp"
+#include "tools/progress.hpp"
+#include "tools/solve_and_judge.hpp"
 #include "tools/solve_options.hpp"
 #include "tools/version.hpp"
 
@@ -32,15 +32,6 @@ struct SolveCommand {
   bool quiet = false;
 };
 
-/// Lets the referee judge: a plan that breaks a rule is no solution, whatever the solver says.
-void judge(const Instance& instance, CollisionRule rule, Plan& plan) {
-  if (plan.statistics.status != to_string(Status::kSolved)) return;
-  const std::vector<Violation> violations = find_violations(instance, plan, rule);
-  if (violations.empty()) return;
-  plan.statistics.status = "invalid";
-  plan.statistics.reason = "the referee rejects the plan: " + violations.front().message;
-}
-
 /// Writes how it went, solved or not, as a plan without trajectories.
 void write_statistics(const SolveCommand& command, const Statistics& statistics) {
   if (command.statistics.empty()) return;
@@ -48,7 +39,7 @@ void write_statistics(const SolveCommand& command, const Statistics& statistics)
              command.reading.yaw);
 }
 
-/// @throws InputError if the instance cannot be solved at first sight.
+/// @throws InputError if the instance cannot be solved, whoever plans.
 void refuse_blocked(const SolveCommand& command, const Instance& instance) {
   const std::vector<InputError> problems = check_instance(instance, command.instance);
   if (problems.empty()) return;
@@ -93,26 +84,10 @@ int solve_file(const SolveCommand& command) {
   refuse_blocked(command, instance);
 
   const NotedInterrupt interrupt;
-  Plan plan = solve(instance, command.solving, deadline.or_when(interrupt.seen()));
-  const bool interrupted = interrupt.seen();
-  if (interrupted && plan.statistics.status == to_string(Status::kTimeout)) {
-    plan.statistics.reason = "a signal ended the search";
-  }
-  plan.statistics.version = version();
-  judge(instance, command.solving.collision, plan);
-  return report(command, plan, interrupted);
-}
-
-void add_search_options(CLI::App& app, SolveCommand& command) {
-  app.add_option("-a,--algorithm", command.solving.algorithm, "What plans [escot]")
-      ->type_name(fmt::format("{}", fmt::join(algorithm_names(), "|")))
-      ->check(known_algorithm)
-      ->group(kSearchGroup);
-  app.add_option("--seed", command.solving.seed, "Of the random choices [0]")
-      ->type_name("N")
-      ->check(whole_number_between(0, std::numeric_limits<std::int64_t>::max()))
-      ->group(kSearchGroup);
-  add_limit_options(app, command.solving, command.time_limit);
+  std::optional<TimeProgress> progress(std::in_place, "solve", command.time_limit, command.quiet);
+  const Plan plan = solve_and_judge(instance, command.solving, deadline, interrupt.seen());
+  progress.reset();
+  return report(command, plan, interrupt.seen());
 }
 
 }  // namespace
@@ -134,8 +109,9 @@ Action declare_solve(CLI::App& app) {
                  "How it went, solved or not (YAML: a plan without trajectories) [none]")
       ->type_name("FILE")
       ->group("Output");
-  app.add_flag("-q,--quiet", command->quiet, "Print nothing when solved")->group("Output");
-  add_search_options(app, *command);
+  app.add_flag("-q,--quiet", command->quiet, "Print nothing when solved, and no progress")
+      ->group("Output");
+  add_search_options(app, command->solving, command->time_limit);
   add_instance_options(app, command->reading);
   add_collision_option(app, command->solving.collision);
   add_instance_rules(app, command->reading);

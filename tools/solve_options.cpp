@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cstdint>
 #include <limits>
 
 #include "tools/option_types.hpp"
@@ -39,10 +40,21 @@ void add_limit_options(CLI::App& app, SolveOptions& options, double& time_limit)
       ->group(kSearchGroup);
 }
 
+void add_search_options(CLI::App& app, SolveOptions& options, double& time_limit) {
+  app.add_option("-a,--algorithm", options.algorithm, "What plans [escot]")
+      ->type_name(fmt::format("{}", fmt::join(algorithm_names(), "|")))
+      ->check(known_algorithm)
+      ->group(kSearchGroup);
+  app.add_option("--seed", options.seed, "Of the random choices [0]")
+      ->type_name("N")
+      ->check(whole_number_between(0, std::numeric_limits<std::int64_t>::max()))
+      ->group(kSearchGroup);
+  add_limit_options(app, options, time_limit);
+}
+
 std::string known_algorithm(const std::string& name) {
-  const bool known = std::ranges::count(algorithm_names(), name) > 0;
-  return known ? std::string()
-               : fmt::format("is \"{}\"; choose {}", name, fmt::join(algorithm_names(), "|"));
+  static const auto kCheck = one_of(algorithm_names());
+  return kCheck(name);
 }
 
 }  // namespace mvtp

@@ -12,6 +12,9 @@ inline constexpr const char* kSearchGroup = "Search";
 /// --time-limit, --runs and --run-time-limit. The targets must outlive the parsing.
 void add_limit_options(CLI::App& app, SolveOptions& options, double& time_limit);
 
+/// These, --algorithm and --seed.
+void add_search_options(CLI::App& app, SolveOptions& options, double& time_limit);
+
 /// For CLI::Option::check(): one of algorithm_names().
 [[nodiscard]] std::string known_algorithm(const std::string& name);
 

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cctype>
 #include <numeric>
+#include <utility>
 #include <vector>
 
 namespace mvtp {
@@ -13,19 +14,23 @@ namespace {
 
 constexpr std::size_t kListed = 8;
 
-/// How many letters must be put in, left out or replaced to make one word of the other; letters
-/// that differ in case only count as the same.
+bool is_same(char a, char b) {
+  return std::tolower(static_cast<unsigned char>(a)) == std::tolower(static_cast<unsigned char>(b));
+}
+
+/// How many letters must be put in, left out, replaced, or swapped with the next to make one word
+/// of the other (optimal string alignment); letters that differ in case only count as the same.
 std::size_t edit_distance(const std::string& a, const std::string& b) {
-  std::vector<std::size_t> row(b.size() + 1);
+  std::vector<std::size_t> before, above(b.size() + 1), row(b.size() + 1);
   std::iota(row.begin(), row.end(), std::size_t{0});
   for (std::size_t i = 0; i < a.size(); ++i) {
-    std::size_t diagonal = row[0]++;
+    before = std::exchange(above, row);
+    row[0] = i + 1;
     for (std::size_t j = 0; j < b.size(); ++j) {
-      const bool same = std::tolower(static_cast<unsigned char>(a[i])) ==
-                        std::tolower(static_cast<unsigned char>(b[j]));
-      const std::size_t replaced = diagonal + (same ? 0 : 1);
-      diagonal = row[j + 1];
-      row[j + 1] = std::min({replaced, row[j] + 1, row[j + 1] + 1});
+      const std::size_t replaced = above[j] + (is_same(a[i], b[j]) ? 0 : 1);
+      row[j + 1] = std::min({replaced, row[j] + 1, above[j + 1] + 1});
+      const bool swapped = i > 0 && j > 0 && is_same(a[i], b[j - 1]) && is_same(a[i - 1], b[j]);
+      if (swapped) row[j + 1] = std::min(row[j + 1], before[j - 1] + 1);
     }
   }
   return row.back();
@@ -33,14 +38,19 @@ std::size_t edit_distance(const std::string& a, const std::string& b) {
 
 }  // namespace
 
-std::string suggestion(const std::string& name, std::span<const std::string> names) {
-  if (names.empty()) return "there are none";
+std::string did_you_mean(const std::string& name, std::span<const std::string> names) {
+  if (names.empty()) return {};
   const auto nearest =
       std::ranges::min_element(names, {}, [&](const auto& n) { return edit_distance(name, n); });
-  const std::size_t slips = std::max<std::size_t>(1, name.size() / 3);
-  std::string text;
-  if (edit_distance(name, *nearest) <= slips) text = fmt::format("did you mean {}? ", *nearest);
+  const std::size_t slips = name.size() < 3 ? 0 : std::max<std::size_t>(1, name.size() / 3);
+  if (edit_distance(name, *nearest) > slips) return {};
+  return fmt::format("did you mean {}? ", *nearest);
+}
+
+std::string suggestion(const std::string& name, std::span<const std::string> names) {
+  if (names.empty()) return "there are none";
   const auto some = names.first(std::min(names.size(), kListed));
+  std::string text = did_you_mean(name, names);
   text += fmt::format("there {} {}", names.size() == 1 ? "is" : "are", fmt::join(some, ", "));
   if (some.size() < names.size()) text += fmt::format(", ... ({} in all)", names.size());
   return text;

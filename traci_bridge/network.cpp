@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <map>
+#include <optional>
 #include <ranges>
 #include <set>
 #include <string>
@@ -136,10 +137,10 @@ class NetworkReader {
     PedestrianCrossing& crossing = (onto != crossings_.end() ? onto : off)->second;
     if (onto != crossings_.end()) crossing.has_priority = attribute(element, "state") == "M";
     crossing.ends.push_back(file_.text(element, onto != crossings_.end() ? "from" : "to"));
-    const std::string signal = attribute(element, "tl");
-    if (signal.empty()) return;
-    crossing.signal = signal;
-    crossing.lights.push_back(file_.index(element, "linkIndex"));
+    const auto light = light_of(element);
+    if (!light) return;
+    crossing.signal = light->signal;
+    crossing.lights.push_back(light->index);
   }
 
   /// The lanes inside a junction name its crossings too.
@@ -194,9 +195,9 @@ class NetworkReader {
       const auto [from, to] = ends(*element);
       if (network_.lanes.at(from).internal) continue;
       Connection connection{.from_lane = from, .via = {}, .to_lane = to};
-      connection.signal = attribute(*element, "tl");
-      if (!connection.signal.empty()) {
-        connection.signal_index = file_.index(*element, "linkIndex");
+      if (const auto light = light_of(*element)) {
+        connection.signal = light->signal;
+        connection.signal_index = light->index;
       }
       std::string via = attribute(*element, "via");
       while (!via.empty()) {
@@ -212,12 +213,25 @@ class NetworkReader {
     }
   }
 
+  struct Light {
+    std::string signal;
+    int index = 0;
+  };
+
+  /// The light that a connection obeys; none too at a signal that does not control it, which SUMO
+  /// writes as the index -1.
+  std::optional<Light> light_of(const Element& element) const {
+    const std::string signal = attribute(element, "tl");
+    if (signal.empty() || attribute(element, "linkIndex") == "-1") return std::nullopt;
+    return Light{signal, file_.index(element, "linkIndex")};
+  }
+
   /// Lights are numbered from 0 on; connections of footpaths have some too.
   void count_light(const Element& element) {
-    const std::string signal = attribute(element, "tl");
-    if (signal.empty()) return;
-    int& lights = network_.signals[signal];
-    lights = std::max(lights, file_.index(element, "linkIndex") + 1);
+    const auto light = light_of(element);
+    if (!light) return;
+    int& lights = network_.signals[light->signal];
+    lights = std::max(lights, light->index + 1);
   }
 
   /// False for connections of footpaths.

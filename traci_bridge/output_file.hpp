@@ -4,7 +4,7 @@
 
 namespace mvtp {
 
-/// A file that another writes: PATH.part until commit(), gone if there is none.
+/// A file that another writes: PATH.part until commit(), removed if there is none.
 class OutputFile {
  public:
   /// Throws InputError unless the file can be written.

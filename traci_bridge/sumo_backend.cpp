@@ -258,6 +258,15 @@ class Backend final : public SumoTraffic {
     return ask([&] { return signals_.phases(signal); });
   }
 
+  std::string shown(const std::string& signal) const override {
+    return look_up([&] { return api::TrafficLight::getRedYellowGreenState(signal); });
+  }
+
+  std::optional<double> co2(const std::string& id) const override {
+    constexpr double kMilligrams = 1e-3;
+    return look_up([&] { return api::Vehicle::getCO2Emission(id) * kMilligrams; });
+  }
+
   void control_signal(const std::string& signal, SignalControl control) override {
     ask([&] { signals_.control(signal, control); });
   }

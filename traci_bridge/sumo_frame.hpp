@@ -30,7 +30,7 @@ struct SumoPosition {
 }
 
 /// The body of a vehicle of which SUMO only knows the length and the width [m]: where its axles
-/// are and how tight it turns is the one assumption of ours, made here.
+/// are and how tight it turns is the one assumption that is made here.
 ///
 /// Cars: rear overhang 0.2 L, wheelbase 0.6 L, steering up to 35 degrees. Longer than 7 m: a bus or
 /// truck with rear overhang 0.28 L, wheelbase 0.5 L, steering up to 45 degrees.

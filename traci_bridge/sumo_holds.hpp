@@ -9,7 +9,7 @@
 
 namespace mvtp::MVTP_SUMO_NAMESPACE {
 
-/// Keeps vehicles with their own drivers from leaving their lanes, by stops at the ends of these.
+/// Keeps vehicles with human drivers from leaving their lanes, by stops at the ends of these.
 class SumoHolds {
  public:
   /// @param network, log  must outlive it.

@@ -17,7 +17,7 @@ class SumoLanes {
   /// @param network, log  must outlive it.
   SumoLanes(const RoadNetwork& network, SumoLog& log);
 
-  /// Puts a vehicle that we place onto the lane again where it is already, in SUMO's own way.
+  /// Puts a vehicle that we place onto the lane again where it is already, as SUMO would.
   ///
   /// As long as a placed vehicle stays on its lane, SUMO does not look again on which lanes its
   /// tail is, and inside a junction it may take an edge further on or back for the one before it.

@@ -72,7 +72,7 @@ bool wait_for(const std::function<bool()>& done, std::chrono::seconds limit) {
 }
 
 /// In the child: the program instead of this one. In a process group of its own, since an interrupt
-/// from the terminal is ours to handle; and gone once this process is, however it ends.
+/// from the terminal is ours to handle; and ends once this process does, however it ends.
 [[noreturn]] void become(char** argv, int log, pid_t parent, int failure) {
   setpgid(0, 0);
   prctl(PR_SET_PDEATHSIG, SIGKILL);

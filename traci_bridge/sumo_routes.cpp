@@ -67,7 +67,7 @@ void SumoRoutes::look(const std::string& id, Route& route) const {
   route.done = std::min(std::size_t(std::max(done, 0)), last);
 }
 
-/// SUMO has found another way to the end of the piece that it knows, or to another end.
+/// SUMO has found another path to the end of the piece that it knows, or to another end.
 void SumoRoutes::take_over_detour(const std::string& id, const std::string& name, Cut& cut) const {
   const std::vector<std::string> all = api::Vehicle::getRoute(id);
   const auto base = std::size_t(std::max(api::Vehicle::getRouteIndex(id), 0));
@@ -179,7 +179,7 @@ bool SumoRoutes::is_near_end(const std::string& id) const {
   return left < std::max(kNearEnd, kNearEndTime * api::Simulation::getDeltaT());
 }
 
-/// SUMO's id of a route of ours with these edges.
+/// SUMO's id of a route made here with these edges.
 const std::string& SumoRoutes::name_of(const std::vector<std::string>& edges) {
   std::string& name = names_[edges];
   if (name.empty()) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdlib>
 #include <ctime>
 #include <string_view>
 #include <utility>
@@ -105,6 +106,16 @@ void check_configuration(const SumoOptions& options, const Configuration& config
                 "the mesoscopic model has no vehicles that can be driven; leave it out");
 }
 
+/// @throws InputError if there is no screen on which a window could be shown.
+void require_display() {
+  for (const char* variable : {"DISPLAY", "WAYLAND_DISPLAY"}) {
+    const char* value = std::getenv(variable);
+    if (value != nullptr && *value != '\0') return;
+  }
+  throw InputError("--gui", "there is no display (DISPLAY is not set); run it on a desktop, or leave "
+                            "--gui out");
+}
+
 /// What only the one who starts SUMO can say.
 void check_remote(const SumoOptions& options) {
   const std::string where = "--remote " + options.remote->host;
@@ -149,6 +160,7 @@ std::unique_ptr<SumoTraffic> open_sumo(const SumoOptions& options) {
                                                      "--tripinfo-output.write-undeparted", "true"});
   }
   launch.arguments.insert(launch.arguments.end(), options.extra.begin(), options.extra.end());
+  if (options.gui) require_display();
   return options.gui || options.separate_process ? launch_libtraci(std::move(launch))
                                                  : launch_libsumo(std::move(launch));
 }

@@ -5,7 +5,7 @@ namespace mvtp {
 namespace {
 
 /// The sum of its movements' pressures: those who want to go there, less those who are there
-/// already and want to go on, shared out evenly among the ways on. A road that leaves the network
+/// already and want to go on, shared out evenly among the paths on. A road that leaves the network
 /// takes all. [Varaiya, Max pressure control of a network of signalized intersections, 2013]
 double pressure(const std::vector<const SignalLink*>& green, const LaneCounts& counts) {
   double sum = 0.0;

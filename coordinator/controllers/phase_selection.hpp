@@ -36,7 +36,7 @@ class LaneCounts {
   std::map<std::pair<std::string, std::string>, int> heading_;
 };
 
-/// A way over a junction as its signal sees it.
+/// A path over a junction as its signal sees it.
 struct SignalLink {
   int light = 0;  ///< its place in SignalPhase::lights
   std::string from_lane;

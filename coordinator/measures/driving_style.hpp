@@ -22,7 +22,7 @@ class DrivingStyle {
  public:
   static constexpr double kWindow = 0.5;        ///< [s]
   static constexpr double kRest = 0.1;          ///< [m/s] below this a vehicle stands
-  static constexpr double kMoving = 5.0 / 3.6;  ///< [m/s] it has to have gone before the next stop
+  static constexpr double kMoving = 5.0 / 3.6;  ///< [m/s] it must have had before the next stop
 
   /// After each step of the traffic. @param resting  1 for each that is at a scheduled stop
   void observe(double time, std::span<const Sighting> vehicles, std::span<const char> resting);

@@ -11,7 +11,7 @@ namespace {
 constexpr double kRoad = 300.0;  // [m]
 constexpr double kStep = 0.1;    // [s]
 
-/// Three cars on one lane. Their own drivers go 10 m/s, whoever is ahead.
+/// Three cars on one lane. Their human drivers go 10 m/s, whoever is ahead.
 class Road : public mvtp::Traffic {
  public:
   Road() {

@@ -17,7 +17,7 @@ namespace mvtp {
 namespace {
 
 constexpr double kTimeStep = 0.106;  ///< the fastest robot drives no further between time steps [m]
-constexpr double kSoloWeight = 1.1;  ///< the longest ways alone are looked for again, better
+constexpr double kSoloWeight = 1.1;  ///< the longest paths are looked for again, better
 constexpr int kSoloExpansions = 20'000;
 constexpr std::int64_t kPatience =
     50'000;  ///< expansions without progress of attempts to lower ...
@@ -29,7 +29,8 @@ constexpr int kMaxDoublings = 6;  ///< of the efforts, before nothing more is ex
 constexpr int kShortenExpansions = 300;
 constexpr int kShortenRounds = 2;
 
-/// Time steps so fine that arcs shorter than one cost little, and actions of half a car's length.
+/// Time steps so fine that arcs shorter than one cost little, and motion primitives of half a car's
+/// length.
 TimeGrid time_grid(const Instance& instance) {
   double speed = 0.0;
   double action = std::numeric_limits<double>::infinity();
@@ -44,7 +45,7 @@ TimeGrid time_grid(const Instance& instance) {
   return time;
 }
 
-/// Radius of the circle around the longest action.
+/// Radius of the circle around the longest motion primitive.
 double reach_of_actions(const Instance& instance) {
   double reach = 1.0;
   for (const Agent& agent : instance.agents) reach = std::max(reach, 1.5 * agent.vehicle.length());
@@ -107,7 +108,7 @@ class Searcher {
   /// Nothing was left to try.
   [[nodiscard]] bool exhausted() const { return exhausted_; }
 
-  /// The longest way alone [s]; what the plan does, a robot can do alone.
+  /// The longest single-agent path [s]; what the plan does, a robot can do alone.
   [[nodiscard]] double solo_makespan() const;
 
   /// Robots arrive earlier one by one, nobody later than the makespan.
@@ -163,7 +164,7 @@ void Searcher::find_first_plan() {
   if (first.find()) keep();
 }
 
-/// Looks for better ways alone for the robots that would be too late even so.
+/// Looks for better single-agent paths for the robots that would be too late even so.
 void Searcher::straighten_longest_ways() {
   for (std::size_t i = 0; i < alone_.size(); ++i) {
     if (alone_[i].arrival() <= scene_.goal || deadline_.expired()) continue;
@@ -180,7 +181,7 @@ void Searcher::improve() {
   straighten_longest_ways();
   int floor = scene_.lower_bound;
   const bool far = best_.makespan > kFar * floor;
-  double part = far ? 0.5 : 0.0;  // of the way from floor to best makespan that is not dared
+  double part = far ? 0.5 : 0.0;  // share of the makespans from floor to best that is not dared
   const std::int64_t patience = kPatience + kPatiencePerRobot * motion_.size();
   int doublings = 0;
   while (best_.makespan > scene_.goal && !ended_ && !deadline_.expired()) {

@@ -20,9 +20,9 @@ struct EscotStarOptions {
 /// a soft-collision cost
 ///    (SoftHybridAstar).
 /// 2. From these a plan for all, by repair of what overlaps, one robot at a time (Repair), under
-///    a deadline for all from the start; where that halts, in turn (FirstPlan,
+///    a makespan bound from the start; where that halts, in turn (FirstPlan,
 ///    RevisedPrioritizedPlanning).
-/// 3. A deadline for all robots is lowered towards the lower bound; whoever is late is planned anew
+/// 3. A makespan bound is tightened towards the lower bound; whoever is late is planned anew
 ///    and the rest repaired.
 /// 4. At the makespan found, robots arrive earlier where they can: the sum of costs.
 ///

@@ -14,7 +14,7 @@ namespace mvtp {
 namespace {
 
 constexpr int kExpansions = 500;  ///< of the first search for a robot
-constexpr int kDelays = 4;        ///< ways alone begin at multiples of so many macro steps
+constexpr int kDelays = 4;        ///< single-agent paths begin at multiples of so many macro steps
 constexpr double kNoLimit = 1e9;  ///< [time steps]
 constexpr std::int64_t kPatienceWithTurns = 1500;  ///< expansions per robot without progress
 
@@ -60,8 +60,8 @@ bool FirstPlan::place_one_by_one() {
   return true;
 }
 
-/// Everyone drives the way alone, begun when it meets fewest of those placed so far. All the time
-/// there is gets used, so that far fewer are under way at once. False if the time ran out.
+/// Everyone drives the single-agent path, begun when it meets fewest of those placed so far. All
+/// the time there is gets used, so that far fewer are under way at once. False if the time ran out.
 bool FirstPlan::spread_out() {
   const int macro_step = motion_.time().macro_step;
   for (const int i : longest_way_first()) {

@@ -9,20 +9,20 @@
 
 namespace mvtp {
 
-/// A plan for all robots from their ways alone, whatever its makespan.
+/// A plan for all robots from their single-agent paths, whatever its makespan.
 ///
-/// 1. One after the other, those with the longest way first, robots are placed by a search that may
-///    drive through others at a soft-collision cost. In a crowd, where very many ways alone
+/// 1. One after the other, those with the longest path first, robots are placed by a search that
+///    may drive through others at a soft-collision cost. In a crowd, where very many of those paths
 ///    overlap, they drive these instead, begun when they meet fewest, and what follows is done
 ///    window by window of time.
-/// 2. What overlaps is repaired, within a deadline for all.
-/// 3. When that comes to a halt, robots take turns (RevisedPrioritizedPlanning), and those left
-/// without a way are
-///    placed as in 1 and repaired. If this fails too, the deadline is put off, again and again; in
+/// 2. What overlaps is repaired, within a makespan bound.
+/// 3. When that stagnates, robots go by revised prioritized planning (RevisedPrioritizedPlanning),
+///    and those left without a path are placed as in 1 and repaired. If this fails too, the bound
+///    is relaxed, again and again; in
 ///    a crowd it is so first, and by little.
 class FirstPlan {
  public:
-  /// All parameters outlive this object. @param alone  the robots' ways if they were alone
+  /// All parameters outlive this object. @param alone  the robots' paths if they were alone
   FirstPlan(JointMotion& motion, Repair& repair, const std::vector<TimedTrack>& alone,
             const Deadline& deadline, Repair::Interrupt interrupt);
 
@@ -32,10 +32,10 @@ class FirstPlan {
  private:
   /// What differs in a crowd.
   struct FirstPlanOptions {
-    double limit;           ///< of all arrivals at first, in longest ways alone
+    double limit;           ///< of all arrivals at first, in longest single-agent paths
     double relax;           ///< the limit becomes so much later at every halt ...
     std::int64_t patience;  ///< ... after so many expansions per robot without progress
-    int halts;              ///< so many on end before robots take turns ...
+    int halts;              ///< so many on end before robots go by revised prioritized planning ...
     int robots_per_halt;    ///< ... and one more for so many: turns take time with their square
   };
   static constexpr FirstPlanOptions kCalm{1.2, 1.25, 750, 1, 100};

@@ -94,8 +94,8 @@ bool Repair::plan_anew(const Choice& choice, const TimedTrack& old) {
   return plan(choice.robot, options, &old, choice.from) || drive_alone(choice.robot);
 }
 
-/// For want of anything better robot i, absent so far, drives the way alone, begun at any time.
-/// This is all there is in places too tight for a small search. False if it would be late.
+/// For want of anything better robot i, absent so far, drives the single-agent path, begun at any
+/// time. This is all there is in places too tight for a small search. False if it would be late.
 bool Repair::drive_alone(int i) {
   const TimedTrack& way = alone_[std::size_t(i)];
   if (way.arrival() > limit_) return false;

@@ -44,10 +44,10 @@ struct RepairOptions {
   int stall = 120;           ///< expansions per robot without progress: some searches are finer
 };
 
-/// Plans robots anew, one at a time, until nobody overlaps anybody.
+/// Plans robots anew, one after the other, until nobody overlaps anybody.
 ///
 /// LNS2 (Li et al. 2022) with neighbourhoods of one robot and the weights of guided local search: a
-/// new way is accepted if the weighted number of pairs in conflict does not rise, and pairs that
+/// new path is accepted if the weighted number of pairs in conflict does not rise, and pairs that
 /// stay in conflict get heavier. Of a pair it is the turn of the robot that was left alone for
 /// longer. Which searches are larger is drawn by lot: counted off, they would always fall to the
 /// same robot of a last pair. All budgets are in expansions, so that equal seeds give equal
@@ -58,7 +58,7 @@ class Repair {
   using Interrupt = std::function<bool()>;
 
   /// @param motion, alone, deadline  outlive this object
-  /// @param alone  the robots' ways if they were alone: of those that find no other
+  /// @param alone  the robots' paths if they were alone: of those that find no other
   Repair(JointMotion& motion, const std::vector<TimedTrack>& alone, const RepairOptions& options,
          std::uint64_t seed, const Deadline& deadline);
 
@@ -68,7 +68,7 @@ class Repair {
   [[nodiscard]] SoftHybridAstar& search() { return search_; }
 
   /// For a search among the others.
-  /// @param finely  with smaller cells and slow actions, for tight places
+  /// @param finely  with smaller cells and slow motion primitives, for tight places
   [[nodiscard]] SoftOptions soft_options(int expansions, bool finely = false) const;
   /// Plans robot i, absent so far, among the others and places it; or leaves it absent.
   /// @param old   nullptr, or the motion that is kept until macro step `from`
@@ -81,7 +81,7 @@ class Repair {
   /// Everyone at the goal by `limit`, starting from a plan that takes longer. If false, robots may
   /// be absent or in conflict.
   /// @param expansions   of the search for each robot that would be late
-  /// @param unreachable  set if a robot has no way in that time at all, as far as searched
+  /// @param unreachable  set if a robot has no path in that time at all, as far as searched
   [[nodiscard]] bool lower(int limit, std::int64_t patience, int expansions,
                            const Interrupt& interrupt, bool& unreachable);
   /// Robot i arrives earlier, if it can without any conflict. @pre no conflicts

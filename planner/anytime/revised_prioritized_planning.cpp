@@ -69,7 +69,7 @@ void RevisedPrioritizedPlanning::find_who_blocks_whom() {
   }
 }
 
-/// Whose turn it is: those who would block nobody if possible, with a free way, and the longest;
+/// Whose turn it is: those who would block nobody if possible, with a free path, and the longest;
 /// -1 if no one is left to ask.
 int RevisedPrioritizedPlanning::next() const {
   const auto urgency = [&](int i) {

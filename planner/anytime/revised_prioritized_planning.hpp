@@ -15,16 +15,16 @@ namespace mvtp {
 ///
 /// Slow but sure plans for places where hardly two can pass. As far as possible, robots go after
 /// those whose start lies on their way, and before those whose goal does. Each needs a way among
-/// the others at rest; it drives it as early as it can, or another way earlier still.
+/// the others at rest; it drives it as early as it can, or another path earlier still.
 /// Source: revised prioritized planning, Cap et al. 2015, Algorithm 2; the order is ours.
 class RevisedPrioritizedPlanning {
  public:
   /// @param motion, alone, deadline  outlive this object
-  /// @param alone  the robots' ways if they were alone
+  /// @param alone  the robots' paths if they were alone
   RevisedPrioritizedPlanning(JointMotion& motion, const std::vector<TimedTrack>& alone,
                              const Deadline& deadline);
 
-  /// Replaces all motions by those found in turn, without a horizon. Who found no way, or had no
+  /// Replaces all motions by those found in turn, without a horizon. Who found no path, or had no
   /// turn before the time ran out or so many expansions let nobody go, stands at its start.
   void run(std::int64_t patience);
   [[nodiscard]] bool has_gone(int i) const { return robots_[std::size_t(i)].gone; }
@@ -35,9 +35,9 @@ class RevisedPrioritizedPlanning {
   struct Robot {
     std::vector<int> is_in_the_way_of;  ///< with its start
     std::vector<int> has_on_its_way;    ///< their goals
-    int starts_on_its_way = 0;          ///< of robots that have not gone
-    int would_block = 0;                ///< robots that have not gone, with its goal
-    int failures = 0;                   ///< since anybody on its way has gone
+    int starts_on_its_way = 0;          ///< of robots that have not departed
+    int would_block = 0;                ///< robots that have not departed, with its goal
+    int failures = 0;                   ///< since anybody on its way has departed
     bool gone = false;
   };
 

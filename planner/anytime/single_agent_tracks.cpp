@@ -9,7 +9,7 @@
 namespace mvtp {
 namespace {
 
-constexpr double kWeight = 2.0;  ///< they need only be good guides
+constexpr double kWeight = 2.0;  ///< they need only be good reference paths
 constexpr int kExpansions = 500;
 constexpr int kFinerLevels = 3;  ///< of searches with smaller cells where that finds none
 constexpr int kFactor = 8;       ///< each has so many times the expansions of the one before

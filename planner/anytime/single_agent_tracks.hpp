@@ -10,9 +10,9 @@
 
 namespace mvtp {
 
-/// A robot's way to its goal as if it were alone.
+/// A robot's path to its goal as if it were alone.
 /// @param weight  of the cost-to-go, >= 1
-/// @param finer   so many times smaller are the cells of the search; slow actions are used if > 0
+/// @param finer   so many times smaller are the cells of the search; slow steps are used if > 0
 /// @return nullopt if none was found in so many expansions or until the deadline
 [[nodiscard]] std::optional<TimedTrack> find_single_agent_track(SoftHybridAstar& search,
                                                                 const MacroRobot& robot,
@@ -20,9 +20,9 @@ namespace mvtp {
                                                                 int finer,
                                                                 const Deadline& deadline);
 
-/// Every robot's way alone: by a quick search, by hybrid A* with steps of several lengths, or by
-/// ever finer searches; empty if one was not found.
-/// @param robots  those of the fleet, in its order
+/// Every robot's single-agent path: by a quick search, by hybrid A* with steps of several lengths,
+/// or by ever finer searches; empty if one was not found.
+/// @param robots  those of the problem, in its order
 [[nodiscard]] std::vector<TimedTrack> find_single_agent_tracks(
     const PlanningProblem& fleet, const std::vector<MacroRobot>& robots, const Deadline& deadline);
 

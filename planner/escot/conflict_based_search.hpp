@@ -14,7 +14,7 @@ struct CbsRobot {
   Pose start;
 };
 
-/// What a robot's way costs; the cost of a plan is the sum over its robots.
+/// What a robot's path costs; the cost of a plan is the sum over its robots.
 enum class CbsCost {
   kArrival,         ///< the step in which it arrives
   kLateForSlowest,  ///< the same, but no less than the slowest robot's cost-to-go: arriving before
@@ -45,7 +45,7 @@ struct CbsResult {
   std::vector<std::vector<Arc>> steps;  ///< per robot, waits included; empty unless solved
 };
 
-/// Conflict-based search with bodies instead of cells: collision-free ways of all robots to their
+/// Conflict-based search with bodies instead of cells: collision-free paths of all robots to their
 /// goals, at most w times as costly as the best that such a search finds.
 ///
 /// Two levels of focal search: the high level expands, among the nodes that cost at most w times

@@ -47,7 +47,7 @@ template <class W>
 concept EvasiveWorld = StepWorld<W> &&
     requires(const W& world, int i, const typename W::State& state,
              const typename W::Motion& motion) {
-  /// Motions of robot i in the way of another one and its motion; instead of candidates().
+  /// Motions of robot i blocking another one and its motion; instead of candidates().
   { world.push_candidates(i, state, i, motion) } -> MotionList<typename W::Motion>;
 };
 
@@ -93,10 +93,10 @@ class Pbcr {
   /// @param from     one state per robot; their safe stops should not conflict with each other.
   /// @param order    every robot once, highest priority first.
   /// @param decided  motions fixed beforehand, free of conflicts with each other; nullopt = free.
-  ///                 They have the highest priority: free robots in their way are pushed.
+  ///                 They have the highest priority: free robots blocking their path are pushed.
   /// @return motions without conflicts (as far as the safe stops before the step had none), those
   ///         of `decided` unchanged. nullopt only if the robots in
-  ///         the way of `decided` found no way out; never if `decided` is empty or all nullopt.
+  ///         a path of `decided` found no other place; never if `decided` is empty or all nullopt.
   [[nodiscard]] std::optional<std::vector<Motion>> step(
       std::span<const State> from, std::span<const int> order,
       std::vector<std::optional<Motion>> decided = {}) const {
@@ -152,7 +152,7 @@ class Pbcr<World>::Step {
     return values[std::size_t(i)];
   }
 
-  /// Gives robot i the first of its candidates that can be, and with it every robot in its way one.
+  /// Gives robot i the first of its candidates that can be, and with it every robot it pushes.
   bool decide_freely(int i) {
     if constexpr (DecisiveWorld<World>) {
       if (const auto best = world_.first_choice(i, at(from_, i))) {
@@ -164,7 +164,7 @@ class Pbcr<World>::Step {
   }
 
   /// Gives robot i one of the motions, the first that can be from number k on, and with it every
-  /// robot in its way one; or changes nothing.
+  /// robot that blocks it; or changes nothing.
   bool decide(int i, MotionList<Motion> auto&& motions, std::size_t k = 0) {
     for (; withdrawn_ <= max_withdrawn_; ++k) {  // Algorithm 1, line 13
       const Motion* motion = nth(motions, k);
@@ -195,7 +195,7 @@ class Pbcr<World>::Step {
     }
   }
 
-  /// Priority inheritance: each undecided robot in the way of i is decided now, at i's priority.
+  /// Priority inheritance: each undecided robot blocking i is decided now, at i's priority.
   bool push_out_of_the_way_of(int i) {
     for (const int j : near(i)) {
       if (at(decided_, j) || !world_.conflict(i, *at(decided_, i), j, at(stops_, j))) continue;

@@ -113,7 +113,7 @@ std::string PlanningProblem::proof_by_passages(const Deadline& deadline) const {
     const Agent& agent = instance_.agents[std::size_t(i)];
     if (passages.separated(Frame(agent.start).world(ahead, 0.0),
                            Frame(agent.goal).world(ahead, 0.0))) {
-      return fmt::format("no way for {} to its goal, even alone: every gap is narrower than it",
+      return fmt::format("no path for {} to its goal, even alone: every gap is narrower than it",
                          agent.name);
     }
   }

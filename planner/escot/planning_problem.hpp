@@ -24,8 +24,8 @@ using Configuration = std::vector<Pose>;  ///< one pose per robot, one step
 class PlanningProblem {
  public:
   /// @param instance  outlives this object.
-  /// @param deadline  robots that are left when it expires know no way around obstacles: so large
-  ///                  a fleet is ready soon, but good for nothing any more
+  /// @param deadline  robots that are left when it expires know no path around obstacles: so large
+  ///                  a problem is ready soon, but good for nothing any more
   PlanningProblem(const Instance& instance, CollisionRule rule,
                   const Deadline& deadline = Deadline::never());
   PlanningProblem(const PlanningProblem&) = delete;

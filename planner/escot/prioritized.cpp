@@ -18,7 +18,7 @@ constexpr int kShuffles = 100;
 
 using Order = std::vector<int>;  ///< robots, first planned first
 
-/// Either every robot's motion, in the order of planning, or the robot that found no way.
+/// Either every robot's motion, in the order of planning, or the robot that found no path.
 struct Attempt {
   std::vector<std::vector<Arc>> steps;
   int failed = -1;
@@ -86,7 +86,7 @@ class Prioritized {
     return attempt;
   }
 
-  /// The way of robot i, whose turn it is, clear of everybody planned and of the starts of those
+  /// The path of robot i, whose turn it is, clear of everybody planned and of the starts of those
   /// after it while they leave.
   [[nodiscard]] std::optional<TimedPath> plan(int i, std::span<const MovingObstacle> planned,
                                               const Order& order) const {

@@ -13,16 +13,16 @@ struct PrioritizedOptions {
   int max_expansions = 20000;  ///< of each robot's search
   int max_orders = 10000;      ///< that are tried
   /// An earlier robot leaves the starts of later ones alone for so many steps, so that they can
-  /// get out of its way. >= 0
+  /// get out of its path. >= 0
   int start_steps = 2;
   std::uint64_t seed = 0;  ///< of the orders
 };
 
-/// SHA*: prioritized planning. One robot after the other gets the quickest way that keeps clear of
+/// SHA*: prioritized planning. One robot after the other gets the quickest path that keeps clear of
 /// those before it, which are moving obstacles, and stay where they arrive for ever: a way neither
 /// crosses a robot that has parked, nor ends where one has yet to pass.
 ///
-/// The order is longest way first. A robot without a way is put in front of all others; if that
+/// The order is longest path first. A robot without a way is put in front of all others; if that
 /// order was tried before, the next one is random.
 /// Source: Wen et al. 2022 (the baseline SHA*); Erdmann & Lozano-Perez 1987; the treatment of
 /// starts and orders is that of Andreychuk & Yakovlev 2018.

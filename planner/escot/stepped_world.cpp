@@ -13,24 +13,25 @@
 namespace mvtp {
 namespace {
 
-// The score of a candidate is H(end) + kWeight * penalty * (1 + visits - greedy), as in the code of
+// The score of a candidate is H(end) + kWeight * penalty * (1 + been there - greedy), as in the code of
 // PBCR's authors: what it costs to get there counts less than where it leads.
 constexpr double kWeight = 0.3;
 constexpr double kTurnPenalty = 1.5;
 constexpr double kReversePenalty = 2.0;
 constexpr double kSwitchPenalty = 2.0;  // of driving direction
-constexpr double kForget = 0.95;        // of visits, per step
-// Giving way in time: contact nose to nose leaves a car nothing but the way back.
+constexpr double kForget = 0.95;        // of having been there, per step
+// Giving way in time: contact nose to nose leaves a car nothing but the path back.
 constexpr double kLookAhead = 6.0;  // [m] of those that have priority
 constexpr double kInTheWay = 0.9;   // [steps] of standing where they go
 constexpr double kAside = 2.0;      // per metre that is left to leave their lane
-constexpr double kUrgency = 0.1;    // more, per step that they have been kept from their guides
+constexpr double kUrgency = 0.1;    // more, per step that they have been kept from those paths
 constexpr double kMaxUrgency = 3.0;
-// A robot that is kept from its guide longer and longer tries more and more: noise, in steps.
+// A robot that is kept from its reference path longer and longer tries more and more: noise, in
+// steps.
 constexpr double kNoise = 0.1;  // per step
 constexpr double kMaxNoise = 2.0;
-/// A robot that may have no guide path is not searched for one again for twice so many steps, then
-/// four times so many, ...
+/// A robot that may have no reference path is not searched for one again for twice so many steps,
+/// then four times so many, ...
 constexpr int kGuideRetry = 10;
 /// Groups avoid robots that they could meet within so many windows, for that long.
 constexpr double kSight = 2.0;
@@ -140,7 +141,8 @@ SteppedWorld::Ranking SteppedWorld::push_candidates(int i, const Pose& pose, int
                                                     const Motion& motion) const {
   std::vector<Way> ways = ways_to_keep_clear(i);
   std::erase_if(ways, [&](const Way& way) { return way.of == pusher; });
-  // The pusher goes on along its guide, if that is what it does now, or else as it does now.
+  // The pusher goes on along its reference path, if that is what it does now, or else as it does
+  // now.
   const Robot& robot = robots_[std::size_t(pusher)];
   const bool follows = guided(pusher) && motion.arc == robot.guide[robot.next];
   if (follows) {
@@ -247,7 +249,8 @@ double SteppedWorld::score(int i, const Motion& m, bool greedy) const {
   const Robot& robot = robots_[std::size_t(i)];
   const double step = fleet_.car(i).step_length();
 
-  // The guide knows more than the cost-to-go: nobody gets closer to the goal than along it.
+  // The reference path knows more than the cost-to-go: nobody gets closer to the goal than along
+  // it.
   double to_go = 0.0;
   const double guide_left = step * double(robot.guide.size() - robot.next);
   if (greedy) {
@@ -282,7 +285,7 @@ double SteppedWorld::in_the_way(int i, const Motion& m, bool greedy,
   const Robot& robot = robots_[std::size_t(i)];
   const double step = fleet_.car(i).step_length();
   const OrientedBox standing = footprint(fleet_.car(i).vehicle(), m.end);
-  // What robot i will do then: go on along its guide, or stand.
+  // What robot i will do then: go on along its reference path, or stand.
   const Way own = greedy ? way_along(i, m.end, *robot.prediction, int(robot.next) + 1)
                          : Way{.middle = {standing.x, standing.y},
                                .radius = std::sqrt(standing.half_length * standing.half_length +
@@ -360,7 +363,7 @@ std::vector<Group> SteppedWorld::group_robots(const Configuration& q) {
   std::ranges::sort(conflicts);
   Groups linked(fleet_.size(), options_.max_group);
   for (const auto& [k, i, j] : conflicts) {
-    // A random action is to be taken, and not what planning together would make of it.
+    // A random motion primitive is to be taken, and not what planning together would make of it.
     const bool random =
         robots_[std::size_t(i)].random_action || robots_[std::size_t(j)].random_action;
     if (!random) linked.link(i, j);
@@ -405,7 +408,7 @@ std::vector<std::optional<SteppedWorld::Motion>> SteppedWorld::get_opt_traj(cons
   for (const int i : group) {
     members.push_back({&fleet_.car(i), &fleet_.cost_to_go(i), q[std::size_t(i)]});
   }
-  // Only those who may be met soon: the way to the goal is long, and much will change until then.
+  // Only those who may be met soon: the path to the goal is long, and much will change until then.
   const auto near = [&](int i) {
     const Circle& own = outlooks_[std::size_t(i)];
     return std::ranges::any_of(group, [&](int k) {
@@ -556,7 +559,7 @@ void SteppedWorld::advance(const std::vector<Motion>& motions) {
     }
     ++robot.steps_under_way;
     robot.stuck = on_guide ? 0 : robot.stuck + 1;
-    if (on_guide) continue;  // a robot on its own way is in nobody's
+    if (on_guide) continue;  // a robot on its own path is in nobody's
     const double before = visits(i, m.end);
     const auto [visit, first] = robot.visits.try_emplace(cell(i, m.end), Visits{0.0, step_});
     if (!first) visit->second = {before + 1.0, step_};

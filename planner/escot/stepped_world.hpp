@@ -26,14 +26,14 @@ struct SteppedWorldOptions {
   int retry_after = 5;
   CbsOptions eccr{
       .w = 1.5, .cost = CbsCost::kLateForSlowest, .max_nodes = 50, .max_expansions = 300};
-  double guide_w = 1.4;          ///< weight of the search for a guide path, >= 1
+  double guide_w = 1.4;          ///< weight of the search for a reference path, >= 1
   int guide_expansions = 20000;  ///< of that search
 };
 
 /// SteppedCar robots as PBCR and ESCoT see them: what each remembers, wants, and is on its way to.
 ///
-/// A robot follows its guide: steps to its goal, either its own (hybrid A*, others ignored) or its
-/// part of a group's joint trajectory. It gets a new one when it is pushed off.
+/// A robot follows its reference path: steps to its goal, either its own (hybrid A*, others
+/// ignored) or its part of a group's joint trajectory. It gets a new one when it is pushed off.
 class SteppedWorld {
  public:
   using State = Pose;
@@ -49,9 +49,9 @@ class SteppedWorld {
                const Deadline& deadline);
 
   // StepWorld
-  /// Six arcs, a wait and the greedy action, by score; random actions first [ESCoT Sec. III-E].
+  /// Six arcs, a wait and the greedy action, by score; random motions first [ESCoT Sec. III-E].
   [[nodiscard]] Ranking candidates(int i, const Pose& pose) const;
-  /// To stay at the goal or to follow the guide, where nothing speaks against it.
+  /// To stay at the goal or to follow the reference path, where nothing speaks against it.
   [[nodiscard]] std::optional<Motion> first_choice(int i, const Pose& pose) const;
   /// The same for a robot that is pushed: it also gives way to its pusher, after that one's motion.
   [[nodiscard]] Ranking push_candidates(int i, const Pose& pose, int pusher,
@@ -71,43 +71,43 @@ class SteppedWorld {
   /// For the whole group, or for nobody in it.
   [[nodiscard]] std::vector<std::optional<Motion>> get_opt_traj(const Configuration& q,
                                                                 const Group& group);
-  /// Longest under way first, then who had the longest way from its start.
+  /// Longest under way first, then who had the longest path from its start.
   [[nodiscard]] std::vector<int> order(const Configuration&) const { return order_; }
 
-  /// Gives a guide to every robot that has none or is not on it, and looks who is near whom. To be
-  /// called before each step.
+  /// Gives a reference path to every robot that has none or is not on it, and looks who is near
+  /// whom. To be called before each step.
   void prepare(const Configuration& q);
   /// Takes note of what everybody did.
   void advance(const std::vector<Motion>& motions);
-  /// Makes the next step different: random actions for some robots, and a random "last action" for
-  /// some [ESCoT Sec. III-E].
+  /// Makes the next step different: random motion primitives for some robots, and a random "last
+  /// motion primitive" for some [ESCoT Sec. III-E].
   void add_randomness(const Configuration& q, std::mt19937_64& rng);
 
   /// Groups that pre_check() has in mind, for one who looks after the memory.
   [[nodiscard]] std::size_t failures_kept() const { return failed_.size(); }
 
  private:
-  /// How much a robot has been in a cell, not counting its own way; forgotten bit by bit.
+  /// How much a robot has been in a cell, not counting its own path; forgotten bit by bit.
   struct Visits {
     double value = 0.0;
     int step = 0;  ///< when it had that value
   };
 
   struct Robot {
-    std::optional<MovingObstacle> prediction;  ///< along the guide
+    std::optional<MovingObstacle> prediction;  ///< along the reference path
     std::vector<Arc> guide;                    ///< steps to the goal
-    std::size_t next = 0;                      ///< of the guide
-    Pose expected;                             ///< where the guide goes on
-    int search_again = 0;                      ///< > 0: no guide was found, wait until this step
+    std::size_t next = 0;                      ///< of the reference path
+    Pose expected;                             ///< where the reference path goes on
+    int search_again = 0;                      ///< > 0: no path was found, wait until this step
     int searched_in_vain = 0;                  ///< so many times since the last success
-    int joint = -1;                            ///< the joint trajectory that the guide is part of
-    int changed = 0;        ///< the last step in which its guide, being on time or joint changed
+    int joint = -1;                            ///< the joint trajectory that the path is part of
+    int changed = 0;        ///< the last step in which its path, being on time or joint changed
     bool disputed = false;  ///< had a predicted conflict when groups were made last
     std::unordered_map<std::uint64_t, Visits> visits;  ///< by cell
     Arc last;                                          ///< last arc driven
     double way = 0.0;                                  ///< from its start to its goal [m]
     int steps_under_way = 0;                           ///< since it was last at its goal
-    int stuck = 0;                     ///< steps since it was at its goal or went along its guide
+    int stuck = 0;                     ///< steps since it was at its goal or went along its path
     int rank = 0;                      ///< in the order of this step
     std::vector<int> near;             ///< see near()
     std::vector<int> in_sight;         ///< those whose next steps may lead over where it goes now
@@ -132,7 +132,7 @@ class SteppedWorld {
   [[nodiscard]] Motion motion(int i, const Pose& pose, const Arc& arc) const;
   [[nodiscard]] Motion motion(int i, const Pose& pose, const Frame& frame,
                               const Primitive& step) const;
-  /// The next step of the guide. @pre guided(i)
+  /// The next step of the reference path. @pre guided(i)
   [[nodiscard]] Motion greedy_motion(int i, const Pose& pose) const;
   [[nodiscard]] bool guided(int i) const {
     return robots_[std::size_t(i)].next < robots_[std::size_t(i)].guide.size();
@@ -141,8 +141,8 @@ class SteppedWorld {
   [[nodiscard]] double penalty(int i, const Arc& arc) const;
   /// What counts against a motion of robot i, whatever the others do [m].
   [[nodiscard]] double score(int i, const Motion& motion, bool greedy) const;
-  /// What counts against standing in the way of others, or against meeting them farther along the
-  /// guide if the motion is the greedy one [m].
+  /// What counts against standing where others pass, or against meeting them farther along the
+  /// reference path if the motion is the greedy one [m].
   [[nodiscard]] double in_the_way(int i, const Motion& motion, bool greedy,
                                   std::span<const Way> ways) const;
   [[nodiscard]] double visits(int i, const Pose& pose) const;
@@ -153,13 +153,13 @@ class SteppedWorld {
   [[nodiscard]] bool as_foreseen(int i) const {
     return grouped_at_ == step_ - 1 && robots_[std::size_t(i)].changed < grouped_at_;
   }
-  /// In how many steps the two will overlap if they follow their guides; nullopt: not soon.
+  /// In how many steps the two will overlap on their reference paths; nullopt: not soon.
   [[nodiscard]] std::optional<int> predicted_conflict(int i, int j) const;
   [[nodiscard]] Way way_along(int i, const Pose& from, const MovingObstacle& along, int next) const;
   /// Where those go that robot i has to give way to.
   [[nodiscard]] std::vector<Way> ways_to_keep_clear(int i) const;
-  /// How far robot i, in `pose`, is from having left the lane of another one [m]: the way aside, of
-  /// which a turn across the lane is worth a radius.
+  /// How far robot i, in `pose`, is from having left the lane of another one [m]: the path aside,
+  /// of which a turn across the lane is worth a radius.
   [[nodiscard]] double still_to_clear(int i, const Pose& pose, const Way& way) const;
   /// No point of the body is farther from the rear axle during one step, wherever that starts [m].
   [[nodiscard]] double reach(int i) const;
@@ -191,7 +191,7 @@ class SteppedWorld {
 
 /// The motions of one robot in one step, best first.
 ///
-/// Who is in whose way takes most of the time and only adds to a score: it is asked for no motion
+/// Who blocks whom takes most of the time and only adds to a score: it is asked for no motion
 /// that would come later anyway.
 class SteppedWorld::Ranking {
  public:
@@ -207,7 +207,7 @@ class SteppedWorld::Ranking {
   struct Entry {
     Motion motion;
     double score;         ///< at least
-    bool greedy = false;  ///< the next step of the guide
+    bool greedy = false;  ///< the next step of the reference path
     bool known = false;   ///< the score is exact, and the motion hits no obstacle
   };
 

@@ -3,8 +3,8 @@
 namespace mvtp {
 namespace {
 
-/// Half way between two time steps of a motion along one arc: the chord's middle, pushed out by the
-/// sagitta chord / 2 * tan(turn / 4), for the body turns evenly about one point.
+/// Half way between two time steps of a motion along one arc: the chord's middle, pushed out by
+/// the sagitta chord / 2 * tan(turn / 4), for the body turns evenly about one point.
 BoxPose halfway(const BoxPose& p, const BoxPose& q) {
   const float sine = p.ux * q.uy - p.uy * q.ux;
   const float sagitta = 0.125F * sine;  // turns are small: tan(turn / 4) / 2 to the third order

@@ -22,7 +22,7 @@ struct BoxPose {
 struct BoxShape {
   float half_length = 0.0F;
   float half_width = 0.0F;
-  /// No point of the body makes a longer way than this between two time steps [m].
+  /// No point of the body makes a longer path than this between two time steps [m].
   float travel = 0.0F;
 
   [[nodiscard]] float half_diagonal() const { return std::hypot(half_length, half_width); }

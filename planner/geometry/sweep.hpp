@@ -13,7 +13,7 @@ inline constexpr double kTouch = 0.0005;
 /// The footprint of a car during one arc, driven evenly while s runs from 0 to 1.
 ///
 /// What collision tests need is kept beside the arc: a circle around all of it, and a bound on the
-/// way that any point of the body makes.
+/// path that any point of the body makes.
 class Sweep {
  public:
   Sweep(const Vehicle& vehicle, const Pose& from, const Arc& arc);

@@ -29,7 +29,7 @@ struct LotCar {
   ArcPath path;
   PathCells cells;  ///< of `path`
   Pose goal;
-  bool leaves = false;    ///< it drives on at the end of the path, out of sight, and does not stop
+  bool leaves = false;    ///< it drives on at the end of the path, out of reach, and does not stop
   bool stranded = false;  ///< the path ends where the car comes to rest, short of its goal
   double s = 0.0;         ///< driven [m]
   double v = 0.0;         ///< >= 0, in the direction of the path [m/s]
@@ -42,7 +42,7 @@ struct LotCar {
 
 /// How the cars will drive if nothing else happens.
 struct LotForecast {
-  bool complete = false;  ///< everyone arrives who is not stranded
+  bool complete = false;  ///< everyone arrives who has not stopped for good
   bool gentle = true;     ///< nobody ever has to brake harder than LotLimits::hardest
   double dt = 0.1;        ///< [s] between two entries of `driven`
   std::vector<std::vector<float>> driven;  ///< s of each car from now on, until its arrival
@@ -77,7 +77,7 @@ class LotMotion {
   /// `first` waits for `second` as said.
   void set_order(std::int64_t first, std::int64_t second, Precedence order);
 
-  /// The car brakes to rest and stays there: it broke down, or has no way any more.
+  /// The car brakes to rest and stays there: it broke down, or has no path any more.
   void strand(std::int64_t key);
   /// Strands those who would wait for ever. @return their keys
   std::vector<std::int64_t> strand_the_blocked();

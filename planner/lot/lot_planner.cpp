@@ -51,7 +51,7 @@ void LotPlanner::set_standing(std::vector<StandingCar> standing) {
 }
 
 /// Nobody drives past its goal in an exit lane and comes back: others have left there already, and
-/// have their own drivers.
+/// have human drivers.
 const LotPlanner::Ground& LotPlanner::ground_of_leaving(const Vehicle& body, const Pose& goal) {
   const auto [place, is_new] = leaving_.try_emplace({body.front, goal.x, goal.y});
   Ground& ground = place->second;
@@ -145,7 +145,7 @@ class LotPlanner::RequestPlanner {
     if (!best_ && !choices_.empty()) try_place(choices_.front(), Effort::kThorough);
   }
 
-  /// If it would have to wait for the quickest place: before those who are in its way there.
+  /// If it would have to wait for the quickest place: before those who are blocking its path there.
   void try_before_others() {
     if (!options_.regroup || choices_.empty()) return;
     const Choice& wish = choices_.front();

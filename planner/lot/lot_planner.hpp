@@ -36,9 +36,9 @@ struct LotRequest {
 
 struct LotPlannerOptions {
   LotLimits limits;
-  double margin = 0.12;   ///< [m] around each body, of planned ways
+  double margin = 0.12;   ///< [m] around each body, of planned paths
   double gap = 0.04;      ///< [m] around each body, of the order of passage; <= margin - 0.08
-  double ahead = 2.5;     ///< [s] for which no way is changed; long enough to brake to rest
+  double ahead = 2.5;     ///< [s] for which no path is changed; long enough to brake to rest
   int expansions = 2000;  ///< of one search
   double weight = 1.5;    ///< of the cost-to-go
   int max_group = 5;      ///< PreCheck: cars that are planned anew together, at most
@@ -48,18 +48,18 @@ struct LotPlannerOptions {
 
 struct LotAdmission {
   std::size_t goal = 0;  ///< index of the request's
-  double alone = 0.0;    ///< [s] that the way would take with nobody else moving
-  int replanned = 0;     ///< cars under way whose ways changed
+  double alone = 0.0;    ///< [s] that the path would take with nobody else moving
+  int replanned = 0;     ///< cars under way whose paths changed
 };
 
 /// Plans on an open lot for cars that come and go while others are under way: ESCoT, lifelong.
 ///
-/// The frame is that of Algorithm 2. Every car under way has a complete way (soft space-time hybrid
-/// A* over MotionPrimitives), and all of them an order that lets everyone arrive; a new plan
+/// The frame is that of Algorithm 2. Every car under way has a complete path (soft space-time
+/// hybrid A* over MotionPrimitives), and all of them an order that lets everyone arrive; a new plan
 /// replaces it only if that holds for it too, as told by a forecast of the motion itself.
-/// GroupRobots: a car and those who stand in the way that it would take; PreCheck: the group's
-/// size; GetOptTraj: ways for the group in other orders, kept if they cost less. Who has no way
-/// stays where it is. All poses in the lot's own frame: ground in x, y > 0.
+/// GroupRobots: a car and those who block the path that it would take; PreCheck: the group's size;
+/// GetOptTraj: paths for the group in other orders, kept if they cost less. Who has no path stays
+/// where it is. All poses in the lot's own frame: ground in x, y > 0.
 class LotPlanner {
  public:
   /// So far a car drives on beyond a goal in an exit lane [m].
@@ -85,7 +85,7 @@ class LotPlanner {
   /// How far it is to a goal, about [m].
   [[nodiscard]] double distance(const Vehicle& body, const Pose& from, const Pose& goal);
 
-  /// How far a car that comes in at this speed drives on before its way can turn [m].
+  /// How far a car that comes in at this speed drives on before its path can turn [m].
   [[nodiscard]] double prefix_length(double speed) const;
 
   /// Tables of costs-to-go kept and cars that wait for a further attempt, for one who looks after

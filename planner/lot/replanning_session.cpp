@@ -21,7 +21,7 @@ SoftOptions soft_options(const LotPlannerOptions& options) {
   soft.max_expansions = options.expansions;
   soft.cell = 0.8;
   soft.cell_heading = 0.25;
-  soft.waits = false;  // who finds no way waits where it stands, and asks again
+  soft.waits = false;  // who finds no path waits where it stands, and asks again
   soft.reversal = options.limits.speed / options.limits.braking;
   return soft;
 }
@@ -221,7 +221,7 @@ bool LotPlanner::ReplanningSession::plan(int robot, const TimedTrack& alone) {
   return plan(robot, alone, Effort::kQuick) || plan(robot, alone, Effort::kThorough);
 }
 
-/// Quickly: by a short search, or else the way alone, begun later.
+/// Quickly: by a short search, or else the single-agent path, begun later.
 bool LotPlanner::ReplanningSession::plan(int robot, const TimedTrack& alone, Effort effort) {
   SoftProblem soft = problem(robot);
   soft.others = joint_->others(robot, kAnySoftCost);
@@ -247,7 +247,7 @@ bool LotPlanner::ReplanningSession::plan(int robot, const TimedTrack& alone, Eff
   return true;
 }
 
-/// The way alone, begun as soon as it touches nobody.
+/// The single-agent path, begun as soon as it touches nobody.
 bool LotPlanner::ReplanningSession::drive_alone_later(int robot, const TimedTrack& alone) {
   if (comes_back_into_entry(robot, alone.steps())) return false;
   const bool leaves = robots_[std::size_t(robot)].leaves;
@@ -349,7 +349,7 @@ std::vector<float> LotPlanner::ReplanningSession::times_of_planned(const LotCar&
     const double middle = std::min((double(c) + 0.5) * PathCells::kLength, car.path.length());
     if (middle < prefix) {
       // Evenly over the time until the session begins; the forecast knows better for cars under
-      // way.
+      // path.
       const double part = (middle - r.s) / std::max(prefix - r.s, 1e-6);
       times[c] = float(ahead() * std::max(0.0, part));
       if (robot < cars()) {

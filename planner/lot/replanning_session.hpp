@@ -26,20 +26,20 @@ class LotPlanner::ReplanningSession {
   /// Tight places need longer searches; most are done without.
   enum class Effort { kQuick, kThorough };
 
-  /// The robot's way as if nobody else moved.
+  /// The robot's path as if nobody else moved.
   [[nodiscard]] std::optional<TimedTrack> alone(int robot, Effort effort);
   /// The robot, absent so far, gets a way that touches nobody present.
-  /// @param alone  its way as if nobody else moved
+  /// @param alone  its path as if nobody else moved
   [[nodiscard]] bool plan(int robot, const TimedTrack& alone, Effort effort);
   /// The same, quickly if possible.
   [[nodiscard]] std::optional<TimedTrack> alone(int robot);
   [[nodiscard]] bool plan(int robot, const TimedTrack& alone);
   [[nodiscard]] TimedTrack take(int robot) { return joint_->remove(robot); }
   [[nodiscard]] const TimedTrack& track(int robot) const { return joint_->track(robot); }
-  /// The cars under way that stand in the way of a robot that moves like this.
+  /// The cars under way that stand blocking a robot that moves like this.
   [[nodiscard]] std::vector<int> in_the_way(int robot, const TimedTrack& track);
 
-  /// Must the car's way stay as it is? In an entry lane somebody follows; shortly before the end
+  /// Must the car's path stay as it is? In an entry lane somebody follows; shortly before the end
   /// nothing is to be gained.
   [[nodiscard]] bool is_fixed(int i) const {
     const LotCar& car = motion_.cars()[std::size_t(i)];
@@ -56,7 +56,7 @@ class LotPlanner::ReplanningSession {
   }
 
   /// Plans a robot, absent so far, and then the others anew.
-  /// @return all of them; empty if one of them has no way
+  /// @return all of them; empty if one of them has no path
   [[nodiscard]] std::vector<int> plan_before(int robot, const TimedTrack& alone,
                                              std::span<const int> others);
 

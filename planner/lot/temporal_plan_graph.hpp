@@ -115,7 +115,7 @@ class Precedence {
   std::vector<Step> steps_;
 };
 
-/// A car's way as planned: what the order of passage is taken from.
+/// A car's path as planned: what the order of passage is taken from.
 struct PlannedWay {
   const PathCells* cells = nullptr;
   int first = 0;                 ///< the cell in which it is now

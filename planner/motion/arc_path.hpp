@@ -6,7 +6,7 @@
 
 namespace mvtp {
 
-/// A way of arcs, forwards and in reverse, by the distance s >= 0 driven on it [m].
+/// A path of arcs, forwards and in reverse, by the distance s >= 0 driven on it [m].
 class ArcPath {
  public:
   /// A stretch of one curvature and one direction.

@@ -11,7 +11,7 @@ namespace mvtp {
 
 /// How far a robot has to drive to its goal at least, nearly: the heuristic H [m].
 ///
-/// The larger of the Reeds-Shepp length (from a table) and the way around obstacles inflated by
+/// The larger of the Reeds-Shepp length (from a table) and the path around obstacles inflated by
 /// nearly half the width of the vehicle (on a grid). Not a bound: off by a few decimetres.
 class CostToGo {
  public:

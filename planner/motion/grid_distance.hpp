@@ -38,7 +38,7 @@ class GridDistance {
  public:
   GridDistance(std::shared_ptr<const ObstacleGrid> grid, const Point& goal);
 
-  /// [m]; infinity if there is no way on the grid.
+  /// [m]; infinity if there is no path on the grid.
   [[nodiscard]] double at(double x, double y) const {
     return double(
         distance_[std::size_t(grid_->row_of(y) * grid_->columns() + grid_->column_of(x))]);

@@ -8,10 +8,10 @@
 
 namespace mvtp {
 
-/// State of a car on its guide path that cannot change its speed at will: x, y, theta, v of the
+/// State of a car on its reference path that cannot change its speed at will: x, y, theta, v of the
 /// model `InertialCar`, with the pose given by the path. Never reverses: v >= 0.
 struct InertialState {
-  double s = 0.0;  ///< rear axle along the guide path [m]
+  double s = 0.0;  ///< rear axle along the reference path [m]
   double v = 0.0;  ///< [m/s]
 
   friend bool operator==(const InertialState&, const InertialState&) = default;
@@ -44,7 +44,7 @@ inline constexpr int kMostBrakingSteps = 100000;
   return from.s + moving * (from.v - 0.5 * b * moving);
 }
 
-/// The highest speed at each position of a guide path that a driver may have.
+/// The highest speed at each position of a reference path that a driver may have.
 class SpeedEnvelope {
  public:
   /// @param limits  one speed limit [m/s] per GuidePath::kSpacing metres of the path.

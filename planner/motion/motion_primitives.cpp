@@ -5,7 +5,7 @@
 namespace mvtp {
 namespace {
 
-constexpr int kSlow = 3;  ///< slow actions get so many times less far
+constexpr int kSlow = 3;  ///< slow motion primitives get so many times less far
 
 }  // namespace
 

@@ -36,9 +36,9 @@ class Clearance {
   std::vector<float> distance_;  ///< empty without obstacles
 };
 
-/// A car that drives the actions of the search, one per macro step of time: straight, left, right,
-/// each forwards and in reverse, at full speed, and waiting; then the first six again at a third of
-/// the speed, for tight places.
+/// A car that drives the motion primitives of the search, one per macro step of time: straight,
+/// left, right, each forwards and in reverse, at full speed, and waiting; then the first six again
+/// at a third of the speed, for tight places.
 ///
 /// The obstacles of the map are those of all cars; they and the map outlive this object.
 class MotionPrimitives {
@@ -63,26 +63,26 @@ class MotionPrimitives {
   [[nodiscard]] const std::array<Action, 13>& actions() const { return actions_; }
   /// The one at full speed that an arc of this curvature begins with; nullptr if there is none.
   [[nodiscard]] const Action* beginning_of(const Arc& arc) const;
-  /// The change of heading of a slow turning action [rad].
+  /// The change of heading of a slow turning motion primitive [rad].
   [[nodiscard]] double turn() const { return turn_; }
   [[nodiscard]] const Vehicle& vehicle() const { return vehicle_; }
   [[nodiscard]] const BoxShape& shape() const { return shape_; }
   [[nodiscard]] const TimeGrid& time() const { return time_; }
   /// The middle of the body, from the rear axle [m].
   [[nodiscard]] double ahead() const { return (vehicle_.front - vehicle_.rear) / 2; }
-  /// The way driven between two time steps at full speed [m].
+  /// The path driven between two time steps at full speed [m].
   [[nodiscard]] double step_length() const { return vehicle_.max_speed * time_.dt; }
-  /// Radius of a circle around the middle of the body half way through one action that contains
-  /// it all the time [m].
+  /// Radius of a circle around the middle of the body half way through one motion primitive that
+  /// contains it all the time [m].
   [[nodiscard]] float reach() const { return reach_; }
 
-  /// Radius of a circle around the middle of the body at the start of any action that contains it
-  /// until the end [m].
+  /// Radius of a circle around the middle of the body at the start of any motion primitive that
+  /// contains it until the end [m].
   [[nodiscard]] float reach_of_all() const { return reach_of_all_; }
 
   /// May the car drive the arc, as far as the map and its obstacles go?
   [[nodiscard]] bool is_free(const Pose& from, const Arc& arc) const;
-  /// The same for arcs of at most one action, with the body's middle half way; quicker.
+  /// The same for arcs of at most one motion primitive, with the body's middle half way; quicker.
   [[nodiscard]] bool is_free(const Pose& from, const Arc& arc, const BoxPose& halfway) const;
 
  private:

@@ -63,7 +63,7 @@ bool crosses_oddly(std::span<const Point> line, const Point& from, const Point& 
   return odd;
 }
 
-/// Disjoint sets whose members know whether the way to their root crosses an odd number of times.
+/// Disjoint sets whose members know whether the path to their root crosses an odd number of times.
 class ParitySets {
  public:
   explicit ParitySets(std::size_t n) : parent_(n), odd_(n, false) {

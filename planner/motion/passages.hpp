@@ -22,7 +22,7 @@ class Passages {
   Passages(const Map& map, double radius, double outside,
            const Deadline& deadline = Deadline::never());
 
-  /// Is there no way at all for the disc's centre? @pre it may be at both places.
+  /// Is there no path at all for the disc's centre? @pre it may be at both places.
   [[nodiscard]] bool separated(const Point& from, const Point& to) const;
 
  private:

@@ -39,7 +39,7 @@ std::vector<Primitive> SteppedCar::primitives(double scale) const {
 }
 
 bool SteppedCar::in_bounds(const Pose& from, const Arc& arc) const {
-  // No point of the body is farther from its rear axle than this, nor the axle than its way.
+  // No point of the body is farther from its rear axle than this, nor the axle than its path.
   const double margin =
       std::abs(arc.length) +
       (map_->bounds == Bounds::kAxle

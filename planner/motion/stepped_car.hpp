@@ -39,7 +39,7 @@ class SteppedCar {
              const Obstacles& obstacles, const Exemptions* exemptions = nullptr);
 
   [[nodiscard]] const Vehicle& vehicle() const { return vehicle_; }
-  /// The way driven in one step at full speed [m].
+  /// The path driven in one step at full speed [m].
   [[nodiscard]] double step_length() const { return vehicle_.max_speed * dt_; }
   /// The six arcs of a full step: straight, left, right, each forwards and in reverse.
   [[nodiscard]] const std::array<Arc, 6>& arcs() const { return arcs_; }

@@ -12,7 +12,7 @@ namespace mvtp {
 /// How fine time is, and how coarse the search looks at it.
 struct TimeGrid {
   double dt = 0.1;      ///< between two time steps [s]: one step of the plan
-  int macro_step = 14;  ///< time steps per macro step: one action of the search
+  int macro_step = 14;  ///< time steps per macro step: one motion primitive of the search
 
   [[nodiscard]] double macro_step_duration() const { return dt * macro_step; }
 };

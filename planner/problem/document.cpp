@@ -83,8 +83,8 @@ class YamlEvents final : public YAML::EventHandler {
   void OnMapEnd() override { builder_.close(); }
 
  private:
-  /// Aliases can make a small file huge; tags name types that are not ours. ("?" and "!" are what
-  /// the parser itself gives to plain and to quoted scalars.)
+  /// Aliases can make a small file huge; tags name types that nobody here knows. ("?" and "!"
+  /// are what the parser itself gives to plain and to quoted scalars.)
   void require_plain(const YAML::Mark& mark, YAML::anchor_t anchor, const std::string& tag) const {
     if (anchor != 0) fail(mark, "anchors and aliases are not supported; write the value out");
     if (!tag.empty() && tag != "?" && tag != "!") {

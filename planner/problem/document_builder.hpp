@@ -37,7 +37,10 @@ class DocumentBuilder {
   }
 
   void open(Value::Kind kind) {
-    if (expects_key()) throw InputError(name(), "has a list or map as a key; use a plain word");
+    if (expects_key()) {
+      throw InputError(name(),
+                       "has a list or map as a key; use a plain word; or is the file cut off?");
+    }
     constexpr std::size_t kMaxDepth = 32;
     if (open_.size() == kMaxDepth) {
       throw InputError(document_.name_, fmt::format("is nested more than {} levels deep; is it the "

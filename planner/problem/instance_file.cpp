@@ -254,14 +254,18 @@ std::string map_text(const Map& map, bool is_plain_format) {
 }  // namespace
 
 Instance read_instance(const std::string& path, const InstanceReadOptions& options) {
+  return parse_instance(path, read_text_file(path, kMaxBytes), options);
+}
+
+Instance parse_instance(const std::string& name, const std::string& text,
+                        const InstanceReadOptions& options) {
   const VehiclePreset fallback = read_preset("--vehicle", options.vehicle_preset.value_or("escot"));
-  const Document document = Document::parse(path, read_text_file(path, kMaxBytes),
-                                            {"agents", "starts"}, "an instance file");
+  const Document document = Document::parse(name, text, {"agents", "starts"}, "an instance file");
   const Value root = document.root();
   root.require_map("{agents: ..., map: ...}");
   Instance instance = root.find("starts") ? read_guo_yu(root, fallback, options.yaw)
                                           : read_extended(root, fallback, options);
-  reject_repeated_names(path, instance.agents);
+  reject_repeated_names(name, instance.agents);
   if (options.bounds) instance.map.bounds = *options.bounds;
   if (options.dt) instance.dt = *options.dt;
   instance.initial_overlap = options.initial_overlap;

@@ -35,6 +35,10 @@ struct InstanceReadOptions {
 [[nodiscard]] Instance read_instance(const std::string& path,
                                      const InstanceReadOptions& options = {});
 
+/// The same for the text of such a file. @param name  stands for the file in messages
+[[nodiscard]] Instance parse_instance(const std::string& name, const std::string& text,
+                                      const InstanceReadOptions& options = {});
+
 /// How an instance file is written.
 struct InstanceWriteOptions {
   YawSense yaw = YawSense::kCounterClockwise;

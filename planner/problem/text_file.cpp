@@ -191,7 +191,7 @@ class TemporaryFile {
     return fmt::format("{}.{:x}-{:x}-{:x}", target.string(), ::getpid(), now, count++);
   }
 
-  SignalsHeldBack held_back_;  ///< until the file has its name or is gone
+  SignalsHeldBack held_back_;  ///< until the file has its name or is removed
   std::string name_;
   Descriptor file_;
 };

@@ -57,7 +57,7 @@ class SweptPath {
   double least_margin_ = 0.0;
 };
 
-/// Where two bodies on two guide paths touch: for each position of A the positions of B.
+/// Where two bodies on two reference paths touch: for each position of A the positions of B.
 ///
 /// One look-up replaces a test of two rectangles, which is what makes planning along known paths
 /// fast. Rows and bounds are rounded to half a sample of the paths, and a motion between two looks

@@ -217,7 +217,7 @@ class CrossingPlanner {
   void improve_neighbourhoods(CrossingResult& best) {
     std::vector<double> delays = cost_.own_delays(best.plan.entries);
     int left = options_.tries * options_.per_try;
-    for (int failures = 0; left > 0 && failures < options_.patience && work_.left > 0; --left) {
+    for (int failures = 0; left > 0 && failures < options_.patience && !work_.is_spent(); --left) {
       if (std::accumulate(delays.begin(), delays.end(), 0.0) < 0.1) return;
       const Order chosen = neighbourhood(best.plan.entries, draws_.weighted(delays));
       std::vector<Entry> entries = best.plan.entries;
@@ -287,7 +287,7 @@ class CrossingPlanner {
   /// Local search over orders: single vehicles earlier or later, or with their followers earlier.
   void improve_order(CrossingResult& best) {
     std::vector<double> delays;
-    for (int attempt = 0; attempt < options_.tries && work_.left > 0; ++attempt) {
+    for (int attempt = 0; attempt < options_.tries && !work_.is_spent(); ++attempt) {
       const Order order = keys_of(best.plan.entries);
       delays = cost_.delays(best.plan.entries);
       if (std::accumulate(delays.begin(), delays.end(), 0.0) < 0.1) return;

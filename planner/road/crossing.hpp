@@ -9,7 +9,7 @@ namespace mvtp {
 
 struct CrossingOptions {
   WholeTrajectoryOptions trajectory;
-  int tries = 30;  ///< orders tried per call; 0: the order of arrival
+  int tries = 30;  ///< orders tried per call; 0: first come, first served
   /// More than so many vehicles are not planned anew in another order, but a few at a time, around
   /// all others.
   int many = 12;

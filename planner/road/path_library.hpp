@@ -12,8 +12,8 @@
 
 namespace mvtp {
 
-/// The guide paths in use, each for one body, and the contact tables of those pairs whose bodies
-/// come near each other.
+/// The reference paths in use, each for one body, and the contact tables of those pairs whose
+/// bodies come near each other.
 ///
 /// add() and prepare() change the library and are for one thread at a time; everything else may
 /// run in many threads between them. References stay valid.

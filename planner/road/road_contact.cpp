@@ -118,6 +118,10 @@ bool drives_ahead(const RoadScene& scene, const RoadVehicle& a, const RoadVehicl
 
 }  // namespace
 
+bool RoadPairs::is_behind(std::size_t i, std::size_t f) const {
+  return drives_ahead(*scene_, scene_->forecasts[f].vehicle, scene_->vehicles[i]);
+}
+
 RoadPairs::RoadPairs(const RoadScene& scene)
     : scene_(&scene),
       leads_(scene.vehicles.size() * scene.vehicles.size(), false),

@@ -174,6 +174,8 @@ class RoadPairs {
   [[nodiscard]] bool follows(std::size_t f, std::size_t i) const {
     return follows_[i * scene_->forecasts.size() + f];
   }
+  /// Is vehicle i behind the driver of forecast f, along its own path?
+  [[nodiscard]] bool is_behind(std::size_t i, std::size_t f) const;
 
  private:
   /// Pairs are stored row by row, i < j.

@@ -4,8 +4,11 @@
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
+
 #include <algorithm>
 #include <cmath>
+#include <ctime>
+#include <functional>
 #include <map>
 #include <optional>
 
@@ -91,8 +94,16 @@ RoadDecision decision_of(const RoadScene& scene, const RoadWorld& world,
   return decision;
 }
 
+/// Processor time of this thread [ms].
+double thread_clock() {
+  timespec t{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+  return 1e3 * double(t.tv_sec) + 1e-6 * double(t.tv_nsec);
+}
+
 RoadDecision decide_group(const RoadScene& scene, const Keys& group, const JointPlan& incumbent,
-                          const Keys& order, const RoadEscotOptions& options) {
+                          const Keys& order, const RoadEscotOptions& options,
+                          const std::function<bool()>& time_is_up) {
   const RoadScene part = scene_of(scene, group);
   const RoadPairs pairs(part);
   Keys keys;
@@ -108,7 +119,7 @@ RoadDecision decide_group(const RoadScene& scene, const Keys& group, const Joint
   const std::uint64_t seed = options.seed + std::uint64_t(scene.step) * 1000003U +
                              std::uint64_t(group.front()) * 0x9e3779b97f4a7c15U;
   RoadWorld world(pairs, std::move(keys), std::move(own), options.crossing, seed,
-                  WorkBudget{options.work});
+                  WorkBudget{options.work, time_is_up});
   const std::vector<RoadWorld::State> q = world.states();
   return decision_of(part, world, generate_config(world, q));
 }
@@ -162,8 +173,14 @@ RoadDecision decide_on_road(const RoadScene& scene, const JointPlan& incumbent, 
   decision.members = group_vehicles(scene);  // Alg. 2, line 12
   decision.groups = int(decision.members.size());
   std::vector<RoadDecision> parts(decision.members.size());
+  const std::function<double()> clock =
+      options.budget.clock ? options.budget.clock : std::function<double()>(thread_clock);
+  std::vector<double> took_ms(parts.size());
   const auto decide_one = [&](std::size_t g) {  // lines 13-21
-    parts[g] = decide_group(scene, decision.members[g], incumbent, order, options);
+    const double begin = clock();
+    const auto time_is_up = [&] { return clock() - begin > 0.5 * options.budget.ms; };
+    parts[g] = decide_group(scene, decision.members[g], incumbent, order, options, time_is_up);
+    took_ms[g] = clock() - begin;
   };
   const int threads = threads_for(decision.members, options);
   if (threads < 2) {
@@ -171,6 +188,9 @@ RoadDecision decide_on_road(const RoadScene& scene, const JointPlan& incumbent, 
   } else {
     tbb::task_arena arena(threads);
     arena.execute([&] { tbb::parallel_for(std::size_t{0}, parts.size(), decide_one); });
+  }
+  for (std::size_t g = 0; g < parts.size(); ++g) {
+    if (took_ms[g] > options.budget.ms) decision.late.push_back(g);
   }
   for (RoadDecision& part : parts) {
     for (JointPlan::Entry& e : part.plan.entries) decision.plan.entries.push_back(std::move(e));

@@ -1,14 +1,27 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <functional>
+#include <limits>
 #include <vector>
 
 #include "planner/road/crossing.hpp"
 
 namespace mvtp {
 
+/// The clock's last resort, beside the work that is counted: after half of this time a group's
+/// search ends with the best plan so far; a group that takes longer than all of it is late. As long
+/// as neither happens, the clock changes nothing.
+struct GroupBudget {
+  double ms = std::numeric_limits<double>::infinity();
+  /// [ms] since any time, of the thread that asks; none: its processor time.
+  std::function<double()> clock;
+};
+
 struct RoadEscotOptions {
   CrossingOptions crossing;
+  GroupBudget budget;
   /// Looks at one other vehicle during one decision that a group may take per call; see WorkBudget.
   std::int64_t work = 4'000'000;
   int threads = 0;  ///< for groups; 0: as many as there are cores. Same result for any number
@@ -20,6 +33,7 @@ struct RoadDecision {
   JointPlan plan;  ///< one trajectory per vehicle of the scene
   /// Keys of vehicles that have nothing to do with those of other groups.
   std::vector<std::vector<std::int64_t>> members;
+  std::vector<std::size_t> late;  ///< groups that took longer than their budget, ascending
   int groups = 0;
   int stepped = 0;           ///< vehicles without a complete plan, left to PBCR
   bool all_stepped = false;  ///< of some group not even the complete plans could be kept

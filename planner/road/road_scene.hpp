@@ -88,6 +88,9 @@ struct Forecast {
   /// plans that are kept need not, so that a small surprise does not break them.
   int slack_before = 0;
   int slack_behind = 0;
+  /// Of a driver who is held at a line: he stays there, whatever `trajectory` says, until whoever is
+  /// not behind him on his lane has passed. Else each of the two might wait for the other.
+  std::optional<PathTrajectory> held;
 };
 
 /// The vehicles on the road at the moment of a decision.

@@ -19,7 +19,9 @@ Surroundings::Surroundings(const RoadPairs& pairs, const RoadVehicle& vehicle,
   for (std::size_t f = 0; count && f < scene.forecasts.size(); ++f) {
     if (pairs.follows(f, self)) continue;
     const Forecast& forecast = scene.forecasts[f];
-    add({pairs.towards_forecast(self, f), &forecast.trajectory,
+    const ContactView contact = pairs.towards_forecast(self, f);
+    const bool stays = forecast.held && !contact.contact->never() && !pairs.is_behind(self, f);
+    add({contact, stays ? &*forecast.held : &forecast.trajectory,
          forecast.latest ? &*forecast.latest : nullptr, &forecast.vehicle,
          &scene.body(forecast.vehicle), true, forecast.yields, forecast.relies});
     if (forecasts == Forecasts::kWithSlack) add_slack(forecast);
@@ -44,7 +46,8 @@ bool Surroundings::step_is_clear(std::int64_t k, const InertialState& from, doub
   const bool stays = to.s == vehicle_.now.s;
   const auto is_clear_of = [&](const Other& other) {
     const bool yields_in_time = other.latest == nullptr || k == now_ || stays;
-    const bool may_brake = other.forecast && brakes_fully && yields_in_time;
+    const bool may_brake = other.forecast && brakes_fully && yields_in_time &&
+                           !(k > now_ && cuts_in(other, k, from, to));
     const bool helps =
         !other.relies || other.contact.contact->is_behind(from, other.hindmost_state(k));
     return (may_brake && helps) || !meets(other, k, from, a, to, reach);
@@ -275,6 +278,14 @@ bool Surroundings::meets_anywhere(const Other& other, std::int64_t k, const Iner
 bool Surroundings::is_followed_by(const Other& other, const InertialState& state,
                                   const InertialState& other_state) const {
   return other.yields && other.contact.contact->is_ahead(state, other_state);
+}
+
+bool Surroundings::cuts_in(const Other& other, std::int64_t k, const InertialState& from,
+                           const InertialState& to) const {
+  const InertialState other_to = other.trajectory->at(k + grid_.steps_per_decision);
+  return other_to.s < PathTrajectory::kGone && is_followed_by(other, to, other_to) &&
+         !is_followed_by(other, from, other.trajectory->at(k)) &&
+         other.contact.contact->cuts_off(to, other_to);
 }
 
 bool Surroundings::is_behind_well(const OnExit& behind, const OnExit& ahead) const {

@@ -119,6 +119,10 @@ class Surroundings {
     const RoadVehicle* vehicle = nullptr;
     const Vehicle* body = nullptr;
   };
+  /// Does the vehicle come before a driver in this decision who could not stop behind it? Between
+  /// lanes its own braking is no way out, but what brings that about.
+  [[nodiscard]] bool cuts_in(const Other& other, std::int64_t k, const InertialState& from,
+                             const InertialState& to) const;
   /// Is the gap between the two what it has to be there? It builds up along the exit lane, until
   /// the driver gets the vehicle back.
   [[nodiscard]] bool is_behind_well(const OnExit& behind, const OnExit& ahead) const;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -24,9 +25,13 @@ struct WholeTrajectoryOptions {
 inline constexpr std::int64_t kUnlimitedWork = std::numeric_limits<std::int64_t>::max();
 
 /// How much planning is left to be done, in looks at one other vehicle during one decision: counted
-/// instead of timed, so that a result does not depend on the machine.
+/// instead of timed, so that a result does not depend on the machine. A clock is the last resort.
 struct WorkBudget {
   std::int64_t left = kUnlimitedWork;
+  std::function<bool()> time_is_up;  ///< none: never
+
+  /// Is searching for something better over?
+  [[nodiscard]] bool is_spent() const { return left <= 0 || (time_is_up && time_is_up()); }
 };
 
 /// Where the search for one vehicle's plan may end early.

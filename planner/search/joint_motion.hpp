@@ -46,7 +46,7 @@ class JointMotion {
   /// Robot i standing at its start for `wait` macro steps, and then on this way.
   [[nodiscard]] TimedTrack track_after(int i, int wait, std::span<const Arc> way,
                                        bool leaves = false) const;
-  /// Robot i, absent so far, drives the way from its start, begun as late as it must so that it
+  /// Robot i, absent so far, drives the path from its start, begun as late as it must so that it
   /// overlaps nobody, but no later than `latest`. @return false if it is absent still
   [[nodiscard]] bool place_later(int i, std::span<const Arc> way, int latest, bool leaves = false);
   /// Takes robot i and its conflicts away. @return its track
@@ -55,7 +55,7 @@ class JointMotion {
   /// Everyone is absent again, and no horizon.
   void clear();
   /// Overlaps from macro step `conflicts` on do not count yet; searches see others until macro step
-  /// `sight`. @pre neither is lower than before, or everyone is absent
+  /// `horizon`. @pre neither is lower than before, or everyone is absent
   void set_horizon(int conflicts, int sight);
   [[nodiscard]] bool has_horizon() const { return horizon_ != kNoHorizon; }
   /// Everyone moves along the given tracks, one per robot, and no horizon.

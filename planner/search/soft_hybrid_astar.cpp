@@ -178,7 +178,7 @@ float SoftHybridAstar::soft_cost_of_nearby(int macro_step, const BoxPose* boxes,
   return sum;
 }
 
-/// Of those around, for an action that begins at `from`.
+/// Of those around, for a motion primitive that begins at `from`.
 float SoftHybridAstar::soft_cost_of_action(int macro_step, const Frame& from,
                                            const BoxPose& halfway,
                                            const MotionPrimitives::Action& action) {
@@ -259,7 +259,7 @@ void SoftHybridAstar::push(const Node& node) {
 }
 
 void SoftHybridAstar::expand(int node) {
-  // Everyone whom any of the actions might touch, once for all of them.
+  // Everyone whom any of the motion primitives might touch, once for all of them.
   const MotionPrimitives& car = *problem_->car;
   const Node& from = nodes_[std::size_t(node)];
   look_around(from.macro_step, box_pose(from.at, car.ahead()), car.reach_of_all());
@@ -373,7 +373,7 @@ double SoftHybridAstar::follow(const Pose& start, int macro_step, std::span<cons
   return ride.soft_cost;
 }
 
-/// For a macro step, from its beginning on. @return false if the map is in the way
+/// For a macro step, from its beginning on. @return false if the map is blocking
 bool SoftHybridAstar::ride_action(Ride& ride, const MotionPrimitives::Action& action) {
   const MotionPrimitives& car = *problem_->car;
   const BoxPose halfway = moved(action.boxes[std::size_t(car.time().macro_step / 2)], ride.at);
@@ -387,7 +387,7 @@ bool SoftHybridAstar::ride_action(Ride& ride, const MotionPrimitives::Action& ac
 }
 
 /// For so many time steps, all but the last at full speed, at most to the end of the macro step.
-/// @return false if the map is in the way
+/// @return false if the map is blocking
 bool SoftHybridAstar::ride_piece(Ride& ride, const Arc& piece, int time_steps) {
   const MotionPrimitives& car = *problem_->car;
   const double ahead = car.ahead();

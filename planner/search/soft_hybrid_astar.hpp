@@ -23,7 +23,7 @@ struct OtherRobots {
   int horizon = std::numeric_limits<int>::max();  ///< nobody is seen from this macro step on
 };
 
-/// One robot's way from a pose at a time to its goal.
+/// One robot's path from a pose at a time to its goal.
 struct SoftProblem {
   const MotionPrimitives* car = nullptr;
   const CostToGo* cost_to_go = nullptr;  ///< names the goal
@@ -43,13 +43,13 @@ struct SoftOptions {
   double cell_heading = 0.35;  ///< [rad]
   int cell_macro_steps = 2;    ///< macro steps of time that share a cell
   double reversal = 0.0;       ///< soft-collision cost of a change of direction [s]
-  bool slowly = false;         ///< slow actions, too: for tight places
+  bool slowly = false;         ///< slow motion primitives, too: for tight places
   bool hard = false;           ///< nobody may be touched, at whatever soft-collision cost
   /// May it wait anywhere for any time, or only for less than a cell's macro steps at once? Ways
   /// out of tight places are found among fewer nodes then.
   bool waits = true;
 
-  /// For ways among others that all rest: there is nothing to wait for.
+  /// For paths among others that all rest: there is nothing to wait for.
   void leave_out_time() {
     cell_macro_steps = std::numeric_limits<int>::max();
     waits = false;
@@ -70,10 +70,10 @@ struct SoftPath {
 /// Weighted hybrid A* in (x, y, theta, t) that may drive through other robots at a soft-collision
 /// cost.
 ///
-/// Actions last one macro step of time; Reeds-Shepp analytic expansions lead to the goal exactly,
+/// Primitives last one macro step of time; Reeds-Shepp analytic expansions lead to the goal exactly,
 /// one arc per time step. Resting on the goal costs the soft-collision cost of whoever passes
 /// later, and the cost-to-go knows when the goal gets free. Map, obstacles and the deadline are
-/// hard. The best way found so far is returned when the expansions run out, or the time. Source of
+/// hard. The best path found so far is returned when the expansions run out, or the time. Source of
 /// the soft collisions: LNS2, Li et al. 2022. One object per thread: it keeps its memory.
 class SoftHybridAstar {
  public:
@@ -106,7 +106,7 @@ class SoftHybridAstar {
     float f;
     unsigned stamp;
   };
-  /// How far the driving of a analytic expansion has got.
+  /// How far the driving of an analytic expansion has got.
   struct Ride {
     Frame at;
     double theta;
@@ -154,7 +154,7 @@ class SoftHybridAstar {
   [[nodiscard]] bool ride_action(Ride& ride, const MotionPrimitives::Action& action);
   [[nodiscard]] bool ride_piece(Ride& ride, const Arc& piece, int time_steps);
   void end_macro_step(Ride& ride);
-  /// The way behind a analytic expansion, the tail included; valid until the next call.
+  /// The path behind an analytic expansion, the tail included; valid until the next call.
   [[nodiscard]] std::span<const Arc> to_the_end(const ReedsSheppPath& analytic_expansion);
   [[nodiscard]] bool waits_in_its_cell(const Node& node) const;
   void push(const Node& node);

@@ -24,7 +24,7 @@ constexpr double kExpansionRange = 9.0;  // [m]
 // Of FOCAL the node that looks quickest to finish is expanded, a conflict being worth so many
 // steps. Strictly fewest conflicts first would search all of a dead end before it accepts one.
 constexpr double kConflictCost = 10.0;
-// Reversing costs a little more there, so that of equally quick ways the plain one is taken.
+// Reversing costs a little more there, so that of equally quick paths the plain one is taken.
 constexpr double kReversePenalty = 0.02;
 /// The cost-to-go is known to about this part of a step: no more is rounded up to a whole one.
 constexpr double kRounding = 0.1;
@@ -40,7 +40,7 @@ struct Node {
   int conflicts = 0;
   int parent = -1;
   Arc arc;                              ///< from the parent
-  std::vector<Arc> analytic_expansion;  ///< not empty, or at_goal: the way ends here
+  std::vector<Arc> analytic_expansion;  ///< not empty, or at_goal: the path ends here
   bool at_goal = false;
 };
 
@@ -104,7 +104,7 @@ class Search {
       expand(n);
       ++expansions;
     }
-    // Out of expansions: the best way that was found, though one with fewer conflicts may exist.
+    // Out of expansions: the best path that was found, though one with fewer conflicts may exist.
     if (best_goal_ >= 0) return path_to(best_goal_);
     return std::nullopt;
   }

@@ -19,7 +19,7 @@ struct Constraint {
   Sweep sweep;
 };
 
-/// One robot's way to its goal, among static obstacles and others that move.
+/// One robot's path to its goal, among static obstacles and others that move.
 struct SearchProblem {
   const SteppedCar* car = nullptr;
   const CostToGo* cost_to_go = nullptr;  ///< names the goal
@@ -27,18 +27,18 @@ struct SearchProblem {
   std::span<const Constraint> constraints;           ///< must be kept
   const TimedObstacles* to_keep_clear_of = nullptr;  ///< may not be touched; nullptr: nobody
   std::span<const TimedObstacles* const> to_avoid;   ///< collisions are counted, and kept few
-  /// Arriving earlier than this is worth nothing: no way costs less [steps]. The slowest robot's
+  /// Arriving earlier than this is worth nothing: no path costs less [steps]. The slowest robot's
   /// cost-to-go makes room for the quick ones to wait, or to leave their goals and come back.
   double least_cost = 0.0;
 };
 
 struct SearchOptions {
   double w = 1.5;             ///< bound of suboptimality, >= 1; the cost-to-go is nearly a bound
-  int max_expansions = 5000;  ///< > 0; after so many the best way so far must do
+  int max_expansions = 5000;  ///< > 0; after so many the best path so far must do
   double arc_scale = 1.0;     ///< drives arcs of this part of a full step, in (0, 1]
 };
 
-/// A way in steps of one arc each, waits included; it ends exactly at the goal.
+/// A path in steps of one arc each, waits included; it ends exactly at the goal.
 struct TimedPath {
   std::vector<Arc> steps;
   double cost = 0.0;         ///< its steps, or least_cost if that is more
@@ -57,7 +57,7 @@ class SpacetimeHybridAstar {
  public:
   explicit SpacetimeHybridAstar(const ReedsShepp& curves) : curves_(curves) {}
 
-  /// @return nullopt if no way was found in `max_expansions` or until the deadline, or if there is
+  /// @return nullopt if no path was found in `max_expansions` or until the deadline, or if there is
   ///         none on the search grid.
   [[nodiscard]] std::optional<TimedPath> search(const SearchProblem& problem,
                                                 const SearchOptions& options,

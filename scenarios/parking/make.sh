@@ -65,7 +65,7 @@ spaces() {
        }'
 }
 
-# The spaces on stdin as a parkingArea: SUMO's own drivers stop for it near the end of the entry.
+# The spaces on stdin as a parkingArea: SUMO's drivers stop for it near the end of the entry.
 parking_area() {
   echo '    <parkingArea id="lot" lane="entry_0" startPos="185" endPos="195">'
   cat

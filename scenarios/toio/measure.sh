@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Measures what docs/toio.md says of emulated cubes: the plans of random/ on a collection mat, so many
-# runs of each (20), with and without stalls, with and without the release graph:
+# runs of each (20), with and without blocked wheels, with and without the release graph:
 # scenarios/toio/measure.sh [RUNS]. Leaves its files in out/toio/random.
 set -euo pipefail
 cd "$(dirname "$0")/../.."

@@ -118,7 +118,7 @@ BENCHMARK(cost_to_go)->ArgName("obstacles")->Arg(0)->Arg(50);
 
 // ---- one search
 
-/// The way of robot 0 past so many others that follow theirs.
+/// The path of robot 0 past so many others that follow theirs.
 void low_level_search(benchmark::State& state) {
   const Instance instance = scene(100, 50);
   const PlanningProblem fleet(instance, CollisionRule::kContinuous);
@@ -150,7 +150,7 @@ BENCHMARK(low_level_search)
 
 // ---- one step of all robots
 
-/// The mean over the first 30 steps; the first guide paths are found before the clock runs.
+/// The mean over the first 30 steps; the first reference paths are found before the clock runs.
 void one_step(benchmark::State& state, bool grouping) {
   constexpr int kSteps = 30;
   const Instance instance = scene(int(state.range(0)), 0);
@@ -178,7 +178,7 @@ void one_step(benchmark::State& state, bool grouping) {
   }
 }
 
-/// Until everybody is at its goal, first guide paths included; `step` is the mean time of one.
+/// Until everybody is at its goal, first reference paths included; `step` is the mean time of one.
 void whole_run(benchmark::State& state) {
   const Instance instance = scene(int(state.range(0)), 0);
   const PlanningProblem fleet(instance, CollisionRule::kContinuous);
@@ -234,7 +234,7 @@ double milliseconds(const std::function<void()>& work) {
   return 1000.0 * double(std::clock() - begin) / CLOCKS_PER_SEC;
 }
 
-/// The first 30 steps; the first guide paths are found before the clock runs.
+/// The first 30 steps; the first reference paths are found before the clock runs.
 std::optional<double> step_of_the_first(const PlanningProblem& fleet) {
   constexpr int kSteps = 30;
   const Deadline deadline = Deadline::never();
@@ -252,7 +252,7 @@ std::optional<double> step_of_the_first(const PlanningProblem& fleet) {
          kSteps;
 }
 
-/// All steps until everybody is at its goal, first guide paths included; nullopt: not in 30 s.
+/// All steps until everybody is at its goal, first reference paths included; nullopt: not in 30 s.
 std::optional<double> step_of_a_run(const PlanningProblem& fleet) {
   StepPlan plan;
   const double time = milliseconds([&] { plan = solve_escot(fleet, {}, Deadline::in(30)); });
@@ -287,7 +287,7 @@ double exponent(const std::array<double, kSizes.size()>& y) {
 /// The processor time of one step [ms], the median over instances of each size, and the exponent
 /// that fits.
 ///
-/// Sizes take turns, and the quick ones come several times, so that all see the same of what else
+/// Sizes alternate, and the quick ones come several times, so that all see the same of what else
 /// the machine does.
 void growth(benchmark::State& state, const std::string& vehicle,
             std::optional<double> (*time_of_step)(const PlanningProblem&)) {

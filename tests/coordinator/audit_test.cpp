@@ -84,6 +84,19 @@ TEST_F(AuditTest, CountsAPairOnceAndItsStepsEach) {
   EXPECT_LT(audit.figures().min_clearance, 0.0);
 }
 
+TEST_F(AuditTest, AnEventSaysWhatItIsAndWhoDidIt) {
+  const VehicleState a{.id = "a", .pose = {-100, -2.4, 0}};
+  const VehicleState b{.id = "b", .pose = {-97, -1.6, 0}};
+  see(0.1, a, true, b);
+  ASSERT_EQ(audit.events().size(), 2U);
+  const AuditEvent& overlap = audit.events()[0];
+  EXPECT_EQ(overlap.kind, AuditEventKind::kOverlap);
+  EXPECT_EQ(overlap.who, (std::vector<std::string>{"a", "b"}));
+  EXPECT_NEAR(overlap.depth, 1.0, 1e-9);  // as wide as they are, beside each other by 0.8 m
+  EXPECT_EQ(audit.events()[1].kind, AuditEventKind::kOffRoad);
+  EXPECT_EQ(audit.events()[1].who, std::vector<std::string>{"a"});
+}
+
 TEST_F(AuditTest, TwoCarsOfTheTrafficAreNotOurOverlap) {
   see(0.1, {.id = "a", .pose = {-100, -1.6, 0}}, false, {.id = "b", .pose = {-97, -1.6, 0}});
   EXPECT_EQ(audit.figures().overlap_pairs, 1);

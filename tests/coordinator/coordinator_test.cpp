@@ -142,6 +142,22 @@ TEST(Coordinator, ALatePlanIsDroppedAndTheOldOneGoesOn) {
   EXPECT_GT(late, 0);
 }
 
+// Every third group is late, as if the machine had something else to do then.
+TEST(Coordinator, PlansThatAreLateNowAndThenDelayVehiclesAndLoseNobody) {
+  CoordinatorOptions options;
+  options.replan_budget_ms = 500.0;
+  options.escot.threads = 1;
+  options.escot.crossing.tries = 0;  // two readings of the clock for each group
+  options.escot.budget.clock = [now = 0.0, readings = 0]() mutable {
+    return now += ++readings % 6 == 0 ? 600.0 : 1.0;
+  };
+  ClosedLoop run(random_trips(500.0, 80.0, 4), options);
+  run.run_until(300.0);
+  EXPECT_GT(std::ranges::count_if(run.coordinator.replans(), &Replan::fallback), 20);
+  EXPECT_EQ(run.audit.figures().overlap_pairs_coordinated, 0);
+  EXPECT_EQ(run.traffic.arrived(), run.number_of_trips);
+}
+
 TEST(Coordinator, StopsBehindACarThatBreaksDownAfterItsHandBack) {
   ClosedLoop run({{"a", 0.0, "W_in", "E_out"},
                   {"b", 3.0, "W_in", "E_out"},

@@ -2,9 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <random>
 
 #include "tests/coordinator/fake_traffic.hpp"
+#include "tests/coordinator/shapes.hpp"
 #include "tests/coordinator/walk.hpp"
 
 namespace mvtp {
@@ -82,6 +84,46 @@ TEST(Corridor, ItsStationsGrowAndItsLimitsCoverThePath) {
   }
 }
 
+/// How far a point is off a polyline [m].
+double off(const std::vector<Point>& line, const Point& p) {
+  double least = 1e9;
+  for (std::size_t i = 1; i < line.size(); ++i) {
+    const Point d{line[i].x - line[i - 1].x, line[i].y - line[i - 1].y};
+    const double share = ((p.x - line[i - 1].x) * d.x + (p.y - line[i - 1].y) * d.y) /
+                         (d.x * d.x + d.y * d.y);
+    const double t = std::clamp(share, 0.0, 1.0);
+    least = std::min(least, std::hypot(p.x - line[i - 1].x - t * d.x, p.y - line[i - 1].y - t * d.y));
+  }
+  return least;
+}
+
+//   Straight for 50 m behind the junction, then zigzag: a driver is put onto the middle of the lane.
+TEST(Corridor, HandsBackWhereTheBodyLiesAlongItsLane) {
+  NetworkMaker maker;
+  maker.node("C", {0, 0});
+  maker.node("W", {-150, 0});
+  maker.node("S", {0, -150});
+  maker.node("E", {160, 0});
+  maker.one_way("W", "C");
+  maker.one_way("S", "C");
+  std::vector<Point> zigzag;
+  for (int i = 0; i < 9; ++i) zigzag.push_back({57.2 + 9.0 * i, i % 2 == 0 ? 0.0 : 5.0});
+  maker.one_way("C", "E", 1, zigzag);
+  Walk walk(maker.make());
+  const DrivableArea area(walk.network);
+  CorridorMap map(walk.graph, area, {});
+  const Vehicle car = FakeTraffic(walk.network, {}).type("car").body;
+  const auto course = walk.finder.find(walk.at("W-C_0", 100.0, {"W-C", "C-E"}));
+  ASSERT_TRUE(course);
+  const Corridor& c = map[map.corridor_for(*course, car)];
+  const Pose pose = map.library().path(c.path).at(c.s_handback);
+  const std::vector<Point>& lane = walk.network.lanes.at("C-E_0").shape;
+  EXPECT_LT(off(lane, {pose.x, pose.y}), 0.05);
+  const Pose nose = compose(pose, {car.front, 0.0, 0.0});
+  EXPECT_LT(off(lane, {nose.x, nose.y}), 0.05);
+  EXPECT_GT(c.s_handback, c.s_exit + car.length()) << "the tail is out of the junction";
+}
+
 TEST(CorridorMap, BodiesOfOneShapeShareACorridor) {
   Walk walk(make_crossroads());
   const DrivableArea area(walk.network);
@@ -92,7 +134,7 @@ TEST(CorridorMap, BodiesOfOneShapeShareACorridor) {
   EXPECT_EQ(map.corridor_for(*course, body), first);
   body.max_speed += 1.0;
   EXPECT_EQ(map.corridor_for(*course, body), first);
-  // One that is weaker drives the same path in its own way.
+  // One that is weaker drives the same path in its own path.
   Vehicle weak = body;
   weak.max_accel *= 0.5;
   const int slow = map.corridor_for(*course, weak);

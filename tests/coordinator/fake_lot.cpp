@@ -88,7 +88,7 @@ void FakeLotTraffic::step() {
     const auto found = cars_.find(stay.id);
     if (found == cars_.end()) continue;
     Car& car = found->second;
-    // As in SUMO: whose front has left the lane is gone for those who follow.
+    // As in SUMO: whose front has left the lane does not count for those who follow.
     const bool in_strip = car.pose.x + body_.front < 0.0 && std::abs(car.pose.y - 6.5) < 2.0;
     if (car.placed && in_strip) leader = std::min(leader, car.pose.x - body_.rear + kLane);
     if (car.placed || (stay.slot >= 0 && !car.going)) continue;

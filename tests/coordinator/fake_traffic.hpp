@@ -40,7 +40,7 @@ struct FakeTrip {
 /// whatever happens.
 [[nodiscard]] VehicleType fake_type(const std::string& id);
 
-/// The edges of the shortest route; none if there is no way.
+/// The edges of the shortest route; none if there is no path.
 [[nodiscard]] std::vector<std::string> shortest_route(const RoadNetwork& network,
                                                       const std::string& from,
                                                       const std::string& to);

@@ -10,7 +10,7 @@
 
 namespace mvtp {
 
-/// Somebody who comes to a crossing, goes over it, and is gone a few metres behind it.
+/// Somebody who comes to a crossing, goes over it, and leaves a few metres behind it.
 struct FakeWalker {
   std::string id;
   double depart = 0.0;
@@ -30,7 +30,7 @@ class FakeWalkers {
   explicit FakeWalkers(const LaneGraph& graph) : graph_(graph) {}
 
   void add(const FakeWalker& walker) { waiting_.push_back(walker); }
-  /// @param green  does the light of a crossing show green?
+  /// @param green  does the signal of a crossing show green?
   void step(double time, double dt, const std::function<bool(int)>& green);
   [[nodiscard]] const std::vector<Pedestrian>& people() const { return people_; }
   [[nodiscard]] bool all_gone() const { return waiting_.empty() && walking_.empty(); }

@@ -91,12 +91,12 @@ TEST_F(GateTest, LetsThroughOnceAndForgetsWhoHasGone) {
   EXPECT_THAT(traffic.held, IsEmpty());
   EXPECT_THAT(traffic.passing, UnorderedElementsAre("a"));
   EXPECT_FALSE(decide({"a"})) << "it has been let through";
-  EXPECT_FALSE(decide({})) << "it has gone";
+  EXPECT_FALSE(decide({})) << "it has departed";
   EXPECT_THAT(traffic.passing, IsEmpty());
   EXPECT_FALSE(gate.passes("a"));
 }
 
-//   Somebody in its way waits for it to be gone, and it for that one.
+//   Somebody blocking its path waits for it to be departed, and it for that one.
 TEST_F(GateTest, HoldsAgainWhoStandsAlthoughItMayGo) {
   decide({"a", "b"});
   gate.let_through("a");
@@ -190,7 +190,7 @@ TEST_F(GateTest, HoldsAgainBeforeTheNextLine) {
   EXPECT_THAT(traffic.held, UnorderedElementsAre("a"));
 }
 
-/// Bicycles keep their own drivers everywhere.
+/// Bicycles keep human drivers everywhere.
 std::vector<FakeTrip> cars_and_bikes(unsigned seed) {
   return random_trips(crossroads_shape(),
                       {.vehicles = 20, .types = {"car", "car", "bike"}, .seed = seed});
@@ -258,7 +258,8 @@ TEST(GuestsAtTheGate, AreThoseWhoseBodiesCannotTurnAndAreNamed) {
   EXPECT_FALSE(left[0].why.empty());
 }
 
-// Until its tail is through, or its driver heeds rights of way again in the middle of the junction.
+// Until its tail is through, or its driver heeds rights of path again in the middle of the
+// junction.
 TEST(GuestsAtTheGate, PassUntilTheyAreThrough) {
   ClosedLoop run(crossroads_shape(), {{"bike", 0.0, "W-C", "C-E", "bike"}});
   bool was_inside = false;

@@ -38,7 +38,7 @@ class LotRun {
     expect_that_braking_is_safe();
   }
 
-  /// @return whether everyone has come and gone by `end` [s].
+  /// @return whether everyone has come and departed by `end` [s].
   bool finish(double end) {
     while (traffic.running() && traffic.time() < end) step();
     return !traffic.running();

@@ -53,7 +53,7 @@ TEST_F(LotLookoutAhead, StopsBeforeSomebodyWhoStands) {
 
 TEST_F(LotLookoutAhead, LetsThoseBeAloneWhoWalkAway) {
   drive(2.0, false);
-  EXPECT_EQ(halt({walker(8, 4, kHalfPi)}), kInfinity);   // beside, away from its way
+  EXPECT_EQ(halt({walker(8, 4, kHalfPi)}), kInfinity);   // beside, away from its path
   EXPECT_EQ(halt({walker(-6, 0, 0)}), kInfinity);        // behind
   EXPECT_LT(halt({walker(8, 4, -kHalfPi)}), kInfinity);  // towards it
 }

@@ -63,6 +63,24 @@ TEST(Predictor, WhoWaitsHaltsBeforeItsLineAndStaysThere) {
     EXPECT_EQ(forecasts[0].trajectory.at(later).v, 0.0) << speed;
     EXPECT_LT(p.place(forecasts[0], later).x, -7.2);
     EXPECT_GT(p.place(forecasts[0], later).x, -14.0);
+    ASSERT_TRUE(forecasts[0].held);
+    EXPECT_EQ(forecasts[0].held->at(7 + 2000), forecasts[0].trajectory.at(later))
+        << "he is held, and leaves no sooner than he is let through";
+  }
+}
+
+// He comes nearer still, and it is at the line that he is held.
+TEST(Predictor, WhoStandsBeforeHisLineIsNotHeldThere) {
+  Prediction p(crossroads_shape());
+  const auto forecasts = p.predict("W-C_0", 60.0, 0.0, {"W-C", "C-E"}, Intent::kWaits);
+  ASSERT_TRUE(forecasts.at(0).held);
+  EXPECT_GT(forecasts[0].held->states.back().s, forecasts[0].vehicle.now.s + 20.0);
+}
+
+TEST(Predictor, WhoMayGoIsNotHeld) {
+  Prediction p(crossroads_shape());
+  for (const Forecast& f : p.predict("W-C_0", 60.0, 8.0, {"W-C", "C-E"}, Intent::kPasses)) {
+    EXPECT_FALSE(f.held);
   }
 }
 
@@ -91,7 +109,7 @@ TEST(Predictor, WhoIsInsideAJunctionIsPredictedThere) {
     }
     return;
   }
-  FAIL() << "no way over A";
+  FAIL() << "no path over A";
 }
 
 TEST(Predictor, NoForecastIsFasterThanTheBodyCan) {

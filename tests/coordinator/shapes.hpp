@@ -97,7 +97,7 @@ struct NetworkShape {
 [[nodiscard]] NetworkShape with_signals(NetworkShape shape);
 
 /// The same with a crossing over every road that leads both ways into a junction with conflicts,
-/// right behind its stop line; under the light where there is one.
+/// right behind its stop line; under the signal where there is one.
 [[nodiscard]] NetworkShape with_crossings(NetworkShape shape);
 
 [[nodiscard]] std::vector<NetworkShape> all_shapes();

@@ -75,7 +75,7 @@ TEST(Tube, AFollowerStartsAfterHisLeader) {
   EXPECT_LT(t.earliest.at(7 + 30).s, alone.earliest.at(7 + 30).s + 1e-9);
 }
 
-/// Two drivers whose ways cross at 100 m, where both have their lines just before.
+/// Two drivers whose paths cross at 100 m, where both have their lines just before.
 class TwoTubes : public testing::Test {
  protected:
   TwoTubes() {
@@ -102,7 +102,7 @@ TEST_F(TwoTubes, DoNotMeetBehindTheirEnds) {
   EXPECT_FALSE(meet(predict(driver(70.0, 10.0)), predict(driver(70.0, 10.0)), 80.0));
 }
 
-/// One of ours on the first path, and a driver who has green on the second.
+/// One under control on the first path, and a driver who has green on the second.
 class OursAndATube : public TwoTubes {
  protected:
   OursAndATube() {

@@ -46,6 +46,14 @@ if(WITH_SUMO)  # exit code 1: at that time not everybody has arrived
   endif()
 endif()
 
+# The Python package, with the programs beside it.
+if(PYTHON)
+  set(import ${CMAKE_COMMAND} -E env PYTHONPATH=${prefix}/lib/python3/dist-packages ${PYTHON} -B)
+  expect_output("finds 0 violations" ${import} ${SOURCE_DIR}/docs/examples/python/solve.py)
+  expect_output("^${prefix}/bin/mvtp" ${import} -c
+    "print(__import__('mvtp._program', fromlist=['_program'])._program())")
+endif()
+
 # No file points back at the tree that it was built in.
 file(GLOB_RECURSE installed ${prefix}/lib/cmake/* ${prefix}/include/* ${prefix}/share/*)
 foreach(file IN LISTS installed)
@@ -54,9 +62,10 @@ foreach(file IN LISTS installed)
     message(FATAL_ERROR "${file} names the build tree: ${lines}")
   endif()
 endforeach()
-foreach(program IN ITEMS bin/mvtp libexec/mvtp/mvtp-sumo)
-  if(EXISTS ${prefix}/${program})
-    execute_process(COMMAND readelf -d ${prefix}/${program} OUTPUT_VARIABLE dynamic)
+file(GLOB_RECURSE modules ${prefix}/lib/python3/*.so)
+foreach(program IN ITEMS ${prefix}/bin/mvtp ${prefix}/libexec/mvtp/mvtp-sumo ${modules})
+  if(EXISTS ${program})
+    execute_process(COMMAND readelf -d ${program} OUTPUT_VARIABLE dynamic)
     if(dynamic MATCHES "RPATH|RUNPATH")
       message(FATAL_ERROR "${program} has a path to libraries of its own")
     endif()

@@ -92,7 +92,7 @@ class StarParts : public testing::Test, protected JointScene {
  protected:
   StarParts() : JointScene(random_instance(11, 30, 5, 45)) {}
 
-  /// Everybody along its way alone, conflicts and all.
+  /// Everybody along its single-agent path, conflicts and all.
   void place_all_alone(JointMotion& motion) const { motion.place_all(alone); }
 };
 
@@ -195,7 +195,7 @@ TEST_F(StarParts, LoweringKeepsToTheLimit) {
   EXPECT_TRUE(find_violations(instance, plan_of(motion), CollisionRule::kContinuous).empty());
 }
 
-//   Two cars nose to nose in a lane that is no wider than one: the repair comes to a halt.
+//   Two cars nose to nose in a lane that is no wider than one: the repair stagnates.
 TEST(Repair, GivesUpWithoutProgress) {
   Map lane{.width = 40, .height = 3.0};
   lane.bounds = Bounds::kAxle;

@@ -21,7 +21,7 @@ TEST(GridDistance, IsTheMetricOfSixteenMovesWithoutObstacles) {
   EXPECT_NEAR(from(9, 4), 4 * std::sqrt(5.0) + 1, 1e-4);
 }
 
-//   A wall with a gap at its upper end: the way leads around.
+//   A wall with a gap at its upper end: the path leads around.
 TEST(GridDistance, LeadsAroundAWall) {
   const Map map{.width = 20, .height = 20, .polygons = {{{9, 0}, {11, 0}, {11, 15}, {9, 15}}}};
   const GridDistance distance(grid_over(map), {15.5, 2.5});

@@ -87,7 +87,7 @@ TEST(InitialOverlap, WhoIsApartMayNotComeBack) {
   EXPECT_THAT(messages(instance, plan), ElementsAre(HasSubstr("overlaps obstacles[0]")));
 }
 
-//   Before its arrival, the car visits its goal and leaves it again.
+//   Before its arrival, the car comes to its goal and leaves it again.
 TEST(InitialOverlap, TheGoalIsExemptFromTheLastApproachOnOnly) {
   const Instance instance = beside_two_circles();
   Plan plan = straight_on();

@@ -11,7 +11,7 @@ namespace {
 
 using testing::IsEmpty;
 
-/// Three cars on lanes of their own: two short ways out, and a long one.
+/// Three cars on lanes of their own: two short paths out, and a long one.
 class Departures : public testing::Test {
  protected:
   Departures()

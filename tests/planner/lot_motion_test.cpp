@@ -85,7 +85,7 @@ std::vector<Arc> random_arcs(Dice& dice) {
   return arcs;
 }
 
-/// Up to five cars on ways through each other, ordered by chance.
+/// Up to five cars on paths through each other, ordered by chance.
 LotMotion random_motion(Dice& dice) {
   LotMotion motion;
   for (int k = 0; k < 5; ++k) {
@@ -134,7 +134,7 @@ TEST(LotMotion, KeepsCarsApartInAnyOrder) {
   EXPECT_GT(blocked, 10);   // and did wait for each other
 }
 
-//   One car crosses the way of the other at a right angle, 10 m ahead of both.
+//   One car crosses the path of the other at a right angle, 10 m ahead of both.
 LotMotion crossing() {
   LotMotion motion;
   motion.put(make_car(0, {0, 10, 0}, {{20.0, 0.0}}));
@@ -178,7 +178,7 @@ TEST(LotMotion, ACycleOfWaitsIsNotComplete) {
   EXPECT_TRUE(motion.forecast().complete);
 }
 
-//   Half an hour at walking speed: late, but nothing is in the way.
+//   Half an hour at walking speed: late, but nothing is blocking.
 TEST(LotMotion, WhoseWayIsLongIsNotBlocked) {
   LotMotion motion;
   motion.put(make_car(0, {0, 0, 0}, {{5000.0, 0.0}}));
@@ -231,7 +231,7 @@ TEST(PathCells, ContainTheBodyWhereverItIs) {
   }
 }
 
-//   A footpath 2 m wide across the way, its middle at x = 10.
+//   A footpath 2 m wide across the path, its middle at x = 10.
 const Footpath kFootpath{{{10, -5}, {10, 5}}, 2.0};
 
 TEST(PathCells, WaitsBeforeAFootpathAndNotOnIt) {

@@ -60,7 +60,7 @@ TEST(LotPlanner, KeepsNothingForThoseWhoWait) {
   EXPECT_LE(goals_and_tails, 2U);
 }
 
-//   A lattice finds no way out between two long cars, across an aisle of 5.2 m.
+//   A lattice finds no path out between two long cars, across an aisle of 5.2 m.
 TEST(LotPlanner, FindsAWayOutOfATightSlot) {
   const Vehicle long_car{.front = 4.0, .rear = 1.0, .width = 1.9, .min_turning_radius = 4.5};
   ParkingLot lot;

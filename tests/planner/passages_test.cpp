@@ -95,7 +95,7 @@ Map random_map(unsigned seed) {
 }
 
 //   A cell reaches 0.1414 m around its middle: keeping that much more clearance, neighbours are
-//   joined for certain; that much less, a real way passes over free cells only.
+//   joined for certain; that much less, a real path passes over free cells only.
 TEST(Passages, AgreeWithAFineGrid) {
   constexpr double kRadius = 0.9;
   constexpr double kCell = 0.5 * Flood::kSide * std::numbers::sqrt2;

@@ -77,7 +77,7 @@ TEST(Pbcr, ARobotWaitsWhenTheOneInItsWayCannotYield) {
   EXPECT_EQ(targets(next.value()), (std::vector{0, 1}));
 }
 
-//   0 -> 1 -> 2 -> 0 is a roundabout that would turn, but the way 0 -> 1 also sweeps over place 3,
+//   0 -> 1 -> 2 -> 0 is a roundabout that would turn, but the path 0 -> 1 also sweeps over place 3,
 //   whose robot cannot leave. Robots 1 and 2 were pushed first: 2 into the place of robot 0.
 TEST(Pbcr, AWithdrawnCandidateUndoesEverythingDecidedBelowIt) {
   const Places world{.wishes = {{{0, 0}, {1}}, {{1, 1}, {2}}, {{2, 2}, {0}}},

@@ -32,7 +32,7 @@ StepPlan judged(const Instance& instance, const PrioritizedOptions& options = {}
   return result;
 }
 
-//   Both ways cross at (25, 25), where the second robot has its goal, right on the first one's way.
+//   Both paths cross at (25, 25), where the second robot has its goal, right on the first path.
 TEST(Prioritized, ALaterRobotDoesNotParkWhereAnEarlierOneHasYetToPass) {
   Instance instance{.agents = {}, .map = empty_map(50), .dt = 1.0};
   instance.agents = {agent({5, 25, 0}, {45, 25, 0}, 0),
@@ -57,7 +57,7 @@ TEST(Prioritized, NobodyDrivesThroughARobotThatHasParked) {
   Instance instance{.agents = {}, .map = empty_map(60), .dt = 1.0};
   instance.agents = {agent({30, 40, 0}, {44, 30, kPi}, 0), agent({5, 30, 0}, {57, 30, 0}, 1)};
   const StepPlan plan = judged(instance);
-  // The way of robot 1, which is planned first, is the longer one; robot 0 parks right on it.
+  // The path of robot 1, which is planned first, is the longer one; robot 0 parks right on it.
   ASSERT_EQ(plan.trajectories.size(), 2U);
   EXPECT_EQ(arrival_step(plan.trajectories[1]), 52U);
   EXPECT_GT(arrival_step(plan.trajectories[0]), 38U);

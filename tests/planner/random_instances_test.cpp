@@ -98,7 +98,7 @@ TEST_P(RandomInstances, EveryAnswerIsRight) {
 INSTANTIATE_TEST_SUITE_P(Shards, RandomInstances, testing::Range(0, kShards));
 
 //   Its steps are shorter than those that the instance allows to look at. In these instances a
-//   robot finds its way alone by full steps only.
+//   robot finds its single-agent path by full steps only.
 TEST(EscotStarUnderSteps, IsFreeBetweenThem) {
   for (const int seed : {384, 414, 439, 664, 724, 869, 974}) {
     SCOPED_TRACE(seed);

@@ -41,7 +41,7 @@ Map with_lane(Map map, double from, double to, double y) {
 }
 
 //   Whatever the order of their numbers, the first in the queue goes first: its start is on the
-//   way of the rest.
+//   path of the rest.
 TEST_F(Turns, AQueueDrivesOff) {
   for (const bool reversed : {false, true}) {
     Instance queue{.agents = {}, .map = with_lane(empty_map(40), -1, 21, 20)};

@@ -168,7 +168,7 @@ TEST_F(TooClose, NothingMakesADecisionFail) {
   Draws draws(8);
   for (int round = 0; round < 300; ++round) {
     scene.vehicles.clear();
-    for (int i = 0; i < 5; ++i) {  // overlapping, too fast, too close, in each other's way
+    for (int i = 0; i < 5; ++i) {  // overlapping, too fast, too close, blocking each other
       add(draws.between(0, 2), 80.0 + 30.0 * draws.share(), 13.0 * draws.share());
     }
     const RoadDecision decision = decide_on_road(scene, {}, keys(), {});
@@ -245,7 +245,7 @@ TEST_F(TooClose, WhoWillBeRunIntoDrivesOn) {
 
 //      |            A guest is let over the crossing and yields to nobody. Whoever has no plan must
 //      not
-//  us -|-   X       halt in its way, even if the guest is still far.
+//  us -|-   X       halt blocking its path, even if the guest is still far.
 //      f
 TEST_F(Forecasts, WhoHasNoPlanStaysOutOfThePassageOfAGuest) {
   RoadVehicle guest = add(1, 70.0, 4.0);

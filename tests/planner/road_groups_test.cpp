@@ -178,5 +178,32 @@ TEST_F(Work, EndsTheSearchForABetterOrder) {
   EXPECT_LT(long_searched, not_searched);
 }
 
+// With a budget of 500 ms and a clock that goes on by `ms` whenever it is read.
+RoadEscotOptions read_every(double ms) {
+  RoadEscotOptions options;
+  options.crossing.tries = 60;
+  options.budget = {.ms = 500.0, .clock = [ms, now = 0.0]() mutable { return now += ms; }};
+  return options;
+}
+
+TEST_F(Work, TimeEndsTheSearchBeforeAGroupIsLate) {
+  for (int i = 0; i < 5; ++i) {
+    add(0, 70.0 - 14.0 * i, 13.0);
+    add(1, 64.0 - 14.0 * i, 13.0);
+  }
+  const RoadDecision calm = decide_on_road(scene, {}, keys(), read_every(1e-6));
+  const RoadDecision hurried = decide_on_road(scene, {}, keys(), read_every(130.0));
+  EXPECT_TRUE(calm.late.empty());
+  EXPECT_TRUE(hurried.late.empty());
+  EXPECT_LT(calm.cost, hurried.cost);
+  for (const JointPlan::Entry& e : hurried.plan.entries) EXPECT_TRUE(e.trajectory->complete);
+}
+
+TEST_F(Work, AGroupThatTakesLongerThanItsBudgetIsLate) {
+  add(0, 70.0, 13.0);
+  EXPECT_EQ(decide_on_road(scene, {}, keys(), read_every(501.0)).late,
+            std::vector<std::size_t>{0});
+}
+
 }  // namespace
 }  // namespace mvtp

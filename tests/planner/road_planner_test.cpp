@@ -73,7 +73,7 @@ TEST_F(Crossing, NobodyStopsWhereAnotherOneWillPass) {
 
 //          | 1     A car stands behind the crossing for 20 s. Vehicle 0 gets there first; if it
 //          drove
-//   0 -----+[ ]    up to that car, it would stand in the way of vehicle 1, with no way out.
+//   0 -----+[ ]    up to that car, it would stand blocking vehicle 1, with no path out.
 //          |
 TEST_F(Crossing, WaitsBeforeTheCrossingIfItCouldNotClearIt) {
   RoadVehicle obstacle = add(2, 107.5, 0.0);
@@ -152,7 +152,7 @@ TEST_F(Crossing, WithoutACompletePlanPbcrStopsTheVehicleInTime) {
   scene.forecasts.push_back({obstacle, {.states = {{120.0, 0.0}}, .complete = false}});
   add(0, 20.0, 13.9);
   double s = 20.0;
-  int standing = 0;  // decisions; each takes long, for there is no way on
+  int standing = 0;  // decisions; each takes long, for there is no path on
   for (int decision = 0; decision < 60 && standing < 3; ++decision) {
     const RoadDecision next = decide_on_road(scene, {}, {0}, {});
     ASSERT_EQ(next.stepped, 1);
@@ -253,7 +253,7 @@ TEST_F(Crossing, BehindItsHandBackTheRoomOfNowCounts) {
   EXPECT_TRUE(leaves_room(RoadPairs(scene), scene.vehicles[0], own, std::span(&ahead, 1), {}));
 }
 
-// Its tail is over the line: it is in nobody's way any more.
+// Its tail is over the line: it is blocking nobody any more.
 TEST_F(Crossing, ALeaderCountsUntilItsTailHasLeftTheLane) {
   add(0, 150.0, 10.0);
   RoadVehicle& leader = add(2, 160.0, 2.0);

@@ -88,7 +88,7 @@ TEST(SoftHybridAstar, SeesOthersUntilTheHorizonOnly) {
   EXPECT_EQ(search(problem)->soft_cost, 0.0);
 }
 
-//   Between two walls, one action ahead and one behind are too long: 0.6 m of room to turn round
+//   Between two walls, one primitive ahead and one behind are too long: 0.6 m of room to turn round
 //   in.
 TEST(SoftHybridAstar, SlowActionsLeadOutOfTightPlaces) {
   Map map = empty_map(50);
@@ -122,7 +122,7 @@ TEST(SoftHybridAstar, GivesWayToTheOther) {
   }
 }
 
-//   In a corridor there is no way past: the soft-collision cost is paid, and more of it the dearer
+//   In a corridor there is no path past: the soft-collision cost is paid, and more of it the dearer
 //   the other is.
 TEST(SoftHybridAstar, DrivesThroughTheOtherWhereItMust) {
   const Pose start{5, 1.5, 0};
@@ -134,7 +134,7 @@ TEST(SoftHybridAstar, DrivesThroughTheOtherWhereItMust) {
   EXPECT_NEAR(path->cost, path->soft_cost + double(path->steps.size()) * kTime.dt, 1e-6);
 }
 
-//   Who may touch nobody finds no way along the corridor.
+//   Who may touch nobody finds no path along the corridor.
 TEST(SoftHybridAstar, TouchesNobodyIfThatIsHard) {
   Scene scene(corridor(), {45, 1.5, 0});
   scene.place_other({25, 1.5, 0}, {});
@@ -163,7 +163,7 @@ TEST(SoftHybridAstar, WaitsWhereItStands) {
   }
 }
 
-//   Among others at rest a search that leaves out time says at once that there is no way, and one
+//   Among others at rest a search that leaves out time says at once that there is no path, and one
 //   that does not waits for ever.
 TEST(SoftHybridAstar, TimeCanBeLeftOut) {
   Scene scene(corridor(), {45, 1.5, 0});
@@ -227,7 +227,7 @@ TEST(SoftHybridAstar, ItsMemoryGrowsWithTheSearch) {
   const std::size_t at_first = search.cells();
   EXPECT_LT(at_first, std::size_t{1} << 20U);
 
-  // No way out of the box: everything inside and all the time are searched.
+  // No path out of the box: everything inside and all the time are searched.
   Map closed = empty_map(30);
   closed.polygons = {{{20, -5}, {21, -5}, {21, 35}, {20, 35}}};
   const Scene box(closed, {26, 15, 0});

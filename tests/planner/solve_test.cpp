@@ -79,7 +79,7 @@ TEST(Escot, ADrawnActionIsNotPlannedAway) {
   EXPECT_GE(different, 5);
 }
 
-//   Robots that groups do not help wait off their guides, and there the seed acts.
+//   Robots that groups do not help wait off their reference paths, and there the seed acts.
 TEST(Escot, ADifferentSeedTriesOtherWays) {
   const Plan a = judged(circle(12), {.algorithm = "escot", .seed = 1});
   const Plan b = judged(circle(12), {.algorithm = "escot", .seed = 2});
@@ -258,7 +258,7 @@ TEST(Solve, ProvesThatAGapNarrowerThanTheCarLetsNobodyThrough) {
   const Plan plan = solve(room_with_gap(1.98), {}, Deadline::in(60));
   EXPECT_EQ(plan.statistics.status, "infeasible");
   EXPECT_EQ(plan.statistics.reason,
-            "no way for agent1 to its goal, even alone: every gap is narrower than it");
+            "no path for agent1 to its goal, even alone: every gap is narrower than it");
 }
 
 TEST(Solve, FindsAWayThroughAGapJustWiderThanTheCar) { (void)judged(room_with_gap(2.02)); }

@@ -70,7 +70,7 @@ TEST_F(SpacetimeSearch, GivesUpWhereThereIsNoWay) {
 }
 
 //   [0>] ........ [<1]   robot 1 comes straight at robot 0, which gives way at the cost of a step
-//   or two: no conflicts, within w of the straight way.
+//   or two: no conflicts, within w of the straight path.
 TEST_F(SpacetimeSearch, KeepsClearOfARobotThatComesTowardsIt) {
   const Instance instance = instance_of(empty_map(50), {agent({10, 25, 0}, {40, 25, 0}, 0),
                                                         agent({40, 25, -kPi}, {10, 25, -kPi}, 1)});
@@ -110,7 +110,7 @@ TEST_F(SpacetimeSearch, LeavesItsGoalForAConstraintAndComesBack) {
 //   Boxed in so tightly that a full step hits a wall in every direction; half a step does not.
 TEST_F(SpacetimeSearch, ShorterArcsFindTheWayOutOfATightPlace) {
   Map map = empty_map(30);
-  // Blocks ahead and behind leave 0.7 m; the way out is to edge forwards and backwards.
+  // Blocks ahead and behind leave 0.7 m; the path out is to edge forwards and backwards.
   map.polygons = {{{13.2, 13}, {14.2, 13}, {14.2, 17}, {13.2, 17}},
                   {{18.6, 13}, {19.6, 13}, {19.6, 17}, {18.6, 17}}};
   const Instance instance = instance_of(map, {agent({15.2, 15, 0}, {15.2, 22, 0})});

@@ -65,5 +65,68 @@ TEST_F(NoWaiting, KeepsAStretchFree) {
   EXPECT_FALSE(rests_within(80.0, 110.0));
 }
 
+//   4 ----.        Path 4 comes over into the lane of path 0 from 60 m to 40 m before the origin,
+//   0 -----`---->  where a driver comes from behind at 13 m/s.
+class BesideADriver : public Crossing {
+ protected:
+  BesideADriver() {
+    library.add(GuidePath(smooth(
+                    resample(std::vector<Point>{{-100, 3.4}, {-60, 3.4}, {-40, 0}, {100, 0}}, 0.25),
+                    3.0)),
+                kCar);
+  }
+
+  /// May the vehicle come over with full braking, one decision from now, `ahead` of the driver?
+  [[nodiscard]] bool may_cut_in(double ahead) {
+    const RoadVehicle vehicle = add(4, 30.0, 10.0);
+    RoadVehicle driver = add(0, 0.0, 13.0);
+    scene.vehicles.pop_back();
+    driver.key = -1;
+    const double b = kCar.max_decel;
+    // The last decision after which it would still be beside his lane, and half a metre on.
+    const RoadContact contact(scene, vehicle, driver, 0.0);
+    InertialState from{30.0, 10.0};
+    while (!contact.is_ahead(advance(from, -b, 0.5), {0.0, 13.0})) from.s += 0.25;
+    from.s += 0.25;
+    PathTrajectory t{.states = {}};
+    const double place = from.s - ahead;
+    for (int k = 0; k < 100; ++k) t.states.push_back({place + 1.3 * (k - 5), 13.0});
+    driver.now = t.states.front();
+    scene.forecasts = {{.vehicle = driver, .trajectory = t}};
+    const RoadPairs pairs(scene);
+    const WholeTrajectoryOptions options;
+    const Surroundings around(pairs, scene.vehicles.front(), {}, options);
+    return around.step_is_clear(5, from, -b, advance(from, -b, 0.5));
+  }
+};
+
+TEST_F(BesideADriver, BrakingDoesNotMakeItRightToCutIn) { EXPECT_FALSE(may_cut_in(12.0)); }
+
+TEST_F(BesideADriver, FarBeforeHimItMayComeOverAndBrake) { EXPECT_TRUE(may_cut_in(55.0)); }
+
+//   A driver stands on the crossing, as if for 10 s. He is held there until others have passed.
+class HeldDriver : public Crossing {
+ protected:
+  [[nodiscard]] bool has_plan(int path, double s, bool is_held) {
+    const RoadVehicle vehicle = add(path, s, 8.0);
+    RoadVehicle driver = add(1, 98.0, 0.0);
+    scene.vehicles.pop_back();
+    driver.key = -1;
+    PathTrajectory t{.states = std::vector<InertialState>(100, {98.0, 0.0})};
+    while (t.states.back().s < 190.0) t.states.push_back(advance(t.states.back(), 1.0, 0.1));
+    Forecast forecast{.vehicle = driver, .trajectory = t};
+    if (is_held) forecast.held = PathTrajectory{.states = {{98.0, 0.0}}, .complete = false};
+    scene.forecasts = {forecast};
+    const RoadPairs pairs(scene);
+    return plan_vehicle(pairs, vehicle, {}, {}).has_value();
+  }
+};
+
+TEST_F(HeldDriver, WhoComesAcrossDoesNotCountOnHimToLeave) {
+  EXPECT_FALSE(has_plan(0, 60.0, /*is_held=*/true));
+}
+TEST_F(HeldDriver, WhoIsBehindHimWaitsForHim) { EXPECT_TRUE(has_plan(1, 60.0, /*is_held=*/true)); }
+TEST_F(HeldDriver, WhoIsNotHeldLeaves) { EXPECT_TRUE(has_plan(0, 60.0, /*is_held=*/false)); }
+
 }  // namespace
 }  // namespace mvtp

@@ -143,6 +143,23 @@ TEST_F(BenchCommand, ResumeDoesOnlyWhatIsMissing) {
   EXPECT_THAT(results(), SizeIs(3));
 }
 
+TEST_F(BenchCommand, RunsWithDifferentOptionsNeverShareATable) {
+  ASSERT_EQ(run("bench in/easy.yaml -o r.csv -q --time-limit 5").exit_code, 0);
+  const std::string more = "bench in -o r.csv --resume ";
+  expect_refused(more, "r.csv: has runs with --time-limit=5, not with no options; give the same, .*");
+  expect_refused(more + "--time-limit 5 --vehicle cl-cbs",
+                 "r.csv: has runs with --time-limit=5, not with --time-limit=5 --vehicle=cl-cbs; .*");
+  EXPECT_EQ(run(more + "--time-limit 5").exit_code, 0);
+  EXPECT_THAT(results(), SizeIs(2));
+}
+
+//   The folder for what lies between solver and referee.
+TEST_F(BenchCommand, WithoutATemporaryFolderNothingIsRecorded) {
+  Outcome outcome = shell(std::string("TMPDIR=none '") + MVTP_PROGRAM + "' bench in -o r.csv");
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_THAT(outcome.err, MatchesRegex("mvtp: TMPDIR: names no folder [^\n]*; set it to another\n"));
+}
+
 TEST_F(BenchCommand, ShardsTogetherAreTheWhole) {
   for (const char* shard : {"1", "2", "3"}) {
     const std::string i = shard;

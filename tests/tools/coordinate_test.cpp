@@ -1,10 +1,14 @@
 #include <tinyxml2.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <string>
+#include <vector>
 
 #include "tests/tools/program_fixture.hpp"
+#include "tools/view/page.hpp"
 
 namespace mvtp {
 namespace {
@@ -12,9 +16,12 @@ namespace {
 namespace fs = std::filesystem;
 
 using nlohmann::json;
+using testing::AllOf;
+using testing::Contains;
 using testing::ContainsRegex;
 using testing::IsEmpty;
 using testing::MatchesRegex;
+using testing::Not;
 
 const std::string kQuiet = std::string(MVTP_SCENARIOS) + "/crossroads/crossroads.sumocfg";
 const std::string kBusy = std::string(MVTP_SCENARIOS) + "/crossroads/crossroads-400.sumocfg";
@@ -65,6 +72,13 @@ class Coordinate : public Program {
     EXPECT_EQ(files, count);
   }
 };
+
+TEST_F(Coordinate, AWindowNeedsADisplay) {
+  const Outcome outcome = shell(std::string("unset DISPLAY WAYLAND_DISPLAY; '") + MVTP_PROGRAM +
+                                "' coordinate -c '" + kBusy + "' --gui");
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_THAT(outcome.err, testing::MatchesRegex("mvtp: --gui: there is no display [^\n]*\n"));
+}
 
 TEST_F(Coordinate, BrokenScenariosAreOneLine) {
   (void)directory_.file("empty.sumocfg", "");
@@ -206,6 +220,53 @@ TEST_F(Coordinate, AShortRunLeavesEveryFileAndEveryFigure) {
     EXPECT_FALSE(content_of(directory_.path(std::string("out/") + name)).empty()) << name;
   }
   expect_no_files_but(7);
+}
+
+/// What the page of a run says of it.
+json page_of(const std::string& path) {
+  return json::parse(replays_of(content_of(path), path).at(0).header);
+}
+
+std::vector<std::string> figures_of(const json& header) {
+  std::vector<std::string> labels;
+  for (const json& figure : header["figures"]) labels.push_back(figure[0]);
+  return labels;
+}
+
+TEST_F(Coordinate, ThePageOfACoordinatedRunHasGroupsCorridorsAndEmissions) {
+  ASSERT_EQ(
+      run("coordinate -c '" + kBusy + "' --end 60 --penetration 0.8 --no-fcd --quiet").exit_code,
+      1);  // not everybody has arrived
+  const json page = page_of(directory_.path("out/view.html"));
+  EXPECT_TRUE(page["groups"]);
+  EXPECT_TRUE(page["emissions"]);
+  EXPECT_GE(page["scene"]["corridors"].size(), 4U);
+  EXPECT_THAT(figures_of(page), AllOf(Contains("status"), Contains("replan p95")));
+  EXPECT_THAT(figures_of(page), Not(Contains("people touched")));
+  std::set<bool> automated;
+  for (const json& vehicle : page["vehicles"]) {
+    automated.insert(vehicle["automated"].get<bool>());
+    EXPECT_THAT(vehicle["movement"], MatchesRegex("[^>]+>[^>]+"));
+  }
+  EXPECT_EQ(automated.size(), 2U);
+}
+
+TEST_F(Coordinate, ThePageOfASignalHasItsLightsPeopleAndSidewalks) {
+  const std::string people =
+      std::string(MVTP_SCENARIOS) + "/crossroads/crossroads-people.static.sumocfg";
+  ASSERT_EQ(
+      run("coordinate -c '" + people + "' --controller sumo --end 60 --no-fcd --quiet").exit_code,
+      1);
+  const json page = page_of(directory_.path("out/view.html"));
+  EXPECT_THAT(figures_of(page), AllOf(Contains("people touched"), Not(Contains("replan p95"))));
+  ASSERT_EQ(page["signals"].size(), 1U);
+  EXPECT_GE(page["signals"][0]["shown"].size(), 3U);
+  EXPECT_GE(page["scene"]["lights"].size(), 12U);
+  EXPECT_EQ(page["scene"]["crossings"].size(), 4U);
+  const auto is_foot = [](const json& lane) { return lane["kind"] == "foot"; };
+  EXPECT_TRUE(std::ranges::any_of(page["scene"]["lanes"], is_foot));
+  const auto is_person = [](const json& vehicle) { return vehicle["person"].get<bool>(); };
+  EXPECT_TRUE(std::ranges::any_of(page["vehicles"], is_person));
 }
 
 TEST_F(Coordinate, HumanDriversGetTheirGreensFromUs) {

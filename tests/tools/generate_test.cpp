@@ -330,7 +330,7 @@ TEST_F(Program, GenerateRefusesWhatItCannotDo) {
   expect_refused("generate dense -o a --count 0", "generate: --count: is \"0\"; give a whole .*");
   expect_refused("generate dense -o a --seed nan", "generate: --seed: is \"nan\"; give a whole .*");
   expect_refused("generate dense -o a --vehicle tank",
-                 "generate: --vehicle: is \"tank\"; choose escot or cl-cbs; .*");
+                 "generate: --vehicle: is \"tank\"; choose escot.cl-cbs; .*");
   expect_refused("generate parking -o a --robots 5",
                  "--robots: is not for parking; give --in and --out");
   expect_refused("generate dense -o a --in 5", "--in: is for parking only; leave it out");

@@ -8,6 +8,7 @@
 #include "tools/manual/command_help.hpp"
 #include "tools/manual/completion.hpp"
 #include "tools/manual/man_page.hpp"
+#include "tools/manual/markdown_page.hpp"
 
 namespace mvtp {
 namespace {
@@ -67,7 +68,7 @@ TEST(CommandHelp, ACommandOfAnotherProgramReplacesTheEmptyOne) {
   CommandHelp first = command("prog", {});
   first.commands = {command("prog go", {option("--speed", "N")}), command("prog far", {})};
   CommandHelp second = command("prog", {});
-  second.commands = {command("prog far", {option("--way", "FILE"), option("--help", "")})};
+  second.commands = {command("prog far", {option("--path", "FILE"), option("--help", "")})};
   const auto merged = merge_programs({first, second, command("other", {})});
   ASSERT_EQ(merged.size(), 2U);
   EXPECT_EQ(merged[0].commands[0], first.commands[0]);
@@ -85,6 +86,18 @@ TEST(ManPage, PrintsTextThatTroffWouldTakeForCommands) {
   EXPECT_THAT(man_page(help, nullptr, "1.0.0"),
               HasSubstr(".SH DESCRIPTION\n\\&.TH of a \\e and a\\-b\n\\&'quoted\n"
                         ".PP\n.EX\n  an example\n.EE\n"));
+}
+
+TEST(MarkdownReference, PrintsTextThatMarkdownWouldTakeForMarkup) {
+  CommandHelp go = command("prog go", {option("--path", "a|b")});
+  go.options[0].description = "One of *these*\nor <none>";
+  go.options[0].default_value = "a";
+  CommandHelp program = command("prog", {});
+  program.commands = {go};
+  const std::string page = markdown_reference(program);
+  EXPECT_THAT(page, HasSubstr("## prog go\n"));
+  EXPECT_THAT(page, HasSubstr("| <code>--path</code> <code>a&#124;b</code> | "
+                              "One of \\*these\\*<br>or &lt;none> \\[a] |\n"));
 }
 
 TEST(ManPage, NamesItselfAndThatAboveIt) {

@@ -65,6 +65,7 @@ TEST_F(Program, WrongUsageIsOneLine) {
   expect_refused("fly", "fly: is no command of mvtp; see mvtp --help");
   expect_refused("validate", "validate: --instance is required; see mvtp validate --help");
   expect_refused("validate -i a -s b --fly", "validate: .*--fly.*; see mvtp validate --help");
+  expect_refused("solve a.yaml", "solve: a.yaml was not expected; see mvtp solve --help");
   expect_refused("validate -i a -s b --yaw up",
                  "validate: --yaw: is \"up\"; choose ccw.cw; see mvtp validate --help");
   expect_refused(
@@ -72,6 +73,22 @@ TEST_F(Program, WrongUsageIsOneLine) {
       "validate: --dt: is \"nan\"; give a number from 0.001 to 1e.06; see mvtp validate --help");
   expect_refused("validate -i a -s b --vehicle tank",
                  "--vehicle: is the unknown preset \"tank\"; choose escot or cl-cbs");
+}
+
+TEST_F(Program, SlipsAreAnsweredWithTheNearestWord) {
+  expect_refused("slove -i a", "slove: is no command of mvtp; did you mean solve. see mvtp --help");
+  expect_refused("solve -i a --outptu=b",
+                 "solve: --outptu was not expected; did you mean --output. see mvtp solve --help");
+  expect_refused("solve --instanec a", "solve: --instanec was not expected; did you mean .*");
+  expect_refused("solve -i a -a escto",
+                 "solve: --algorithm: is \"escto\"; did you mean escot. choose escot.pbcr.*");
+  expect_refused("validate -i a -s b --yaw CW",
+                 "validate: --yaw: is \"CW\"; did you mean cw. choose ccw.cw; .*");
+  expect_refused("generate dens -o out", "generate: suite: is \"dens\"; did you mean dense. .*");
+  expect_refused("toio fitt", "toio: fitt was not expected; did you mean fit. .*");
+  (void)directory_.file("p.yaml", kPlan);
+  expect_refused("toio fit p.yaml --mat simpel",
+                 "--mat: is \"simpel\", neither a mat nor a file; did you mean simple. .*");
 }
 
 TEST_F(Program, ValidPlansGiveZero) {
@@ -215,6 +232,7 @@ TEST_F(Program, BadInputIsOneLineThatNamesThePlace) {
                                               "ELF\0\0",
                                               6));
   (void)directory_.file("garbage", std::string(10'000'000, 'z'));
+  (void)directory_.file("cut.yaml", kInstance.substr(0, kInstance.find("goal: [12") + 7));
   (void)directory_.file("nan.yaml", replaced(kInstance, "[12, 10, 0]", "[12, .nan, 0]"));
   std::filesystem::create_directory(directory_.path("folder"));
 
@@ -227,11 +245,12 @@ TEST_F(Program, BadInputIsOneLineThatNamesThePlace) {
   expect_refused(instance("garbage"), "garbage: is not an instance file .*");
   expect_refused(instance("p.yaml"), "p.yaml: is not an instance file .*");
   expect_refused(instance("/dev/zero"), "/dev/zero: is not a text file .*");
+  expect_refused(instance("cut.yaml"), "cut.yaml: .*cut off.*");
   expect_refused(instance("nan.yaml"),
                  "nan.yaml: agents.0..goal.1.: is \".nan\"; give a finite number .m.");
   expect_refused("validate -i i.yaml -s i.yaml", "i.yaml: is not a plan file .*");
   expect_refused("validate -i i.yaml -s none", "none: cannot be read: .*");
-  EXPECT_EQ(directory_.size(), 7);  // nothing was written
+  EXPECT_EQ(directory_.size(), 8);  // nothing was written
 }
 
 TEST_F(Program, ResultsThatCannotBePrintedAreNotDone) {
@@ -343,6 +362,14 @@ TEST_F(Program, AnInterruptedSearchWithoutAPlanSaysSo) {
   EXPECT_EQ(outcome.err,
             "mvtp: i.yaml: interrupted, and not solved (timeout): a signal ended the search\n");
   EXPECT_FALSE(std::filesystem::exists(directory_.path("p.yaml")));
+}
+
+TEST_F(Program, LongWorkTellsWhatIsLeft) {
+  (void)directory_.file("i.yaml", circle_of_eight());
+  const std::string solve = "solve -i i.yaml -a escot-star --gap 0 --time-limit 2 ";
+  EXPECT_THAT(run(solve).err, testing::ContainsRegex("solve: [1-9]0 %, [12] s left\n"));
+  EXPECT_THAT(run(solve + "-q").err, IsEmpty());
+  EXPECT_THAT(run("generate typical -o suite").err, testing::ContainsRegex("generate: .*s left"));
 }
 
 //   The signal comes after the first of 29,000 files and long before the last.

@@ -12,8 +12,16 @@ const std::vector<std::string> kNames = {"north", "south", "east", "west"};
 
 TEST(Suggestion, NamesTheNearestIfItCouldBeASlip) {
   EXPECT_EQ(suggestion("nort", kNames), "did you mean north? there are north, south, east, west");
-  EXPECT_EQ(suggestion("Wset", kNames), "there are north, south, east, west");
+  EXPECT_EQ(suggestion("Wset", kNames), "did you mean west? there are north, south, east, west");
+  EXPECT_EQ(suggestion("up", kNames), "there are north, south, east, west");
   EXPECT_EQ(suggestion("EAST", kNames), "did you mean east? there are north, south, east, west");
+}
+
+TEST(DidYouMean, IsEmptyWhereNothingIsNear) {
+  EXPECT_EQ(did_you_mean("esat", kNames), "did you mean east? ");
+  EXPECT_EQ(did_you_mean("up", kNames), "");
+  EXPECT_EQ(did_you_mean("up", {}), "");
+  EXPECT_EQ(did_you_mean("-q", std::vector<std::string>{"-h"}), "");
 }
 
 TEST(Suggestion, ListsSomeOfMany) {

@@ -11,6 +11,7 @@ namespace mvtp {
 namespace {
 
 using testing::HasSubstr;
+using testing::StartsWith;
 
 /// Two cars in three frames, one second apart; b comes in the second one.
 Replay two_cars(ReplayMotion motion = ReplayMotion::kContinuous) {
@@ -76,6 +77,21 @@ TEST(Svg, ShowsWhoIsThereAndEscapesText) {
   EXPECT_THAT(svg, HasSubstr("#cc3d93"));  // b reverses
 }
 
+TEST(Svg, ShowsLightsAndPeople) {
+  ReplayScene scene;
+  scene.lights = {{.signal = 0, .index = 1, .from = {1, 1}, .to = {1, 4}}};
+  ReplayRecorder recorder({.title = "x"}, scene, 0.0);
+  recorder.add_lights(0.0, recorder.add_signal("s"), "rG");
+  ReplayVehicle person{.id = "p", .length = 0.5, .width = 0.5, .front = 0.25};
+  person.person = true;
+  recorder.add_vehicle(person);
+  recorder.add_frame(0.0,
+                     std::vector<ReplayVehicleState>{{0, {3, 4, 0}, 1.0, ReplayState::kWalking}});
+  const std::string svg = to_svg(recorder.finish(), 0.0, "r");
+  EXPECT_THAT(svg, HasSubstr("points=\"1.00,1.00 1.00,4.00 \" stroke=\"#009e73\""));
+  EXPECT_THAT(svg, HasSubstr("<circle cx=\"3.00\" cy=\"4.00\" r=\"0.25\""));
+}
+
 TEST(Svg, OnlyMomentsOfTheReplayCanBeDrawn) {
   EXPECT_THROW((void)to_svg(two_cars(), 2.1, "r"), InputError);
 }
@@ -89,11 +105,16 @@ TEST_F(View, DrawsAMoment) {
   ASSERT_EQ(run("solve -i i.yaml -q -o p.yaml").exit_code, 0);
   ASSERT_EQ(run("view p.yaml -i i.yaml --at 1.5 -o m.svg").exit_code, 0);
   EXPECT_THAT(content_of(directory_.path("m.svg")), HasSubstr("translate(6.50 5.00)"));
+  ASSERT_EQ(run("view p.yaml -i i.yaml --at 1.5 -o m.png").exit_code, 0);
+  EXPECT_THAT(content_of(directory_.path("m.png")), StartsWith("\x89PNG"));
+  EXPECT_THAT(
+      shell(std::string("PATH= '") + MVTP_PROGRAM + "' view p.yaml -i i.yaml --at 1 -o n.png").err,
+      HasSubstr("--output: a PNG needs rsvg-convert; install librsvg2-bin"));
   expect_refused("view p.yaml -i i.yaml --at 99 -o n.svg", "--at: is 99 s; p.yaml goes from 0 .*");
   expect_refused("view p.yaml -i i.yaml --at 1 -o n.html", "--output: is n.html; give a name .*");
   expect_refused("view p.yaml -i i.yaml -o n.svg", "--output: is n.svg; give a name .*");
   expect_refused("view p.yaml p.yaml -i i.yaml --at 1 -o n.svg", "--at: draws one replay; .*");
-  EXPECT_EQ(shell("ls").out, "i.yaml\nm.svg\np.yaml\n");
+  EXPECT_EQ(shell("ls").out, "i.yaml\nm.png\nm.svg\np.yaml\n");
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include "planner/problem/input_error.hpp"
 #include "tools/view/page.hpp"
 #include "tools/view/plan_replay.hpp"
+#include "tools/view/read_replay.hpp"
 #include "tools/view/replay.hpp"
 #include "tools/view/scene.hpp"
 
@@ -330,21 +331,70 @@ TEST(ReplayOfPlan, RefusesThePlanOfAnotherInstance) {
   EXPECT_THROW((void)replay_of(two_robots(), plan, {}, {}, "plan.yaml"), InputError);
 }
 
-TEST(SceneOfRoadNetwork, LeavesOutFootpathsAndMarksStopLines) {
+TEST(ReplayRecorder, KeepsGroupsRanksAndEmissionsIfThereAreAny) {
+  ReplayRecorder recorder = recorder_of_one_car(0.0);
+  recorder.add_vehicle({.id = "b"});
+  ReplayVehicleState a{0, {}, 0.0, {}};
+  ReplayVehicleState b{1, {}, 0.0, {}};
+  recorder.add_frame(0.0, std::vector{a, b});
+  a.group = b.group = 0;
+  a.rank = 2;
+  b.rank = 1;
+  b.co2 = 1.234;
+  recorder.add_frame(1.0, std::vector{a, b});
+  const Replay replay = recorder.finish();
+
+  const ReplayFrames frames = frames_of(replay, "r");
+  EXPECT_EQ(frames.states[0][0].group, std::nullopt);
+  EXPECT_EQ(frames.states[1][0].group, 0U);
+  EXPECT_EQ(frames.states[1][1].group, 0U);
+  EXPECT_EQ(frames.states[1][0].rank, 2);
+  EXPECT_EQ(frames.states[1][1].rank, 1);
+  EXPECT_NEAR(frames.states[1][1].co2.value_or(-1.0), 1.2, 1e-9);
+  EXPECT_FALSE(header_of(ReplayRecorder({}, {}).finish())["groups"]);
+}
+
+TEST(ReplayRecorder, KeepsWhenASignalChanges) {
+  ReplayRecorder recorder = recorder_of_one_car(0.5);
+  const std::size_t signal = recorder.add_signal("C");
+  for (int i = 0; i < 40; ++i) recorder.add_lights(0.1 * i, signal, i < 25 ? "Gr" : "yr");
+  const Replay replay = recorder.finish();
+  EXPECT_EQ(header_of(replay)["signals"][0]["shown"].size(), 2U);
+  EXPECT_THAT(lights_at(replay, 2.4, "r"), ElementsAre("Gr"));
+  EXPECT_THAT(lights_at(replay, 2.5, "r"), ElementsAre("yr"));
+}
+
+//     |  in, a signal for two turns  >| j |  out  >
+TEST(SceneOfRoadNetwork, ShowsWhoEachLaneIsForAndWhereLightsStand) {
   RoadNetwork network;
   network.lanes["in"].shape = {{0, 0}, {10, 0}};
   network.lanes["out"].shape = {{20, 0}, {30, 0}};
   network.lanes["path"].shape = {{0, 5}, {10, 5}};
-  network.lanes["path"].drivable = false;
+  network.lanes["path"].drivable = network.lanes["path"].road = false;
+  network.lanes["path"].footpath = true;
+  network.lanes["bus"].shape = {{0, 9}, {10, 9}};
+  network.lanes["bus"].drivable = false;
+  network.signals["s"] = 2;
   Junction& junction = network.junctions["j"];
   junction.shape = {{10, -3}, {20, -3}, {20, 3}};
   junction.incoming_lanes = {"in"};
+  junction.connections = {{.from_lane = "in", .to_lane = "out", .signal = "s", .signal_index = 1},
+                          {.from_lane = "in", .to_lane = "out", .signal = "s", .signal_index = 0}};
   junction.has_conflicts = true;
   const ReplayScene scene = scene_of(network);
-  ASSERT_EQ(scene.lanes.size(), 2U);
-  EXPECT_TRUE(scene.lanes[0].stop_line);
-  EXPECT_FALSE(scene.lanes[1].stop_line);
+  ASSERT_EQ(scene.lanes.size(), 4U);  // in the order of their ids
+  EXPECT_EQ(scene.lanes[0].kind, ReplayLaneKind::kBuses);
+  EXPECT_TRUE(scene.lanes[1].stop_line);
+  EXPECT_FALSE(scene.lanes[2].stop_line);
+  EXPECT_EQ(scene.lanes[3].kind, ReplayLaneKind::kFoot);
   EXPECT_EQ(scene.junctions.size(), 1U);
+
+  ASSERT_EQ(scene.lights.size(), 2U);  // beside each other, the first on the right
+  EXPECT_EQ(scene.lights[0].index, 0);
+  EXPECT_NEAR(scene.lights[0].from.y, -1.6, 1e-9);
+  EXPECT_NEAR(scene.lights[0].to.y, 0.0, 1e-9);
+  EXPECT_NEAR(scene.lights[1].to.y, 1.6, 1e-9);
+  EXPECT_NEAR(scene.lights[1].to.x, 9.7, 1e-9);
 }
 
 }  // namespace

@@ -70,8 +70,8 @@ TEST_F(ReadConfiguration, EnvironmentVariablesAreReplaced) {
 }
 
 TEST_F(ReadConfiguration, MissingFilesAreNamedWithTheirOption) {
-  EXPECT_THAT(error_of("<c>\n<net-file value=\"gone.xml\"/></c>"),
-              MatchesRegex(R"(.*/test\.sumocfg:2: net-file: .*/gone\.xml: no such file; .*)"));
+  EXPECT_THAT(error_of("<c>\n<net-file value=\"lost.xml\"/></c>"),
+              MatchesRegex(R"(.*/test\.sumocfg:2: net-file: .*/lost\.xml: no such file; .*)"));
   EXPECT_THAT(error_of(R"(<c><net-file value="net.xml"/><route-files value="a.xml,x.xml"/></c>)"),
               MatchesRegex(R"(.*:1: route-files: .*/x\.xml: no such file; .*)"));
 }

@@ -33,7 +33,7 @@ class TemporaryDirectory {
   std::filesystem::path path_;
 };
 
-/// The message of the InputError that `action` throws; "" if it throws none.
+/// The message of the InputError that the call throws; "" if it throws none.
 template <class Action>
 std::string message_of(const Action& action) {
   try {

@@ -199,6 +199,15 @@ RoadNetwork parse(const std::string& net) {
   return read_network(directory.write("test.net.xml", net));
 }
 
+// SUMO writes -1 for the connections at a signal that it does not control.
+TEST(ReadNetwork, AConnectionWithoutALightObeysNoSignal) {
+  const RoadNetwork network = parse(crossing(
+      kOpenLane,
+      R"(<connection from="sJ" to="Jn" fromLane="0" toLane="0" via=":J_1_0" tl="J" linkIndex="-1"/>)"));
+  EXPECT_EQ(network.junctions.at("J").connections.back().signal, "");
+  EXPECT_TRUE(network.signals.empty());
+}
+
 TEST(ReadNetwork, WaysThatCrossAreInConflictEvenWhereNobodyYields) {
   EXPECT_TRUE(parse(crossing(kOpenLane, kStraightOn)).junctions.at("J").has_conflicts);
   EXPECT_FALSE(parse(crossing(kOpenLane, "")).junctions.at("J").has_conflicts);

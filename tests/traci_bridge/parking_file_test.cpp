@@ -125,7 +125,7 @@ TEST_F(HostileLot, IsFineAsDrawnHere) {
   EXPECT_DOUBLE_EQ(lot.footpaths[0].width, 3.0);
   EXPECT_THAT(lot.footpaths[0].line, ElementsAre(Point{10.0, -20.0}, Point{10.0, 20.0}));
   EXPECT_THAT(lot.obstacles, SizeIs(1));
-  // Parked forward, and in reverse: one place, the way in is the same.
+  // Parked forward, and in reverse: one place, the path in is the same.
   for (const ParkingSlot& slot : lot.slots) {
     EXPECT_NEAR(slot.middle.y, 7.0, 1e-9);
     EXPECT_NEAR(slot.middle.theta, std::numbers::pi / 2, 1e-9);

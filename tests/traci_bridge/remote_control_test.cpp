@@ -197,7 +197,7 @@ TEST_F(RemoteControl, TheNextStopIsThatOfTheDemandAndNotAHold) {
   EXPECT_TRUE(states_of(*traffic).at("a").halted_by_stop);
 }
 
-// SUMO's driver knows no way back onto the road.
+// SUMO's driver knows no path back onto the road.
 TEST_F(RemoteControl, AVehicleHandedBackBesideTheRoadIsPutOntoIt) {
   const auto traffic =
       open(R"(<vehicle id="a" depart="0"><route edges="left1A1 A1B1 B1C1 C1right1"/></vehicle>)");

@@ -23,6 +23,7 @@
 #include "tools/output_folder.hpp"
 #include "tools/program.hpp"
 #include "tools/progress.hpp"
+#include "tools/runs/same_options.hpp"
 #include "tools/runs/temporary_folder.hpp"
 #include "tools/version.hpp"
 
@@ -73,7 +74,7 @@ class Bench : public JobSource {
       : options_(options), results_(results), runs_(std::move(runs)) {}
 
   int run() {
-    progress_.emplace("bench", options_.quiet, TimeLeft::kShown);
+    progress_.emplace("bench", options_.quiet);
     const bool complete = run_jobs(*this, options_.jobs);
     progress_.reset();  // ends its line
     report();
@@ -192,6 +193,11 @@ class Bench : public JobSource {
 
   void fill_in_failure(std::size_t i, const JobEnd& end, ResultRow& row) {
     const std::string said = first_line(scratch(i, "messages"));
+    if (WIFEXITED(end.status) && said.empty()) {  // whoever fails says why, if there is room for it
+      throw InputError(scratch_.path().string(),
+                       "the disk is full; make room or set TMPDIR to another folder, and use "
+                       "--resume");
+    }
     row.status = end.out_of_time                                                 ? "killed"
                  : WIFEXITED(end.status) && WEXITSTATUS(end.status) == kBadInput ? "refused"
                                                                                  : "crashed";
@@ -265,6 +271,7 @@ int run_bench(const BenchOptions& options) {
   if (!options.plans.empty()) make_output_folder(options.plans, "--plans");
   ResultFile results(options.output,
                      options.resume ? ResultFile::Mode::kResume : ResultFile::Mode::kCreate);
+  require_same_options(options.output, options.solve_words, options.resume);
   return Bench(options, runs_of(options, instances, results.done()), results).run();
 }
 

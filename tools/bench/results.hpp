@@ -45,7 +45,7 @@ using RunKey = std::tuple<std::string, std::string, std::uint64_t>;
 [[nodiscard]] std::string to_csv(const ResultRow& row);
 
 /// The rows of the file `name` with this content.
-/// @throws InputError "results.csv:17: makespan_s: ..." where a line is not one of ours.
+/// @throws InputError "results.csv:17: makespan_s: ..." where a line is not one of mvtp's.
 [[nodiscard]] std::vector<ResultRow> parse_results(std::string_view content,
                                                    const std::string& name);
 [[nodiscard]] std::vector<ResultRow> read_results(const std::string& path);
@@ -61,7 +61,7 @@ class ResultFile {
   using Mode = RowFile::Mode;
 
   /// @throws InputError if the file cannot be written, is in use, exists against `mode`, or is not
-  /// one of ours.
+  /// one of mvtp's.
   ResultFile(const std::string& path, RowFile::Mode mode);
 
   /// The runs that are in the file.

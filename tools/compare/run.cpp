@@ -61,7 +61,7 @@ bool has_parking_lot(const CompareOptions& options) {
 }
 
 /// Those that are named; else the twins that lie beside the scenario, the scenario's own control,
-/// and ours; on a parking lot, where SUMO's own drivers know no manoeuvres, simpler controllers of
+/// and coordinated; on a parking lot, where SUMO's drivers know no manoeuvres, simpler controllers of
 /// ours and ours.
 std::vector<Control> controls_of(const CompareOptions& options) {
   if (!options.controllers.empty())
@@ -157,8 +157,8 @@ class Comparison {
     jobs_.push_back(std::move(job));
   }
 
-  /// The page shows the first seed under a control that is not ours (one with a light, or else the
-  /// last), and under the last that is; none if there are not both.
+  /// The page shows the first seed under a control of SUMO (one with a light, or
+  /// else the last), and under the last that is; none if there are not both.
   [[nodiscard]] bool is_replayed(const Control& control, std::uint32_t seed) const {
     return seed == options_.seeds.front() &&
            std::ranges::count(replayed(), control.name, &Control::name) > 0;
@@ -201,7 +201,7 @@ class Comparison {
 
   /// Returns whether no signal cut it short.
   bool run_all() {
-    Progress progress("compare", options_.quiet, TimeLeft::kShown);
+    Progress progress("compare", options_.quiet);
     std::size_t done = 0;
     return run_jobs(jobs_, options_.jobs, [&](std::size_t i, int status) {
       judge(i, status);

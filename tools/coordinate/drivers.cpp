@@ -1,6 +1,7 @@
 #include "tools/coordinate/drivers.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <ranges>
@@ -87,16 +88,13 @@ CoordinatorOptions coordinator_options(const CoordinateOptions& options,
   coordinator.priority.types = {options.priority_types.begin(), options.priority_types.end()};
   coordinator.junctions.assign(junctions.begin(), junctions.end());
   coordinator.escot.seed = options.seed;
-  coordinator.share = {
-      .penetration = options.penetration,
-      .coordinate_types = {options.coordinate_types.begin(), options.coordinate_types.end()},
-      .human_types = {options.human_types.begin(), options.human_types.end()},
-      .seed = options.seed};
+  coordinator.share = controlled_share(options);
   coordinator.signals =
       options.signal_timing == "instant" ? SignalTiming::instant() : SignalTiming::real();
   coordinator.escot.crossing.tries = options.tries;
   coordinator.escot.threads = options.threads;
-  if (options.replan_budget_ms >= 0.0) coordinator.replan_budget_ms = options.replan_budget_ms;
+  coordinator.replan_budget_ms = options.replan_budget_ms >= 0.0 ? options.replan_budget_ms
+                                                                 : 1000.0 * coordinator.decision;
   coordinator.budget_from = options.replan_budget_from;
   return coordinator;
 }
@@ -110,6 +108,13 @@ FaultTolerance declared_tolerance(const CoordinateOptions& options, const Traffi
   }
   const FaultModel declared = read_assumed(options.assume_noise, read_faults(options.faults));
   return tolerance_of(declared, traffic.step_length(), longest);
+}
+
+ControlledShare controlled_share(const CoordinateOptions& options) {
+  return {.penetration = options.penetration,
+          .coordinate_types = {options.coordinate_types.begin(), options.coordinate_types.end()},
+          .human_types = {options.human_types.begin(), options.human_types.end()},
+          .seed = options.seed};
 }
 
 std::set<std::string> coordinated_junctions(const CoordinateOptions& options,
@@ -166,12 +171,44 @@ Drivers::Drivers(const CoordinateOptions& options, Traffic& traffic, const Driva
   controllers_.push_back(std::move(controller));
 }
 
+std::vector<Controller*> Drivers::all() const {
+  std::vector<Controller*> all;
+  for (const auto& controller : controllers_) all.push_back(controller.get());
+  all.insert(all.end(), guests_.begin(), guests_.end());
+  return all;
+}
+
 void Drivers::join(Simulation& simulation) {
-  for (const auto& controller : controllers_) simulation.add(*controller);
+  for (Controller* controller : all()) simulation.add(*controller);
   for (const auto& lot : lots_) {
     simulation.add([&lot = *lot](const Snapshot& now) { lot.observe(now.time); });
   }
   if (dump_) simulation.add([this](const Snapshot&) { dump_->observe(); });
+}
+
+std::vector<std::string> Drivers::describe_zones() const {
+  constexpr std::size_t kMostZones = 20;
+  constexpr std::size_t kMostJunctions = 8;
+  std::vector<ZoneFigures> zones;
+  for (const auto& controller : controllers_) {
+    for (ZoneFigures& zone : controller->zones()) zones.push_back(std::move(zone));
+  }
+  std::vector<std::string> lines;
+  for (const ZoneFigures& zone : zones) {
+    const std::size_t all = zone.junctions.size();
+    const std::size_t named = std::min(all, kMostJunctions);
+    const std::string more = all > named ? fmt::format(" and {} more", all - named) : "";
+    lines.push_back(fmt::format("control zone {} of {}: {} {}{}; {} movements", lines.size() + 1,
+                                zones.size(), all == 1 ? "junction" : "junctions",
+                                fmt::join(std::span(zone.junctions).first(named), ", "), more,
+                                zone.corridors));
+    if (lines.size() == kMostZones && zones.size() > kMostZones) {
+      lines.push_back(fmt::format("{} more control zones: see zones in summary.json",
+                                  zones.size() - kMostZones));
+      break;
+    }
+  }
+  return lines;
 }
 
 void Drivers::report_to(RunReport& report) const {
@@ -181,7 +218,7 @@ void Drivers::report_to(RunReport& report) const {
   const auto append = [](auto& to, const auto& more) {
     to.insert(to.end(), more.begin(), more.end());
   };
-  for (const auto& controller : controllers_) {
+  for (const Controller* controller : all()) {
     append(report.replans, controller->replans());
     append(report.zones, controller->zones());
     append(report.left_to_sumo, controller->left_to_sumo());

@@ -31,6 +31,8 @@ namespace mvtp {
 /// @throws InputError
 [[nodiscard]] FaultTolerance declared_tolerance(const CoordinateOptions& options,
                                                 const Traffic& traffic);
+/// Which vehicles are taken over.
+[[nodiscard]] ControlledShare controlled_share(const CoordinateOptions& options);
 
 /// Who drives in a run, side by side: a controller for each parking lot and one for the junctions;
 /// or nobody but SUMO.
@@ -40,8 +42,14 @@ class Drivers {
   Drivers(const CoordinateOptions& options, Traffic& traffic, const DrivableArea& area,
           const std::set<std::string>& junctions, std::span<const ParkingLot> lots);
 
+  /// One more, from outside; it outlives the drivers.
+  void plug_in(Controller& controller) { guests_.push_back(&controller); }
   /// Lets them take part; so do those who watch the lots, and who dumps decisions.
   void join(Simulation& simulation);
+  /// A line for each control zone: its junctions, and how many movements lead over them.
+  [[nodiscard]] std::vector<std::string> describe_zones() const;
+  /// Who drives at the junctions; nullptr: nobody but SUMO.
+  [[nodiscard]] const Coordinator* coordinator() const { return coordinator_; }
   /// What they did.
   void report_to(RunReport& report) const;
   /// How it went on the parking lots.
@@ -51,7 +59,11 @@ class Drivers {
   void write_lot_files(const RunReport& report, RunFolder& folder) const;
 
  private:
+  /// Everyone who takes part, guests last.
+  [[nodiscard]] std::vector<Controller*> all() const;
+
   std::vector<std::unique_ptr<Controller>> controllers_;
+  std::vector<Controller*> guests_;
   const Coordinator* coordinator_ = nullptr;  ///< the one of the junctions
   std::vector<std::unique_ptr<LotRecorder>> lots_;
   std::optional<InstanceDump> dump_;

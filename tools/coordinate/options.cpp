@@ -36,7 +36,8 @@ void declare_share(CLI::App& app, CoordinateOptions& o) {
   app.add_option("--signal-timing", o.signal_timing,
                  "Lights for human-driven vehicles: real (yellow 3 s at 50 km/h, 1 s all red, 5 s\n"
                  "least green) or instant (they turn at once)")
-      ->check(CLI::IsMember({"real", "instant"}))
+      ->type_name("real|instant")
+      ->check(one_of({"real", "instant"}))
       ->capture_default_str()
       ->group("Control");
 }
@@ -63,7 +64,8 @@ void declare_faults(CLI::App& app, CoordinateOptions& o) {
 
 /// Options of planning, on roads and on lots.
 void declare_planning(CLI::App& app, CoordinateOptions& o) {
-  app.add_option("--tries", o.tries, "Orders of passage tried per replan (0: order of arrival)")
+  app.add_option("--tries", o.tries,
+                 "Orders of passage tried per replan (0: first come, first served)")
       ->check(number_between(0, 100000))
       ->capture_default_str()
       ->group("Control");
@@ -74,7 +76,8 @@ void declare_planning(CLI::App& app, CoordinateOptions& o) {
       ->capture_default_str()
       ->group("Control");
   app.add_option("--parking", o.parking, "How to stand in slots: forward, reverse, or any")
-      ->check(CLI::IsMember({"forward", "reverse", "any"}))
+      ->type_name("forward|reverse|any")
+      ->check(one_of({"forward", "reverse", "any"}))
       ->capture_default_str()
       ->group("Control");
   app.add_option("--break-down", o.breakdowns,
@@ -82,8 +85,9 @@ void declare_planning(CLI::App& app, CoordinateOptions& o) {
       ->type_name("VEHICLE@SECONDS")
       ->group("Control");
   app.add_option("--replan-budget-ms", o.replan_budget_ms,
-                 "Drop plans that take longer [ms]; 0: no planning, as if the planner were dead "
-                 "(default: no limit)")
+                 "Processor time for the plan of one group of vehicles [ms]; a later plan is "
+                 "dropped. 0: no planning, as if the planner were dead (default: the decision "
+                 "period, 500)")
       ->check(number_between(0.0, 1e9))
       ->group("Control");
   app.add_option("--replan-budget-from", o.replan_budget_from,
@@ -97,11 +101,10 @@ void declare_planning(CLI::App& app, CoordinateOptions& o) {
 
 const ControllerKind& controller_named(const std::string& option, const std::string& name) {
   if (const ControllerKind* kind = find_controller(name)) return *kind;
-  std::string names;
-  for (const ControllerKind& kind : controller_kinds()) {
-    names += (names.empty() ? "" : ", ") + kind.name;
-  }
-  throw InputError(option + " " + name, "is no controller; there are " + names);
+  std::vector<std::string> names;
+  for (const ControllerKind& kind : controller_kinds()) names.push_back(kind.name);
+  throw InputError(option + " " + name, "is no controller; " + did_you_mean(name, names) +
+                                            "there are " + CLI::detail::join(names, ", "));
 }
 
 void declare_run_options(CLI::App& app, CoordinateOptions& o) {
@@ -147,6 +150,54 @@ void declare_run_options(CLI::App& app, CoordinateOptions& o) {
   declare_planning(app, o);
   declare_faults(app, o);
   app.add_option("sumo", o.sumo, "Options for SUMO itself, behind --")->group("Input");
+}
+
+void declare_coordinate_options(CLI::App& app, CoordinateOptions& o) {
+  declare_run_options(app, o);
+  app.add_option("--seed", o.seed, "Seed of SUMO's and mvtp's random numbers")
+      ->check(whole_number_between(0, 2147483647))
+      ->capture_default_str()
+      ->group("Input");
+  app.add_option("--remote", o.remote,
+                 "Join a SUMO that was started on the same scenario with --remote-port PORT,\n"
+                 "instead of starting one; its options, seed and outputs are its own")
+      ->type_name("HOST:PORT")
+      ->group("Input");
+  app.add_option("--order", o.order, "Of this client of it, from 1: who speaks first in a step")
+      ->check(whole_number_between(1, 1000))
+      ->capture_default_str()
+      ->group("Input");
+  app.add_option("--num-clients", o.num_clients, "Clients that it waits for, as it was told")
+      ->check(whole_number_between(1, 1000))
+      ->capture_default_str()
+      ->group("Input");
+  std::string meanings = "Who drives:";
+  std::string names;
+  for (const ControllerKind& c : controller_kinds()) {
+    meanings += "\n" + c.name + ": " + c.meaning;
+    names += (names.empty() ? "" : "|") + c.name;
+  }
+  app.add_option("--controller", o.controller, meanings)
+      ->type_name(names)
+      ->capture_default_str()
+      ->group("Control");
+  app.add_option("--output-dir", o.output_dir, "Folder of the results; made if missing")
+      ->type_name("DIR")
+      ->capture_default_str()
+      ->group("Output");
+  app.add_flag("--no-view", o.no_view, "Do not write the replay page view.html")->group("Output");
+  app.add_flag("--no-fcd", o.no_fcd, "Do not write the trajectories fcd.xml")->group("Output");
+  app.add_option("--dump-instances", o.dump_instances,
+                 "Folder for decisions at junctions as instance files, which mvtp solve reads")
+      ->type_name("DIR")
+      ->group("Output");
+  app.add_option("--dump-every", o.dump_every,
+                 "Of the decisions with at least two vehicles, dump every so many")
+      ->check(whole_number_between(1, 1000000000))
+      ->capture_default_str()
+      ->group("Output");
+  app.add_flag("--gui", o.gui, "Show the run in sumo-gui")->group("Output");
+  app.add_flag("--quiet", o.quiet, "No progress on stderr, no table")->group("Output");
 }
 
 }  // namespace mvtp

@@ -27,11 +27,12 @@ struct CoordinateOptions {
   int order = 1;        ///< of this client of it
   int num_clients = 1;  ///< that it waits for
   bool gui = false;
+  bool separate_process = false;  ///< SUMO is a program of its own: no option of the command
   bool quiet = false;
   std::uint32_t seed = 23423;               ///< SUMO's own default
   std::optional<double> end;                ///< [s]
   double max_lateral_accel = 0.0;           ///< [m/s^2]; 0: no limit but the lanes'
-  double replan_budget_ms = -1.0;           ///< [ms]; < 0: no limit
+  double replan_budget_ms = -1.0;           ///< [ms]; < 0: the decision period
   double replan_budget_from = 0.0;          ///< [s]
   std::string faults;                       ///< KEY=VALUE,...; empty: none
   std::string assume_noise;                 ///< KEY=VALUE,... or "faults"; empty: none
@@ -54,5 +55,7 @@ struct CoordinateOptions {
 /// Declares the options that say what is run and how it is coordinated: all but the controller, the
 /// seed and the output. `mvtp compare` hands them on to each of its runs.
 void declare_run_options(CLI::App& app, CoordinateOptions& options);
+/// Declares all options of `mvtp coordinate`.
+void declare_coordinate_options(CLI::App& app, CoordinateOptions& options);
 
 }  // namespace mvtp

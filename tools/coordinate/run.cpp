@@ -7,6 +7,8 @@
 #include <cstdio>
 #include <map>
 #include <memory>
+#include <stdexcept>
+#include <utility>
 
 #include "coordinator/faults/faulty_traffic.hpp"
 #include "coordinator/interrupt.hpp"
@@ -32,8 +34,6 @@ namespace {
 
 constexpr double kCheckpointEvery = 60.0;      ///< [s] simulated
 constexpr double kAfterLastDeparture = 120.0;  ///< [s] that a run goes on about, for the progress
-
-void say(const std::string& line) { fmt::print(stderr, "mvtp: {}\n", line); }
 
 /// SUMO at the begin of the scenario, every limit set.
 std::unique_ptr<SumoTraffic> open_traffic(const CoordinateOptions& options,
@@ -62,12 +62,15 @@ std::unique_ptr<FaultyTraffic> make_faulty(const CoordinateOptions& options, Tra
   return std::make_unique<FaultyTraffic>(traffic, std::move(plan));
 }
 
-/// The run: SUMO, the road, who drives, and who watches.
-class Run {
+}  // namespace
+
+class SumoRun::Impl {
  public:
-  Run(const CoordinateOptions& options, const std::string& command, RunFolder& folder)
+  Impl(const CoordinateOptions& options, const std::string& command, RunFolder& folder,
+       RunHost host)
       : options_(options),
         folder_(folder),
+        host_(std::move(host)),
         scenario_(plan_run(options, folder)),
         traffic_(open_traffic(options, scenario_)),
         lots_(read_parking_lots(scenario_.configuration.additional_files, traffic_->network())),
@@ -97,38 +100,79 @@ class Run {
                         .figures = {},
                         .given_up = {}};
     }
-    recorder_ =
-        std::make_unique<RunRecorder>(options_, traffic_->network(), junctions_, lots_, report_);
+    if (!options_.no_view) {
+      recorder_ = std::make_unique<RunRecorder>(options_, *traffic_, junctions_, lots_,
+                                                drivers_.coordinator(), report_);
+    }
     for (const std::string& note : scenario_.notes) say("note: " + note);
     for (const std::string& note : notes_on(*traffic_)) say("note: " + note);
+    if (options_.quiet) return;
+    for (const std::string& zone : drivers_.describe_zones()) say(zone);
   }
 
-  int drive() {
-    const auto begin = std::chrono::steady_clock::now();
-    watch();
-    next_checkpoint_ = report_.begin + kCheckpointEvery;
-    RunStatus status = RunStatus::kFailed;
-    try {
-      status = simulation_.run({.end = scenario_.end, .interrupted = interrupted});
-    } catch (const InputError& error) {
-      if (report_.end == report_.begin) throw;  // the scenario is broken from the start
-      report_.message = error.what();
-    } catch (const std::exception& error) {
-      report_.message = fmt::format("internal error: {}", error.what());
-    }
+  [[nodiscard]] SumoTraffic& traffic() { return *traffic_; }
+
+  void plug_in(Controller& controller, const std::string& name) {
+    if (begun_) throw std::logic_error("a controller is plugged in before the first step");
+    drivers_.plug_in(controller);
+    report_.controller = name;
+    report_.penetration = options_.penetration;
+  }
+
+  bool step() {
+    if (!begun_) begin();
+    status_ = simulation_.end_by({.end = scenario_.end, .interrupted = host_.interrupted});
+    if (status_) return false;
+    simulation_.step();
+    return true;
+  }
+
+  [[nodiscard]] double fraction() const {
+    const double last = scenario_.demand.last_departure.value_or(report_.begin);
+    const double end = scenario_.end.value_or(last + kAfterLastDeparture);
+    return std::clamp((report_.end - report_.begin) / std::max(end - report_.begin, 1.0), 0.0,
+                      0.99);
+  }
+
+  const RunReport& report_so_far() {
+    report_.status = to_string(RunStatus::kInterrupted);
+    judge(log_.trips());
+    return report_;
+  }
+
+  const RunReport& finish(const std::string& failure) {
+    if (!begun_) begin();
+    report_.message = failure;
+    const RunStatus status =
+        failure.empty() ? status_.value_or(RunStatus::kInterrupted) : RunStatus::kFailed;
     progress_.reset();
     report_.status = to_string(status);
-    report_.wall_time =
-        std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    report_.wall_time = std::chrono::duration<double>(Clock::now() - start_).count();
     const std::vector<Trip> trips = close(status);
     judge(trips);
+    write_files();
+    return report_;
+  }
+
+  /// Runs to the end and tells the user what came of it. Returns the exit code.
+  int drive() {
+    std::string failure;
     try {
-      write_files();
+      while (step()) {
+      }
+    } catch (const InputError& error) {
+      if (report_.end == report_.begin) throw;  // the scenario is broken from the start
+      failure = error.what();
+    } catch (const std::exception& error) {
+      failure = fmt::format("internal error: {}", error.what());
+    }
+    try {
+      (void)finish(failure);
     } catch (const InputError& error) {  // a full disk, a folder that is gone
       say(error.what());
       return kNotAchieved;
     }
-    return conclude(status);
+    return conclude();
   }
 
  private:
@@ -137,11 +181,22 @@ class Run {
     return *traffic_;
   }
 
+  using Clock = std::chrono::steady_clock;
+
+  void say(const std::string& line) const { host_.say(line); }
+
+  void begin() {
+    begun_ = true;
+    start_ = Clock::now();
+    next_checkpoint_ = report_.begin + kCheckpointEvery;
+    watch();
+  }
+
   /// Who looks at every step.
   void watch() {
     drivers_.join(simulation_);
     if (faulty_) simulation_.add(faulty_->radio());
-    progress_.emplace("coordinate", options_.quiet, TimeLeft::kShown);
+    progress_.emplace("coordinate", options_.quiet);
     simulation_.add([this](const Snapshot& now) {
       report_.end = now.time;
       report_.sumo_collisions += traffic_->collisions();
@@ -150,7 +205,7 @@ class Run {
       safety_.observe(now.time, now.vehicles);
       people_.observe(now);
       audit_.observe(now.time, now.vehicles, now.people);
-      if (!options_.no_view) recorder_->observe(now.time, now.vehicles, audit_);
+      if (recorder_) recorder_->observe(now, audit_);
       if (now.time >= next_checkpoint_) checkpoint();
       tell_progress(now);
     });
@@ -168,10 +223,7 @@ class Run {
   }
 
   void tell_progress(const Snapshot& now) {
-    const double last = scenario_.demand.last_departure.value_or(report_.begin);
-    const double end = scenario_.end.value_or(last + kAfterLastDeparture);
-    const double fraction = (now.time - report_.begin) / std::max(end - report_.begin, 1.0);
-    progress_->update(std::min(fraction, 0.99),
+    progress_->update(fraction(),
                       fmt::format("t = {:.0f} s, {} vehicles", now.time, now.vehicles.size()));
   }
 
@@ -223,20 +275,26 @@ class Run {
     folder_.write("vehicles.csv", vehicles_csv(report_));
     folder_.write("replans.csv", replans_csv(report_));
     folder_.write("events.csv", events_csv(report_));
-    if (!options_.no_view) folder_.write("view.html", recorder_->page(report_));
+    if (recorder_) folder_.write("view.html", recorder_->page(report_));
     folder_.commit();
     if (cut_off_) (void)complete_crashed_run(options_.output_dir, report_.message);
     for (const std::string& note : copy_outputs(scenario_, options_.configuration)) {
       say("note: " + note);
+    }
+    if (!report_.left_to_sumo.empty()) {
+      const LeftToTraffic& first = report_.left_to_sumo.front();
+      say(fmt::format("note: {} turns are left to SUMO, see left_to_sumo in {}; first: {}: {}",
+                      report_.left_to_sumo.size(), folder_.path("summary.json"), first.what,
+                      first.why));
     }
     if (warnings.untold == 0) return;
     say(fmt::format("note: SUMO warned {} times, see {}; first: {}", warnings.untold,
                     folder_.path("sumo.log"), fmt::join(warnings.first, " | ")));
   }
 
-  [[nodiscard]] int conclude(RunStatus status) {
+  [[nodiscard]] int conclude() {
     if (!options_.quiet) fmt::print("{}", table());
-    if (status == RunStatus::kInterrupted) return kInterrupted;
+    if (report_.status == to_string(RunStatus::kInterrupted)) return kInterrupted;
     if (succeeded(report_)) return kDone;
     complain();
     return kNotAchieved;
@@ -277,6 +335,7 @@ class Run {
 
   const CoordinateOptions& options_;
   RunFolder& folder_;
+  RunHost host_;
   Scenario scenario_;
   std::unique_ptr<SumoTraffic> traffic_;
   std::vector<ParkingLot> lots_;
@@ -293,20 +352,37 @@ class Run {
   Simulation simulation_;
   Priority priority_;
   RunReport report_;
-  std::unique_ptr<RunRecorder> recorder_;
+  std::unique_ptr<RunRecorder> recorder_;  ///< none: nobody wants the page
   std::optional<Progress> progress_;
-  double next_checkpoint_ = 0.0;  ///< [s] simulated
-  bool cut_off_ = false;          ///< SUMO's own files lack their ends
+  bool begun_ = false;
+  Clock::time_point start_{};
+  std::optional<RunStatus> status_;  ///< none: it goes on
+  double next_checkpoint_ = 0.0;     ///< [s] simulated
+  bool cut_off_ = false;             ///< SUMO's own files lack their ends
 };
 
-}  // namespace
+SumoRun::SumoRun(const CoordinateOptions& options, const std::string& command, RunFolder& folder,
+                 RunHost host)
+    : impl_(std::make_unique<Impl>(options, command, folder, std::move(host))) {}
+SumoRun::~SumoRun() = default;
+
+SumoTraffic& SumoRun::traffic() { return impl_->traffic(); }
+void SumoRun::plug_in(Controller& controller, const std::string& name) {
+  impl_->plug_in(controller, name);
+}
+bool SumoRun::step() { return impl_->step(); }
+double SumoRun::fraction() const { return impl_->fraction(); }
+const RunReport& SumoRun::report_so_far() { return impl_->report_so_far(); }
+const RunReport& SumoRun::finish(const std::string& failure) { return impl_->finish(failure); }
+int SumoRun::drive() { return impl_->drive(); }
 
 int run_coordinate(const CoordinateOptions& options, const std::string& command) {
   note_interrupts();
   (void)controller_named("--controller", options.controller);
   RunFolder folder(options.output_dir, "--output-dir");
   announce_run_folder(options.output_dir);
-  return Run(options, command, folder).drive();
+  const auto say = [](const std::string& line) { fmt::print(stderr, "mvtp: {}\n", line); };
+  return SumoRun(options, command, folder, {.say = say, .interrupted = interrupted}).drive();
 }
 
 }  // namespace mvtp

@@ -2,10 +2,19 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <set>
+
+#include "tools/coordinate/drivers.hpp"
 #include "tools/view/page.hpp"
+#include "tools/view/scene.hpp"
 
 namespace mvtp {
 namespace {
+
+constexpr double kFine = 0.05;  ///< [m] that a drawn path may be beside the true one
 
 /// The outline of a slot, from the aisle round its back to the aisle again.
 std::vector<Point> outline(const ParkingSlot& slot) {
@@ -19,63 +28,219 @@ std::vector<Point> outline(const ParkingSlot& slot) {
 
 ReplayScene scene_of(const RoadNetwork& network, const std::set<std::string>& junctions,
                      std::span<const ParkingLot> lots) {
-  ReplayScene scene;
-  for (const auto& [id, lane] : network.lanes) {
-    if (!lane.drivable) continue;
-    scene.lanes.push_back({lane.shape, lane.width, lane.internal, false});
-  }
-  for (const auto& [id, junction] : network.junctions) {
-    if (junction.shape.size() < 3) continue;
-    scene.junctions.push_back(junction.shape);
-    if (junctions.contains(id)) scene.zones.push_back(junction.shape);
+  ReplayScene scene = scene_of(network);
+  for (const std::string& id : junctions) {
+    const Polygon& shape = network.junctions.at(id).shape;
+    if (shape.size() >= 3) scene.zones.push_back(shape);
   }
   for (const ParkingLot& lot : lots) {
     scene.junctions.push_back(lot.ground);
     scene.polygons.insert(scene.polygons.end(), lot.obstacles.begin(), lot.obstacles.end());
-    for (const ParkingSlot& slot : lot.slots) scene.zones.push_back(outline(slot));
+    for (const ParkingSlot& slot : lot.slots) scene.slots.push_back(outline(slot));
   }
   return scene;
 }
 
-ReplayState state_of(const Sighting& s) {
+ReplayState state_of(const Sighting& s, bool rests) {
+  if (rests) return ReplayState::kParked;
   if (!s.coordinated) return ReplayState::kOwnDriver;
   return s.state->speed < 0.1 ? ReplayState::kWaiting : ReplayState::kCoordinated;
 }
 
+ReplayEventKind kind_of(AuditEventKind kind) {
+  switch (kind) {
+    case AuditEventKind::kOverlap:
+      return ReplayEventKind::kOverlap;
+    case AuditEventKind::kPersonTouched:
+      return ReplayEventKind::kPersonTouched;
+    case AuditEventKind::kOffRoad:
+      return ReplayEventKind::kOffRoad;
+    case AuditEventKind::kJump:
+      return ReplayEventKind::kJump;
+    case AuditEventKind::kAcceleration:
+      return ReplayEventKind::kAcceleration;
+    case AuditEventKind::kHardBraking:
+      return ReplayEventKind::kHardBraking;
+  }
+  return ReplayEventKind::kNote;
+}
+
+/// Does a point lie as far from the line through two others as drawing can leave out?
+bool is_between(const Point& a, const Point& p, const Point& b) {
+  const double length = std::hypot(b.x - a.x, b.y - a.y);
+  return std::abs((b.x - a.x) * (p.y - a.y) - (b.y - a.y) * (p.x - a.x)) <= kFine * length;
+}
+
+/// The path from one place to another with the samples that show how it bends.
+std::vector<Point> drawn(const GuidePath& path, double from, double to) {
+  std::vector<Point> kept;
+  std::vector<Point> skipped;
+  const auto steps = int(std::ceil((to - from) / GuidePath::kSpacing));
+  for (int i = 0; i <= steps; ++i) {
+    const Pose pose = path.at(std::min(from + i * GuidePath::kSpacing, to));
+    const Point point{pose.x, pose.y};
+    const bool bends = !kept.empty() && std::ranges::any_of(skipped, [&](const Point& p) {
+      return !is_between(kept.back(), p, point);
+    });
+    if (kept.empty() || bends) {
+      kept.push_back(skipped.empty() ? point : skipped.back());
+      skipped.clear();
+    }
+    skipped.push_back(point);
+  }
+  if (!skipped.empty()) kept.push_back(skipped.back());
+  return kept;
+}
+
+/// The zone of the junction that is nearest to a stop line.
+int zone_at(const Pose& line, const std::vector<ZoneFigures>& zones, const RoadNetwork& network) {
+  int nearest = 0;
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t z = 0; z < zones.size(); ++z) {
+    for (const std::string& id : zones[z].junctions) {
+      const Point& p = network.junctions.at(id).position;
+      const double distance = std::hypot(p.x - line.x, p.y - line.y);
+      if (distance >= least) continue;
+      least = distance;
+      nearest = int(z);
+    }
+  }
+  return nearest;
+}
+
 }  // namespace
 
-RunRecorder::RunRecorder(const CoordinateOptions& options, const RoadNetwork& network,
+RunRecorder::RunRecorder(const CoordinateOptions& options, const Traffic& traffic,
                          const std::set<std::string>& junctions, std::span<const ParkingLot> lots,
-                         const RunReport& report)
-    : recorder_({.title = options.configuration,
+                         const Coordinator* coordinator, const RunReport& report)
+    : options_(options),
+      traffic_(traffic),
+      coordinator_(coordinator),
+      recorder_({.title = options.configuration,
                  .label = options.controller,
                  .command = report.command,
                  .version = "mvtp " + report.mvtp_version + ", " + report.sumo_version,
                  .seed = std::to_string(report.seed)},
-                scene_of(network, junctions, lots)) {}
+                scene_of(traffic.network(), junctions, lots)),
+      share_(controlled_share(options)),
+      drives_(controller_named("--controller", options.controller).drives) {
+  for (const auto& [id, lights] : traffic.network().signals) (void)recorder_.add_signal(id);
+}
 
 std::size_t RunRecorder::index_of(const Sighting& s) {
   const auto known = indices_.find(s.state->id);
   if (known != indices_.end()) return known->second;
   const Vehicle& body = s.type->body;
-  const std::size_t index = recorder_.add_vehicle({.id = s.state->id,
-                                                   .kind = s.state->type,
-                                                   .length = body.length(),
-                                                   .width = body.width,
-                                                   .front = body.front});
-  return indices_.emplace(s.state->id, index).first->second;
+  ReplayVehicle vehicle{.id = s.state->id,
+                        .kind = s.state->type,
+                        .length = body.length(),
+                        .width = body.width,
+                        .front = body.front};
+  vehicle.automated = drives_ && share_.contains(s.state->id, s.state->type);
+  return indices_.emplace(s.state->id, recorder_.add_vehicle(vehicle)).first->second;
 }
 
-void RunRecorder::observe(double time, std::span<const Sighting> sightings, const Audit& audit) {
-  std::vector<ReplayVehicleState> states;
-  for (const Sighting& s : sightings) {
-    states.push_back({index_of(s), s.state->pose, s.state->speed, state_of(s)});
+std::size_t RunRecorder::index_of(const Pedestrian& person) {
+  const auto known = people_.find(person.id);
+  if (known != people_.end()) return known->second;
+  ReplayVehicle disc{.id = person.id,
+                     .kind = "person",
+                     .length = 2.0 * person.radius,
+                     .width = 2.0 * person.radius,
+                     .front = person.radius};
+  disc.person = true;
+  disc.automated = false;
+  return people_.emplace(person.id, recorder_.add_vehicle(disc)).first->second;
+}
+
+std::map<std::string, RunRecorder::Member> RunRecorder::members() const {
+  std::map<std::string, Member> members;
+  if (coordinator_ == nullptr) return members;
+  std::map<std::int64_t, const std::string*> id_of;
+  for (const auto& [id, driven] : coordinator_->driven()) id_of[driven.key] = &id;
+  std::map<std::int64_t, std::int64_t> rank_of;  // over all groups
+  for (const JointPlan::Entry& entry : coordinator_->plan().entries) {
+    rank_of.emplace(entry.key, std::int64_t(rank_of.size()));
   }
-  recorder_.add_frame(time, states, audit.latest_clearance());
+  for (std::vector<std::int64_t> group : coordinator_->groups()) {
+    std::erase_if(group, [&](std::int64_t key) {
+      return !id_of.contains(key) || !indices_.contains(*id_of[key]) || !rank_of.contains(key);
+    });
+    if (group.size() < 2) continue;
+    const std::size_t first = indices_.at(*id_of[group.front()]);
+    std::ranges::sort(group, {}, [&](std::int64_t key) { return rank_of[key]; });
+    int rank = 0;
+    for (const std::int64_t key : group) members[*id_of[key]] = {first, ++rank};
+  }
+  return members;
+}
+
+void RunRecorder::observe(const Snapshot& now, const Audit& audit) {
+  std::size_t signal = 0;
+  for (const auto& [id, lights] : traffic_.network().signals) {
+    recorder_.add_lights(now.time, signal++, traffic_.shown(id));
+  }
+  std::vector<ReplayVehicleState> states;
+  const bool is_due = recorder_.is_due(now.time);
+  for (std::size_t i = 0; i < now.vehicles.size(); ++i) {
+    const Sighting& s = now.vehicles[i];
+    const bool rests = now.resting[i] != 0;
+    if (is_due) co2_[s.state->id] = traffic_.co2(s.state->id);
+    states.push_back({index_of(s), s.state->pose, s.state->speed, state_of(s, rests)});
+    states.back().co2 = co2_[s.state->id];
+  }
+  const std::map<std::string, Member> grouped = members();
+  for (std::size_t i = 0; i < now.vehicles.size(); ++i) {
+    const auto member = grouped.find(now.vehicles[i].state->id);
+    if (member == grouped.end()) continue;
+    states[i].group = member->second.group;
+    states[i].rank = member->second.rank;
+  }
+  for (const Pedestrian& p : now.people) {
+    const Pose pose{p.position.x, p.position.y, p.theta};
+    states.push_back({index_of(p), pose, p.speed, ReplayState::kWalking});
+  }
+  recorder_.add_frame(now.time, states, audit.latest_clearance());
+  observe_events(audit);
+}
+
+void RunRecorder::observe_events(const Audit& audit) {
   for (; events_seen_ < audit.events().size(); ++events_seen_) {
     const AuditEvent& e = audit.events()[events_seen_];
-    recorder_.add_event(
-        {.kind = ReplayEventKind::kOverlap, .time = e.time, .place = e.where, .text = e.what});
+    ReplayEvent event{.kind = kind_of(e.kind), .time = e.time, .place = e.where};
+    event.value = -e.depth;
+    for (const std::string& id : e.who) {
+      const auto vehicle = indices_.find(id);
+      if (vehicle != indices_.end()) {
+        event.vehicles.push_back(vehicle->second);
+      } else if (const auto person = people_.find(id); person != people_.end()) {
+        event.vehicles.push_back(person->second);
+      }
+    }
+    if (e.kind == AuditEventKind::kJump) event.text = e.what;
+    recorder_.add_event(event);
+  }
+}
+
+/// The corridors that were used, each once however many types of vehicles had it.
+void RunRecorder::add_corridors(const RunReport& report) {
+  if (coordinator_ == nullptr) return;
+  const CorridorMap& corridors = coordinator_->corridors();
+  std::set<std::vector<std::pair<int, int>>> known;
+  for (int c = 0; c < corridors.size(); ++c) {
+    const Corridor& corridor = corridors[c];
+    const bool is_driven = corridor.undriven.empty() && !corridor.course.own_driver;
+    if (!is_driven || corridor.lines.empty()) continue;
+    std::vector<std::pair<int, int>> lanes;
+    for (const CorridorPiece& piece : corridor.course.pieces) {
+      lanes.emplace_back(piece.lane, piece.target);
+    }
+    if (!known.insert(lanes).second) continue;
+    const GuidePath& path = corridors.library().path(corridor.path);
+    const double line = corridor.lines.front();
+    recorder_.add_corridor(
+        {.zone = zone_at(path.at(line), report.zones, traffic_.network()),
+         .shape = drawn(path, std::max(0.0, line - options_.zone_radius), corridor.s_handback)});
   }
 }
 
@@ -83,13 +248,22 @@ std::string RunRecorder::page(const RunReport& r) {
   const auto figure = [&](const char* label, double value, const char* unit, int digits) {
     recorder_.add_figure({label, fmt::format("{:.{}f}", value, digits), unit});
   };
+  for (const VehicleRecord& v : r.vehicles) {
+    const auto known = indices_.find(v.id);
+    if (known != indices_.end()) recorder_.vehicle(known->second).movement = v.movement;
+  }
+  add_corridors(r);
   const Headline h = headline(r);
+  recorder_.add_figure({"status", r.status, ""});
   figure("mean delay", h.mean_delay, "s", 2);
   figure("95 % delay", h.p95_delay, "s", 1);
   figure("throughput", h.throughput, "veh/h", 0);
   figure("arrived", double(h.completed), "", 0);
   figure("overlaps", double(r.audit.overlap_pairs), "", 0);
-  figure("replan p95", h.replan_p95, "ms", 2);
+  if (!people_.empty()) {
+    figure("people touched", double(r.audit.people_touched_all), "", 0);
+  }
+  if (!r.replans.empty()) figure("replan p95", h.replan_p95, "ms", 2);
   const Replay replay = recorder_.finish();
   return to_html({&replay, 1});
 }

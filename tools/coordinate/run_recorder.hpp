@@ -6,7 +6,9 @@
 #include <string>
 
 #include "coordinator/audit.hpp"
+#include "coordinator/coordinator.hpp"
 #include "coordinator/report.hpp"
+#include "coordinator/simulation.hpp"
 #include "tools/coordinate/options.hpp"
 #include "tools/view/replay.hpp"
 
@@ -15,20 +17,40 @@ namespace mvtp {
 /// Records a SUMO run for its replay page.
 class RunRecorder {
  public:
-  RunRecorder(const CoordinateOptions& options, const RoadNetwork& network,
+  /// @param coordinator  who drives at the junctions; nullptr: nobody but SUMO. Like the traffic,
+  /// it
+  ///   outlives the recorder.
+  RunRecorder(const CoordinateOptions& options, const Traffic& traffic,
               const std::set<std::string>& junctions, std::span<const ParkingLot> lots,
-              const RunReport& report);
+              const Coordinator* coordinator, const RunReport& report);
 
-  void observe(double time, std::span<const Sighting> sightings, const Audit& audit);
+  void observe(const Snapshot& now, const Audit& audit);
 
   /// The page, with the figures of the finished report as its header.
   [[nodiscard]] std::string page(const RunReport& report);
 
  private:
-  std::size_t index_of(const Sighting& sighting);
+  /// Who is planned together with whom.
+  struct Member {
+    std::size_t group = 0;  ///< index of its first vehicle
+    int rank = 0;           ///< in the order in which they were planned, 1 first
+  };
 
+  std::size_t index_of(const Sighting& sighting);
+  std::size_t index_of(const Pedestrian& person);
+  [[nodiscard]] std::map<std::string, Member> members() const;
+  void observe_events(const Audit& audit);
+  void add_corridors(const RunReport& report);
+
+  const CoordinateOptions& options_;
+  const Traffic& traffic_;
+  const Coordinator* coordinator_;
   ReplayRecorder recorder_;
+  ControlledShare share_;
+  bool drives_;  ///< does the controller take vehicles over?
   std::map<std::string, std::size_t> indices_;
+  std::map<std::string, std::size_t> people_;
+  std::map<std::string, std::optional<double>> co2_;  ///< [g/s] as of the last frame that is kept
   std::size_t events_seen_ = 0;
 };
 

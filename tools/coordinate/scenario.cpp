@@ -172,6 +172,7 @@ Scenario plan_run(const CoordinateOptions& options, RunFolder& folder) {
   sumo.log = folder.part("sumo.log");
   sumo.extra = options.sumo;
   sumo.gui = options.gui;
+  sumo.separate_process = options.separate_process;
   if (!options.remote.empty()) {
     sumo.remote = address_of(options);
     choose_end(options, scenario);

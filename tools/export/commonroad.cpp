@@ -75,7 +75,9 @@ class Scenario {
   // ---- what does not move
 
   void write_lanelets() {
-    for (const ReplayLane& lane : recording_.scene.lanes) write_lanelet(lane);
+    for (const ReplayLane& lane : recording_.scene.lanes) {
+      if (lane.kind == ReplayLaneKind::kCars) write_lanelet(lane);
+    }
     if (last_id_ == 0) write_lanelet(whole_ground());  // there must be one
   }
 

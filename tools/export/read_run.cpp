@@ -131,7 +131,9 @@ Recording read_run_recording(const std::string& folder) {
   }
   const Replay replay = replays_of(read_text_file(page, kMaxTextBytes), page).front();
   std::map<std::string, ReplayVehicle> bodies;
-  for (const ReplayVehicle& vehicle : vehicles_of(replay, page)) bodies[vehicle.id] = vehicle;
+  for (const ReplayVehicle& vehicle : vehicles_of(replay, page)) {
+    if (!vehicle.person) bodies[vehicle.id] = vehicle;
+  }
 
   Recording recording;
   recording.name = fs::path(folder).lexically_normal().filename().string();

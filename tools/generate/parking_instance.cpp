@@ -183,7 +183,7 @@ GeneratedInstance generate_parking(const ParkingCell& cell, std::uint64_t seed, 
     if (all_find_a_way_alone(instance)) return {std::move(instance), origin};
   }
   throw InputError(origin,
-                   "no instance was found in which each car finds its way alone; give "
+                   "no instance was found in which each car has a single-agent path; give "
                    "another --seed");
 }
 

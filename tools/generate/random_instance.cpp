@@ -23,7 +23,7 @@ constexpr double kObstacleRadius = 0.8;  // [m]
 constexpr double kClearance = 0.5;       // [m] between bodies, and from obstacles
 constexpr int kDraws = 1000;             // for one pose, before all are drawn anew
 constexpr int kRestarts = 10;            // under one rule
-constexpr int kRounds = 100;             // of new poses for robots that find no way
+constexpr int kRounds = 100;             // of new poses for robots that find no path
 
 /// How far apart reference points have to be [m], the stricter rule first.
 const std::array<double, 2> kApart = {std::sqrt(20.0), 0.0};
@@ -113,8 +113,8 @@ class Scene {
     throw InputError(
         fmt::format("{} robots among {} obstacles on {} x {} m", cell_.robots, cell_.obstacles,
                     cell_.side, cell_.side),
-        "no instance was found in which all bodies are 0.5 m apart and each robot finds its way "
-        "alone; give fewer robots or obstacles, or a larger map");
+        "no instance was found in which all bodies are 0.5 m apart and each robot has a "
+        "single-agent path; give fewer robots or obstacles, or a larger map");
   }
 
   [[nodiscard]] Instance instance() const {
@@ -150,7 +150,7 @@ class Scene {
     return std::nullopt;
   }
 
-  /// Gives robots that find no way alone other places, until all find one.
+  /// Gives robots that find no single-agent path other places, until all find one.
   bool make_solvable() {
     std::vector<std::size_t> unproven(starts_->size());
     for (std::size_t i = 0; i < unproven.size(); ++i) unproven[i] = i;

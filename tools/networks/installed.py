@@ -112,7 +112,7 @@ def completed(home, folder):
 
 
 def with_our_demand(home, folder):
-    """Name and configuration of SUMO's bare networks under demand of ours."""
+    """Name and configuration of SUMO's bare networks under demand under control."""
     result = {}
     for name, (place, per_hour) in NETWORKS.items():
         source = os.path.join(home, PLAIN, place)

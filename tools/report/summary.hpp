@@ -13,7 +13,7 @@ namespace mvtp {
 /// What the name of an instance says about it, by the habits of our suites and of CSDO's:
 /// "dense_map50x50_obst20_a025_ex07.yaml", "map_50by50_obst25_agents5_ex0.yaml", "circle8.yaml".
 struct InstanceTraits {
-  std::string suite;  ///< "dense"; "results" if the name has none of ours
+  std::string suite;  ///< "dense"; "results" if the name has none of these
   std::string map;    ///< for people: "50 x 50 m, 20 obstacles"; else its folder, or "other"
   std::optional<int> robots;  ///< nullopt: the name does not say
 

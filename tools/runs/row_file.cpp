@@ -39,7 +39,7 @@ RowFile::RowFile(std::string path, Mode mode, const Format& format,
   std::size_t kept = 0;
   if (size > 0) {
     const std::string content = read_text_file(path_, kMostRowBytes);
-    // Only its end may be missing: what stands there must begin like one of ours.
+    // Only its end may be missing: what stands there must begin like one of mvtp's.
     if (!format.header.starts_with(content.substr(0, format.header.size()))) {
       throw InputError(path_, "is no results.csv; choose another --output");
     }

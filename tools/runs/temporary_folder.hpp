@@ -5,6 +5,7 @@
 #include <cstring>
 #include <filesystem>
 #include <string>
+#include <system_error>
 
 #include "planner/problem/input_error.hpp"
 
@@ -14,7 +15,12 @@ namespace mvtp {
 class TemporaryFolder {
  public:
   TemporaryFolder() {
-    std::string name = (std::filesystem::temp_directory_path() / "mvtp-runs-XXXXXX").string();
+    std::error_code error;
+    const std::filesystem::path parent = std::filesystem::temp_directory_path(error);
+    if (error) {
+      throw InputError("TMPDIR", "names no folder (" + error.message() + "); set it to another");
+    }
+    std::string name = (parent / "mvtp-runs-XXXXXX").string();
     if (::mkdtemp(name.data()) == nullptr) {
       throw InputError(name, std::string("cannot make this folder (") + std::strerror(errno) +
                                  "); set TMPDIR to another");

@@ -42,7 +42,7 @@ using SweepKey = std::tuple<std::string, std::string, double, double, std::uint6
 /// One line with its end.
 [[nodiscard]] std::string to_csv(const SweepRow& row);
 
-/// @throws InputError "results.csv:17: seed: ..." where a line is not one of ours.
+/// @throws InputError "results.csv:17: seed: ..." where a line is not one of mvtp's.
 [[nodiscard]] std::vector<SweepRow> read_sweep(const std::string& path);
 
 /// Takes the figures and the arrivals from the text of a summary.json. @throws InputError

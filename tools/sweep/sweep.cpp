@@ -18,6 +18,7 @@
 #include "tools/program.hpp"
 #include "tools/progress.hpp"
 #include "tools/run_folder.hpp"
+#include "tools/runs/same_options.hpp"
 #include "tools/runs/temporary_folder.hpp"
 #include "tools/sweep/rows.hpp"
 #include "tools/version.hpp"
@@ -73,7 +74,7 @@ class Sweep : public JobSource {
       : options_(options), results_(results), runs_(std::move(runs)) {}
 
   int run() {
-    progress_.emplace("sweep", options_.quiet, TimeLeft::kShown);
+    progress_.emplace("sweep", options_.quiet);
     const bool complete = run_jobs(*this, options_.jobs);
     progress_.reset();  // ends its line
     for (const std::string& complaint : complaints_) fmt::print(stderr, "mvtp: {}\n", complaint);
@@ -178,6 +179,7 @@ int run_sweep(const SweepOptions& options) {
   (void)named_controls(options.run.configuration, options.controllers);  // before any file
   SweepFile results(options.output,
                     options.resume ? RowFile::Mode::kResume : RowFile::Mode::kCreate);
+  require_same_options(options.output, options.run_arguments, options.resume);
   return Sweep(options, runs_to_do(options, results.done()), results).run();
 }
 

@@ -65,7 +65,7 @@ class Bluetooth {
   void subscribe(const std::string& path, Characteristic characteristic);
   [[nodiscard]] Bytes read(const std::string& path, Characteristic characteristic);
   /// Waits until BlueZ has taken it, and the cube if the characteristic answers writes.
-  /// @throws BluetoothError if either does not, or the link is gone.
+  /// @throws BluetoothError if either does not, or the link is lost.
   void write(const std::string& path, const Write& write);
   /// Does not wait, and nobody says whether it arrived: for commands that follow each other fast.
   void write_now(const std::string& path, const Write& write);

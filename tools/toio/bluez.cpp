@@ -311,7 +311,7 @@ class Bluetooth::Bus {
     while (!condition()) {
       if (!finishing && interrupted_()) throw Interrupted();
       const int handled = sd_bus_process(bus_.get(), nullptr);
-      check(handled, "the bus is gone");
+      check(handled, "the bus is lost");
       if (handled > 0) continue;
       const double left = std::chrono::duration<double>(end - Clock::now()).count();
       if (left <= 0.0) return false;
@@ -501,7 +501,7 @@ void Bluetooth::write(const std::string& path, const Write& write) {
 
 void Bluetooth::write_now(const std::string& path, const Write& write) {
   const std::string place = bus_->characteristic(path, write.to);
-  if (place.empty()) return;  // the link is gone, which the next look at connected() tells
+  if (place.empty()) return;  // the link is lost, which the next look at connected() tells
   const Message message = bus_->method(place, kGatt, "WriteValue");
   append_write(message, write);
   bus_->cast(message);

@@ -116,7 +116,7 @@ double circle_radius(const std::vector<Sample>& samples) {
   return std::sqrt(std::max(0.0, q_mean + a * a + b * b));
 }
 
-/// The line way = speed * (time - begin) through the part of a drive at full speed.
+/// The line distance = speed * (time - begin) through the part of a drive at full speed.
 struct Line {
   double speed = 0.0;  ///< [dots/s]
   double begin = 0.0;  ///< [s]
@@ -140,7 +140,7 @@ Line line_of(const std::vector<Sample>& samples) {
   const double determinant = n * stt - st * st;
   if (n < 5.0 || determinant <= 0.0) throw BluetoothError("the cube reports too seldom to measure");
   const double speed = (n * stw - st * sw) / determinant;
-  if (speed < 1.0) throw BluetoothError("the cube did not move; is something in its way?");
+  if (speed < 1.0) throw BluetoothError("the cube did not move; is it blocked?");
   return {speed, (st - sw / speed) / n};
 }
 

@@ -11,7 +11,7 @@ namespace mvtp {
 ///
 /// Judged anew from the file alone, with the referee's geometry and not that of the release graph:
 /// the bodies with their margins stay on the mat, and the sensor on its print; speeds and
-/// accelerations are those a cube has; whoever would be in another's way waits for it (complete),
+/// accelerations are those a cube has; whoever would be blocking another waits for it (complete),
 /// and only for what is earlier in the plan (acyclic); the frames decode to what the waypoints say.
 [[nodiscard]] std::vector<std::string> find_problems(const ToioRun& run);
 

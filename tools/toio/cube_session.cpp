@@ -47,7 +47,7 @@ CubeSession::CubeSession(Bluetooth& bluetooth) : bluetooth_(bluetooth) {
 }
 
 CubeSession::~CubeSession() {
-  handler_ = nullptr;  // who listened may be gone already
+  handler_ = nullptr;  // who listened may have ended already
   bluetooth_.finish();
   stop_all();
   bluetooth_.on_notification(nullptr);
@@ -55,7 +55,7 @@ CubeSession::~CubeSession() {
     try {
       bluetooth_.disconnect(cube.path);  // ends attempts to connect it, too
     } catch (const BluetoothError&) {
-      // Its link is gone already, or it will notice that nobody talks to it.
+      // Its link is lost already, or it will notice that nobody talks to it.
     }
   }
 }
@@ -152,7 +152,7 @@ bool CubeSession::regain(const FoundCube& cube) {
     set_up(cube);
     return true;
   } catch (const BluetoothError&) {
-    return false;  // its link is gone again, or it does not answer yet
+    return false;  // its link is lost again, or it does not answer yet
   }
 }
 
@@ -206,7 +206,7 @@ void CubeSession::stop_all() {
       bluetooth_.wait(kStopPeriod);
     }
   } catch (const BluetoothError&) {
-    // The bus is gone: the cubes stop by themselves when their last command ends.
+    // The bus is lost: the cubes stop by themselves when their last command ends.
   }
 }
 

@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <nlohmann/json.hpp>
 
 #include "planner/problem/text_file.hpp"
 #include "tools/option_types.hpp"
 #include "tools/output_files.hpp"
+#include "tools/progress.hpp"
 #include "tools/toio/check.hpp"
 #include "tools/toio/commands.hpp"
 #include "tools/toio/emulate.hpp"
@@ -25,6 +27,7 @@ struct EmulateCommand {
   int times = 1;
   bool no_gating = false;
   std::string report;
+  bool quiet = false;
 };
 
 nlohmann::ordered_json json_of(const std::string& file, std::uint64_t seed, const ToioRun& run,
@@ -115,6 +118,8 @@ int emulate_runs(EmulateCommand command) {
   }
 
   Summary summary;
+  Progress progress("emulate", command.quiet);
+  const double times = double(runs.size()) * command.times;
   nlohmann::ordered_json reports = nlohmann::ordered_json::array();
   for (std::size_t r = 0; r < runs.size(); ++r) {
     const std::string& file = command.runs[r];
@@ -122,6 +127,7 @@ int emulate_runs(EmulateCommand command) {
     for (int n = 0; n < command.times; ++n, ++options.seed) {
       const EmulateReport report = emulate(runs[r], options);
       summary.add(report);
+      progress.update((double(r) * command.times + n + 1) / times);
       print_report(runs.size() == 1 ? "" : file + ": ", options.seed, report);
       if (!command.report.empty()) reports.push_back(json_of(file, options.seed, runs[r], report));
     }
@@ -155,6 +161,7 @@ ToioCommand declare_toio_emulate(CLI::App& toio) {
       ->type_name("PERCENT")
       ->group("World");
   app->add_option("--seed", command->options.seed, "Of the world's chances [0]")
+      ->check(whole_number_between(0, std::numeric_limits<std::int64_t>::max()))
       ->type_name("N")
       ->group("World");
   app->add_option("--runs", command->times, "Runs of each file, with seeds from --seed on [1]")
@@ -171,6 +178,7 @@ ToioCommand declare_toio_emulate(CLI::App& toio) {
   app->add_option("--report", command->report, "Figures and true tracks to write (JSON) [none]")
       ->type_name("FILE")
       ->group("Output");
+  app->add_flag("-q,--quiet", command->quiet, "No progress on stderr")->group("Output");
   return {app, [command] { return emulate_runs(*command); }};
 }
 

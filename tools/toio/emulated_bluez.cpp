@@ -103,7 +103,7 @@ class EmulatedBluez::Service {
       int handled = 0;
       do {
         handled = sd_bus_process(bus_.get(), nullptr);
-        check(handled, "the bus is gone");
+        check(handled, "the bus is lost");
       } while (handled > 0);
       for (; time_ < now(); time_ += kStep) step();
       const double left = end - now();

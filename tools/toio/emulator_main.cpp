@@ -135,7 +135,7 @@ void declare(CLI::App& app, EmulatorOptions& options) {
   app.add_option("--cubes", options.cubes, "Without --run: so many in a row [1]")
       ->check(whole_number_between(0, 30));
   app.add_option("--mat", options.mat, "Without --run: what they stand on [simple]");
-  app.add_option("--delay", options.delay_ms, "Each way, +-30 % [ms] [60]")
+  app.add_option("--delay", options.delay_ms, "Each direction, +-30 % [ms] [60]")
       ->check(number_between(0, 1000));
   app.add_option("--loss", options.loss_percent, "Of commands and reports [%] [0]")
       ->check(number_between(0, 90));

@@ -33,7 +33,7 @@ std::uint8_t cruise_units(const ToioRun& run) {
   return static_cast<std::uint8_t>(std::min(units, 255));
 }
 
-/// The time from `time` on at which the reference has made `ahead` more way, not past `limit`.
+/// The time from `time` on at which the reference has made driven `ahead` more, not past `limit`.
 double time_ahead(const Reference& reference, double time, double limit, double ahead) {
   const double arc = reference.at(time).arc;
   double t = time;

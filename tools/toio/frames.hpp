@@ -7,10 +7,10 @@
 
 namespace mvtp {
 
-/// The command that drives a cube along its reference at one instant of its clock.
+/// The command that drives a cube along its reference at one moment of its clock.
 [[nodiscard]] Write track_frame(const ToioRun& run, const Twist& twist);
 
-/// The command that sends a cube to where its reference is `ahead` [m] of way from `time` on, but
+/// The command that sends a cube to where its reference is `ahead` [m] of path from `time` on, but
 /// not past a cusp nor past `limit`, a time; the last one has the angle too. The cube promises to
 /// come within 15 dots of a target.
 [[nodiscard]] Write target_frame(const ToioRun& run, const Reference& reference, double time,

@@ -189,7 +189,7 @@ class LiveRun {
     });
   }
 
-  /// Tells the player whose link is gone, and who is back; meanwhile tries to get them back.
+  /// Tells the player whose link is lost, and who is back; meanwhile tries to get them back.
   void look_after_links(Player& player, Clock::time_point begin) {
     for (std::size_t i = 0; i < lost_.size(); ++i) {
       if (lost_[i] && session_.regain(cube(i))) {

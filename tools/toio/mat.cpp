@@ -9,6 +9,7 @@
 #include "planner/problem/document.hpp"
 #include "planner/problem/input_error.hpp"
 #include "planner/problem/text_file.hpp"
+#include "tools/suggest.hpp"
 
 namespace mvtp {
 namespace {
@@ -92,11 +93,13 @@ Mat find_mat(const std::string& name_or_file) {
     if (mat.name == name_or_file) return mat;
   }
   if (std::filesystem::exists(name_or_file)) return read_mat(name_or_file);
-  throw InputError("--mat", fmt::format("is \"{}\", neither a mat nor a file; choose simple, "
+  std::vector<std::string> names;
+  for (const Mat& mat : known_mats()) names.push_back(mat.name);
+  throw InputError("--mat", fmt::format("is \"{}\", neither a mat nor a file; {}choose simple, "
                                         "collection-ring, collection-tiles, gesundroid, "
                                         "developer-1 ... developer-12, developer-all, or give a "
                                         "file with the range in dots",
-                                        name_or_file));
+                                        name_or_file, did_you_mean(name_or_file, names)));
 }
 
 }  // namespace mvtp

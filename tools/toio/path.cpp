@@ -13,7 +13,7 @@ namespace {
 constexpr double kWait = 0.002;       // shorter steps are waits [m of the plan]
 constexpr double kMostDrift = 0.1;    // as far as the referee lets a goal be missed [m]
 constexpr double kMostTurn = 0.1;     // the same in rad
-constexpr double kSpacing = 0.00025;  // of the instants [m on the desk]
+constexpr double kSpacing = 0.00025;  // of the moments [m on the desk]
 
 /// The arc that joins two poses: by its chord, and half the change of heading.
 Leg leg_between(const Pose& from, const Pose& to) {
@@ -163,7 +163,7 @@ Instant at_time(const std::vector<Instant>& instants, double time) {
   if (after == instants.end()) return instants.back();
   const Instant& a = *(after - 1);
   const Instant& b = *after;
-  const double s = (time - a.time) / (b.time - a.time);  // share of the time, then of the way
+  const double s = (time - a.time) / (b.time - a.time);  // share of the time, then of the path
   const double speeds = a.speed + b.speed;
   const double way = speeds > 0.0 ? s * (2.0 * a.speed + s * (b.speed - a.speed)) / speeds : s;
   const Pose pose{a.pose.x + way * (b.pose.x - a.pose.x), a.pose.y + way * (b.pose.y - a.pose.y),

@@ -53,7 +53,7 @@ struct Pace {
 /// under the acceleration limit, and nowhere slower than its wheels can turn evenly. It leaves
 /// no earlier than the plan says; where it is late, the next wait is shorter.
 /// @param dt duration of a step in the plan [s].
-/// @return instants at most 0.25 mm or a wait apart, in order; times and plan times never fall.
+/// @return moments at most 0.25 mm or a wait apart, in order; times and plan times never fall.
 [[nodiscard]] std::vector<Instant> retime(const std::vector<Leg>& desk_legs, const Pose& start,
                                           double dt, const Pace& pace);
 

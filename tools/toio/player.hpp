@@ -51,7 +51,7 @@ class Player {
 
   /// Robot i's cube notified something.
   void receive(std::size_t i, const CubeEvent& event, double now);
-  /// The link to robot i's cube is gone.
+  /// The link to robot i's cube is lost.
   void lose(std::size_t i);
   /// It is there again.
   void regain(std::size_t i, double now);

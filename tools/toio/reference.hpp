@@ -15,7 +15,7 @@ class Reference {
   struct State {
     Pose pose;
     Twist twist;
-    double arc = 0.0;  ///< way made since the start, forwards and backwards [m]
+    double arc = 0.0;  ///< path made since the start, forwards and backwards [m]
   };
 
   Reference(const RunRobot& robot, const DeskFrame& desk);

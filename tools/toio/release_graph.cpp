@@ -42,7 +42,7 @@ const SegmentSweep& segment_at(const std::vector<SegmentSweep>& sweeps, std::siz
   return sweeps[std::min(k, sweeps.size() - 1)];
 }
 
-/// The first time of the plan at which two robots are in each other's way.
+/// The first time of the plan at which two robots are blocking each other.
 std::optional<std::size_t> same_time(const std::vector<SegmentSweep>& a,
                                      const std::vector<SegmentSweep>& b) {
   for (std::size_t k = 0; k < std::max(a.size(), b.size()); ++k) {

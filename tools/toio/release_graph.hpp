@@ -19,7 +19,7 @@ struct SegmentSweep {
   double radius = 0.0;
 };
 
-/// Two robots whose bodies with margins are in each other's way at the same time of the plan, so
+/// Two robots whose bodies with margins are blocking each other at the same time of the plan, so
 /// that no order of passing could keep them apart.
 struct SweepConflict {
   std::size_t a = 0;
@@ -40,7 +40,7 @@ using ReleaseGraph = std::vector<std::vector<Requirement>>;  ///< by robot, each
 /// each can end its segment. Requirements that follow from an earlier one are left out.
 /// Sources: W. Hoenig et al., "Multi-agent path finding with kinematic constraints", ICAPS 2016
 /// (temporal plan graph); "Persistent and robust execution of MAPF schedules in warehouses", RA-L
-/// 4(2), 2019 (action dependency graph).
+/// 4(2), 2019 (ADG).
 [[nodiscard]] std::variant<ReleaseGraph, SweepConflict> build_release_graph(
     const std::vector<std::vector<SegmentSweep>>& sweeps);
 

@@ -10,7 +10,7 @@
 
 namespace mvtp {
 
-/// Where a cube should be at one instant, as it would report it.
+/// Where a cube should be at one moment, as it would report it.
 struct RunWaypoint {
   double time = 0.0;  ///< since the start of the run [s]
   MatPose pose;       ///< fractions of dots and degrees

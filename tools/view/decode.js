@@ -1,15 +1,19 @@
 // ---------------------------------------------------------------------------------------------
 // From the packed data in the page to replays.
 //
-// A replay is {title, label, command, version, seed, steps, scene, figures, events, vehicles,
+// A replay is {title, label, command, version, seed, steps, scene, figures, events, vehicles, signals,
 //   times: Float64Array [s], clearance: Float32Array [m] or null (NaN where there is none), tracks}.
+// A signal is {id, shown: [[from when on, a letter for each light], ...]}.
 // A track is one vehicle in an unbroken row of frames:
-//   {vehicle: index, first: frame, count, x, y [cm], heading [0.1 deg], speed [2 cm/s], state}.
+//   {vehicle: index, first: frame, count, x, y [cm], heading [0.1 deg], speed [2 cm/s], state,
+//   and, if the replay has `groups`: group (0, or 1 + index of its first vehicle), rank (1 first);
+//   if it has `emissions`: co2 [0.2 g/s]}.
 
-const FORMAT = 1;
+const FORMAT = 2;
 const SPEED_UNIT = 0.02;
+const CO2_UNIT = 0.2;
 const NO_CLEARANCE = 9999;
-const STATES = ['own driver', 'coordinated', 'waiting', 'arrived'];
+const STATES = ['SUMO’s driver', 'coordinated', 'waiting', 'arrived', 'parked', 'on foot'];
 
 async function inflate(base64) {
   const text = atob(base64);
@@ -49,24 +53,40 @@ class ColumnReader {
   }
 }
 
-function decodeStates(reader, count) {
-  const states = new Uint8Array(count);
-  // The pairs (length, state) are one column; its values are summed up as they come.
+/// Values that seldom change: pairs (how often, value) in one column, summed up as they come.
+function decodeRuns(reader, values) {
   let i = 0, filled = 0, value = 0, difference = 0, length = 0;
-  while (filled < count) {
+  while (filled < values.length) {
     const second = reader.varint();
     difference = i === 1 ? second : difference + second;
     value += difference;
     if (i % 2 === 0) {
       length = value;
     } else {
-      states.fill(value, filled, filled + length);
+      if (!(length > 0)) throw new Error('a run of values is empty');
+      values.fill(value, filled, filled + length);
       filled += length;
-      if (length <= 0) throw new Error('a run of states is empty');
     }
     ++i;
   }
-  return states;
+  return values;
+}
+
+function decodeTrack(reader, header, [vehicle, first, count]) {
+  const track = {
+    vehicle, first, count,
+    x: reader.into(new Int32Array(count), count),
+    y: reader.into(new Int32Array(count), count),
+    heading: reader.into(new Int32Array(count), count),
+    speed: reader.into(new Int16Array(count), count),
+    state: decodeRuns(reader, new Uint8Array(count)),
+  };
+  if (header.groups) {
+    track.group = decodeRuns(reader, new Uint32Array(count));
+    track.rank = decodeRuns(reader, new Uint16Array(count));
+  }
+  if (header.emissions) track.co2 = reader.into(new Int16Array(count), count);
+  return track;
 }
 
 function decode(bytes) {
@@ -82,20 +102,15 @@ function decode(bytes) {
     const cm = reader.into(new Int16Array(header.frames), header.frames);
     clearance = Float32Array.from(cm, (c) => (c >= NO_CLEARANCE ? NaN : c / 100));
   }
-  const tracks = header.tracks.map(([vehicle, first, count]) => ({
-    vehicle, first, count,
-    x: reader.into(new Int32Array(count), count),
-    y: reader.into(new Int32Array(count), count),
-    heading: reader.into(new Int32Array(count), count),
-    speed: reader.into(new Int16Array(count), count),
-    state: decodeStates(reader, count),
-  }));
+  const tracks = header.tracks.map((track) => decodeTrack(reader, header, track));
   const replay = {...header, times, clearance, tracks};
   replay.tracksOf = header.vehicles.map(() => []);
   for (const track of tracks) replay.tracksOf[track.vehicle].push(track);
   replay.indexOf = new Map(header.vehicles.map((vehicle, index) => [vehicle.id, index]));
   replay.begin = times.length ? times[0] : 0;
   replay.end = times.length ? times[times.length - 1] : 0;
+  // When somebody is there first.
+  replay.firstSeen = tracks.length ? times[tracks.reduce((least, track) => Math.min(least, track.first), times.length - 1)] : replay.begin;
   return replay;
 }
 

@@ -45,7 +45,7 @@ function progress(u, v0, v1) {
 function stateAt(replay, track, frame, t) {
   const k = frame - track.first;
   if (k < 0 || k >= track.count) return null;
-  const now = {track, vehicle: track.vehicle, state: track.state[k]};
+  const now = {track, k, vehicle: track.vehicle, state: track.state[k]};
   const v0 = track.speed[k] * SPEED_UNIT;
   const t0 = replay.times[frame];
   if (k + 1 >= track.count) return Object.assign(now, poseOf(track, k), {speed: v0});
@@ -57,15 +57,41 @@ function stateAt(replay, track, frame, t) {
   return now;
 }
 
+/// The tracks of those who are there in a frame; looked up in lists for blocks of frames, so that it
+/// does not matter how many came and went in a long run.
+function tracksAt(replay, frame) {
+  const BLOCK = 64;
+  if (!replay.blocks) {
+    replay.blocks = Array.from({length: Math.ceil(replay.times.length / BLOCK)}, () => []);
+    for (const track of replay.tracks) {
+      const last = Math.floor((track.first + track.count - 1) / BLOCK);
+      for (let b = Math.floor(track.first / BLOCK); b <= last; ++b) replay.blocks[b].push(track);
+    }
+  }
+  return replay.blocks[Math.floor(frame / BLOCK)].filter(
+      (track) => track.first <= frame && frame < track.first + track.count);
+}
+
+/// What a signal shows at time t, a letter for each light; empty before it is known.
+function lightsAt(signal, t) {
+  let low = -1, high = signal.shown.length;
+  while (high - low > 1) {
+    const middle = (low + high) >> 1;
+    if (signal.shown[middle][0] <= t + 1e-9) low = middle; else high = middle;
+  }
+  return low < 0 ? '' : signal.shown[low][1];
+}
+
 /// All vehicles at time t, with their boxes: centre cx, cy and half sizes.
 function snapshot(replay, t) {
   const frame = frameAt(replay, t);
   const present = [];
   if (frame < 0) return present;
-  for (const track of replay.tracks) {
-    if (track.first > frame || track.first + track.count <= frame) continue;
+  for (const track of tracksAt(replay, frame)) {
     const now = stateAt(replay, track, frame, t);
-    addBox(now, replay.vehicles[track.vehicle]);
+    const body = replay.vehicles[track.vehicle];
+    addBox(now, body);
+    now.person = body.person;
     present.push(now);
   }
   return present;
@@ -114,9 +140,9 @@ function boxDistance(a, b) {
   return least;
 }
 
-/// The closest pair of `present` as {a, b, distance}, or null. A sweep along x.
+/// The closest pair of vehicles in `present` as {a, b, distance}, or null. A sweep along x.
 function closestPair(present) {
-  const sorted = [...present].sort((a, b) => a.cx - b.cx);
+  const sorted = present.filter((box) => !box.person).sort((a, b) => a.cx - b.cx);
   const widest = sorted.reduce((most, box) => Math.max(most, box.radius), 0);
   let best = null, least = Infinity;
   for (let i = 0; i < sorted.length; ++i) {

@@ -10,6 +10,7 @@
 #include <string_view>
 
 #include "planner/problem/input_error.hpp"
+#include "tools/view/replay_json.hpp"
 
 namespace mvtp {
 namespace {
@@ -38,23 +39,57 @@ ReplayVehicle vehicle_of(const Json& json) {
           .front = json.at("front").get<double>(),
           .max_speed = json.at("maxSpeed").get<double>(),
           .start = pose_of(json.at("start")),
-          .goal = pose_of(json.at("goal"))};
+          .goal = pose_of(json.at("goal")),
+          .person = json.at("person").get<bool>(),
+          .automated = json.at("automated").get<bool>(),
+          .movement = json.at("movement").get<std::string>()};
 }
 
-ReplayScene scene_of(const Json& json) {
-  ReplayScene scene;
+ReplayLaneKind lane_kind_of(const std::string& name) {
+  for (const auto kind : {ReplayLaneKind::kBuses, ReplayLaneKind::kBicycles, ReplayLaneKind::kRail,
+                          ReplayLaneKind::kFoot}) {
+    if (name == name_of(kind)) return kind;
+  }
+  return ReplayLaneKind::kCars;
+}
+
+void read_ways(const Json& json, ReplayScene& scene) {
   for (const Json& lane : json.at("lanes")) {
     scene.lanes.push_back({.shape = points_of(lane.at("shape")),
                            .width = lane.at("width").get<double>(),
                            .internal = lane.at("internal").get<bool>(),
-                           .stop_line = lane.at("stop").get<bool>()});
+                           .stop_line = lane.at("stop").get<bool>(),
+                           .kind = lane_kind_of(lane.at("kind").get<std::string>())});
   }
+  for (const Json& crossing : json.at("crossings")) {
+    scene.crossings.push_back(
+        {points_of(crossing.at("shape")), crossing.at("width").get<double>()});
+  }
+  for (const Json& light : json.at("lights")) {
+    const std::vector<Point> line = points_of(light.at("line"));
+    scene.lights.push_back({.signal = light.at("signal").get<std::size_t>(),
+                            .index = light.at("index").get<int>(),
+                            .from = line.at(0),
+                            .to = line.at(1)});
+    if (const Json& target = light.at("target"); !target.is_null()) {
+      scene.lights.back().target = points_of(target).at(0);
+    }
+  }
+  for (const Json& corridor : json.at("corridors")) {
+    scene.corridors.push_back({corridor.at("zone").get<int>(), points_of(corridor.at("shape"))});
+  }
+}
+
+ReplayScene scene_of(const Json& json) {
+  ReplayScene scene;
+  read_ways(json, scene);
   const auto read = [&](const char* name, std::vector<Polygon>& polygons) {
     for (const Json& polygon : json.at(name)) polygons.push_back(points_of(polygon));
   };
   read("polygons", scene.polygons);
   read("junctions", scene.junctions);
   read("zones", scene.zones);
+  read("slots", scene.slots);
   if (const Json& border = json.at("border"); !border.is_null()) {
     scene.border = Point{border.at(0).get<double>(), border.at(1).get<double>()};
   }
@@ -78,17 +113,17 @@ class ColumnReader {
     return values;
   }
 
-  /// The states of a track: pairs of how long and which, in a column that ends with the track.
-  std::vector<ReplayState> states(std::size_t count) {
-    std::vector<ReplayState> states;
+  /// ReplayRuns: pairs of how often and which, in a column that ends with the track.
+  std::vector<std::int64_t> runs(std::size_t count) {
+    std::vector<std::int64_t> values;
     begin_column();
-    while (states.size() < count) {
+    while (values.size() < count) {
       const std::int64_t length = next();
-      const auto state = static_cast<ReplayState>(next());
-      if (length <= 0 || static_cast<std::size_t>(length) > count - states.size()) throw Damaged();
-      states.insert(states.end(), static_cast<std::size_t>(length), state);
+      const std::int64_t value = next();
+      if (length <= 0 || static_cast<std::size_t>(length) > count - values.size()) throw Damaged();
+      values.insert(values.end(), static_cast<std::size_t>(length), value);
     }
-    return states;
+    return values;
   }
 
   struct Damaged {};
@@ -123,7 +158,14 @@ class ColumnReader {
   std::int64_t difference_ = 0;
 };
 
-void read_track(const Json& track, ColumnReader& reader, ReplayFrames& frames) {
+/// Which columns there are beside those that all replays have.
+struct Extras {
+  bool groups = false;
+  bool emissions = false;
+};
+
+void read_track(const Json& track, const Extras& extras, ColumnReader& reader,
+                ReplayFrames& frames) {
   const auto vehicle = track.at(0).get<std::size_t>();
   const auto first = track.at(1).get<std::size_t>();
   const auto count = track.at(2).get<std::size_t>();
@@ -133,11 +175,18 @@ void read_track(const Json& track, ColumnReader& reader, ReplayFrames& frames) {
   const auto y = reader.column(count);
   const auto heading = reader.column(count);
   const auto speed = reader.column(count);
-  const auto state = reader.states(count);
+  const auto state = reader.runs(count);
+  const auto groups = extras.groups ? reader.runs(count) : std::vector<std::int64_t>(count);
+  const auto ranks = extras.groups ? reader.runs(count) : std::vector<std::int64_t>(count);
+  const auto co2 = extras.emissions ? reader.column(count) : std::vector<std::int64_t>();
   for (std::size_t k = 0; k < count; ++k) {
     const Pose pose{double(x[k]) * 0.01, double(y[k]) * 0.01,
                     wrap_to_pi(double(heading[k]) * std::numbers::pi / 1800.0)};
-    frames.states[first + k].push_back({vehicle, pose, double(speed[k]) * 0.02, state[k]});
+    ReplayVehicleState& now = frames.states[first + k].emplace_back();
+    now = {vehicle, pose, double(speed[k]) * 0.02, static_cast<ReplayState>(state[k])};
+    if (groups[k] > 0) now.group = static_cast<std::size_t>(groups[k] - 1);
+    now.rank = static_cast<int>(ranks[k]);
+    if (extras.emissions) now.co2 = double(co2[k]) * 0.2;
   }
 }
 
@@ -191,8 +240,22 @@ ReplayFrames frames_of(const Replay& replay, const std::string& where) {
     for (const std::int64_t ms : reader.column(count)) frames.times.push_back(double(ms) / 1000.0);
     if (header.at("clearance").get<bool>()) (void)reader.column(count);
     frames.states.resize(count);
-    for (const Json& track : header.at("tracks")) read_track(track, reader, frames);
+    const Extras extras{header.at("groups").get<bool>(), header.at("emissions").get<bool>()};
+    for (const Json& track : header.at("tracks")) read_track(track, extras, reader, frames);
     return frames;
+  });
+}
+
+std::vector<std::string> lights_at(const Replay& replay, double time, const std::string& where) {
+  return read<std::vector<std::string>>(replay, where, [&](const Json& header) {
+    std::vector<std::string> lights;
+    for (const Json& signal : header.at("signals")) {
+      lights.emplace_back();
+      for (const Json& shown : signal.at("shown")) {
+        if (shown.at(0).get<double>() <= time + 1e-9) lights.back() = shown.at(1);
+      }
+    }
+    return lights;
   });
 }
 

@@ -23,6 +23,11 @@ struct ReplayFrames {
 /// @throws InputError if the frames are damaged.
 [[nodiscard]] ReplayFrames frames_of(const Replay& replay, const std::string& where);
 
+/// What each signal shows at a moment, a letter for each light; empty before it is known.
+/// @throws InputError if the header lacks something.
+[[nodiscard]] std::vector<std::string> lights_at(const Replay& replay, double time,
+                                                 const std::string& where);
+
 /// Everybody at one moment, between two frames along the arc that joins them. A vehicle is there
 /// from its first frame to its last one.
 [[nodiscard]] std::vector<ReplayVehicleState> states_at(const ReplayFrames& frames, double time);

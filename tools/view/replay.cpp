@@ -8,30 +8,32 @@
 #include <stdexcept>
 #include <utility>
 
+#include "tools/view/replay_json.hpp"
+
 // Layout of Replay::frames, each a ReplayColumn without any length in between (the header has
 // them):
 //   times [ms]; clearances [cm], if the header says so, kNoClearance for none;
-//   for each track: x [cm], y [cm], heading [0.1 deg], speed [2 cm/s],
-//                   states as pairs (length of the run, state).
+//   for each track: x [cm], y [cm], heading [0.1 deg], speed [2 cm/s], states as ReplayRuns;
+//     groups (0, or 1 + the first vehicle) and ranks as ReplayRuns, if the header says so;
+//     CO2 [0.2 g/s], if the header says so.
 // A track is one vehicle in an unbroken row of frames.
 
 namespace mvtp {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using Json = ReplayJson;
 
-constexpr int kFormat = 1;
+constexpr int kFormat = 2;
 constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
 constexpr std::int64_t kHeadingsPerTurn = 3600;
 constexpr double kSpeedUnit = 0.02;          // [m/s]
+constexpr double kCo2Unit = 0.2;             // [g/s]
 constexpr std::int64_t kNoClearance = 9999;  // [cm]
 constexpr double kFarthest = 1e7;            // [m]; beyond it a position is an error
 constexpr double kEpisodeGap = 1.0;          // [s]
 constexpr double kTimeTolerance = 1e-6;      // [s]
 
 std::int64_t quantise(double value, double unit) { return std::llround(value / unit); }
-
-double centimetres(double metres) { return std::round(metres * 100.0) / 100.0; }
 
 /// In (-half a turn, half a turn].
 std::int64_t shortest_turn(std::int64_t difference) {
@@ -42,77 +44,6 @@ std::int64_t shortest_turn(std::int64_t difference) {
 bool is_sound(const ReplayVehicleState& state) {
   return std::abs(state.pose.x) < kFarthest && std::abs(state.pose.y) < kFarthest &&
          std::abs(state.pose.theta) < kFarthest && std::abs(state.speed) < kFarthest;
-}
-
-/// x, y, x, y, ... [m]
-Json flat(const std::vector<Point>& points) {
-  Json numbers = Json::array();
-  for (const Point& point : points) {
-    numbers.push_back(centimetres(point.x));
-    numbers.push_back(centimetres(point.y));
-  }
-  return numbers;
-}
-
-Json flat(const std::vector<Polygon>& polygons) {
-  Json all = Json::array();
-  for (const Polygon& polygon : polygons) all.push_back(flat(polygon));
-  return all;
-}
-
-Json to_json(const std::optional<Pose>& pose) {
-  if (!pose) return nullptr;
-  return {centimetres(pose->x), centimetres(pose->y), std::round(pose->theta * 1e4) / 1e4};
-}
-
-Json to_json(const ReplayScene& scene) {
-  Json lanes = Json::array();
-  for (const ReplayLane& lane : scene.lanes) {
-    lanes.push_back({{"width", lane.width},
-                     {"internal", lane.internal},
-                     {"stop", lane.stop_line},
-                     {"shape", flat(lane.shape)}});
-  }
-  Json circles = Json::array();
-  for (const Circle& circle : scene.circles) {
-    circles.push_back({centimetres(circle.x), centimetres(circle.y), circle.radius});
-  }
-  return {{"border", scene.border ? Json{scene.border->x, scene.border->y} : Json(nullptr)},
-          {"lanes", std::move(lanes)},
-          {"junctions", flat(scene.junctions)},
-          {"zones", flat(scene.zones)},
-          {"circles", std::move(circles)},
-          {"polygons", flat(scene.polygons)}};
-}
-
-Json to_json(const ReplayVehicle& vehicle) {
-  return {{"id", vehicle.id},
-          {"kind", vehicle.kind},
-          {"length", vehicle.length},
-          {"width", vehicle.width},
-          {"front", vehicle.front},
-          {"maxSpeed", vehicle.max_speed},
-          {"start", to_json(vehicle.start)},
-          {"goal", to_json(vehicle.goal)}};
-}
-
-const char* name_of(ReplayEventKind kind) {
-  switch (kind) {
-    case ReplayEventKind::kOverlap:
-      return "overlap";
-    case ReplayEventKind::kNearMiss:
-      return "near";
-    case ReplayEventKind::kSlowReplan:
-      return "slow";
-    case ReplayEventKind::kNote:
-      return "note";
-  }
-  return "";
-}
-
-/// A slow replan is worse the longer it is; of clearances the smaller is worse.
-double worse(ReplayEventKind kind, double a, double b) {
-  return kind == ReplayEventKind::kSlowReplan ? std::max(a, b) : std::min(a, b);
 }
 
 /// Text from outside need not be UTF-8; what is not becomes U+FFFD.
@@ -134,6 +65,23 @@ void ReplayColumn::push(std::int64_t value) {
   bytes_.push_back(static_cast<char>(rest));
 }
 
+void ReplayRuns::push(std::int64_t value) {
+  if (length_ > 0 && value != value_) {
+    pairs_.push(length_);
+    pairs_.push(value_);
+    length_ = 0;
+  }
+  value_ = value;
+  ++length_;
+}
+
+std::string ReplayRuns::bytes() const {
+  ReplayColumn all = pairs_;
+  all.push(length_);
+  all.push(value_);
+  return all.bytes();
+}
+
 ReplayRecorder::ReplayRecorder(ReplayInfo info, ReplayScene scene, double interval)
     : info_(std::move(info)), scene_(std::move(scene)), interval_(interval) {}
 
@@ -142,6 +90,18 @@ std::size_t ReplayRecorder::add_vehicle(const ReplayVehicle& vehicle) {
   track_of_.push_back(kNone);
   return vehicles_.size() - 1;
 }
+
+std::size_t ReplayRecorder::add_signal(const std::string& id) {
+  signals_.push_back({id, {}});
+  return signals_.size() - 1;
+}
+
+void ReplayRecorder::add_lights(double time, std::size_t signal, const std::string& lights) {
+  auto& shown = signals_.at(signal).shown;
+  if (shown.empty() || shown.back().second != lights) shown.emplace_back(time, lights);
+}
+
+bool ReplayRecorder::is_due(double time) const { return time >= next_due_ - kTimeTolerance; }
 
 void ReplayRecorder::add_frame(double time, std::span<const ReplayVehicleState> states,
                                std::optional<double> clearance) {
@@ -159,7 +119,7 @@ void ReplayRecorder::add_frame(double time, std::span<const ReplayVehicleState> 
 
   pending_.assign(states.begin(), states.end());
   is_pending_ = true;
-  if (time < next_due_ - kTimeTolerance) return;
+  if (!is_due(time)) return;
   const double intervals =
       interval_ > 0.0 ? std::floor((time - first_time_ + kTimeTolerance) / interval_) + 1.0 : 0.0;
   next_due_ = first_time_ + intervals * interval_;
@@ -190,7 +150,7 @@ void ReplayRecorder::append(const ReplayVehicleState& state) {
   }
   if (current == kNone) {
     current = tracks_.size();
-    tracks_.push_back({.vehicle = state.vehicle, .first_frame = frames_, .run = state.state});
+    tracks_.push_back({.vehicle = state.vehicle, .first_frame = frames_});
   }
   Track& track = tracks_[current];
   track.x.push(quantise(state.pose.x, 0.01));
@@ -199,16 +159,13 @@ void ReplayRecorder::append(const ReplayVehicleState& state) {
       quantise(state.pose.theta, 2.0 * std::numbers::pi / static_cast<double>(kHeadingsPerTurn));
   track.heading.push(track.heading.last() + shortest_turn(heading - track.heading.last()));
   track.speed.push(quantise(state.speed, kSpeedUnit));
-  if (state.state != track.run) end_run(track);
-  track.run = state.state;
-  ++track.states_in_run;
+  track.state.push(static_cast<std::int64_t>(state.state));
+  track.group.push(state.group ? static_cast<std::int64_t>(*state.group) + 1 : 0);
+  track.rank.push(state.rank);
+  track.co2.push(quantise(state.co2.value_or(0.0), kCo2Unit));
+  has_groups_ = has_groups_ || state.group.has_value();
+  has_emissions_ = has_emissions_ || state.co2.has_value();
   ++track.count;
-}
-
-void ReplayRecorder::end_run(Track& track) {
-  track.state.push(track.states_in_run);
-  track.state.push(static_cast<std::int64_t>(track.run));
-  track.states_in_run = 0;
 }
 
 void ReplayRecorder::add_event(const ReplayEvent& event) {
@@ -220,11 +177,25 @@ void ReplayRecorder::add_event(const ReplayEvent& event) {
     if (known.kind == event.kind && known.vehicles == event.vehicles && known.text == event.text &&
         event.time >= known.time && event.time - episode.end < kEpisodeGap) {
       episode.end = std::max(episode.end, event.time);
-      episode.event.value = worse(event.kind, known.value, event.value);
+      episode.event.value = std::min(known.value, event.value);
       return;
     }
   }
   episodes_.push_back({event, event.time});
+}
+
+std::string ReplayRecorder::columns() const {
+  std::string bytes = times_.bytes();
+  if (has_clearance_) bytes += clearances_.bytes();
+  for (const Track& track : tracks_) {
+    for (const ReplayColumn* column : {&track.x, &track.y, &track.heading, &track.speed}) {
+      bytes += column->bytes();
+    }
+    bytes += track.state.bytes();
+    if (has_groups_) bytes += track.group.bytes() + track.rank.bytes();
+    if (has_emissions_) bytes += track.co2.bytes();
+  }
+  return bytes;
 }
 
 Replay ReplayRecorder::finish() {
@@ -238,35 +209,25 @@ Replay ReplayRecorder::finish() {
                  {"steps", info_.motion == ReplayMotion::kSteps},
                  {"frames", frames_},
                  {"clearance", has_clearance_},
+                 {"groups", has_groups_},
+                 {"emissions", has_emissions_},
                  {"scene", to_json(scene_)}};
-  for (const char* list : {"figures", "events", "vehicles", "tracks"}) header[list] = Json::array();
+  for (const char* list : {"figures", "events", "signals", "vehicles", "tracks"}) {
+    header[list] = Json::array();
+  }
   for (const ReplayFigure& figure : figures_) {
     header["figures"].push_back({figure.label, figure.value, figure.unit});
   }
   std::ranges::stable_sort(episodes_, {}, [](const Episode& e) { return e.event.time; });
-  for (const auto& [event, end] : episodes_) {
-    header["events"].push_back({{"kind", name_of(event.kind)},
-                                {"time", event.time},
-                                {"end", end},
-                                {"x", event.place.x},
-                                {"y", event.place.y},
-                                {"vehicles", event.vehicles},
-                                {"value", event.value},
-                                {"text", event.text}});
+  for (const auto& [event, end] : episodes_) header["events"].push_back(to_json(event, end));
+  for (const Signal& signal : signals_) {
+    header["signals"].push_back({{"id", signal.id}, {"shown", signal.shown}});
   }
   for (const ReplayVehicle& vehicle : vehicles_) header["vehicles"].push_back(to_json(vehicle));
-
-  std::string columns = times_.bytes();
-  if (has_clearance_) columns += clearances_.bytes();
-  for (Track track : tracks_) {
-    end_run(track);
+  for (const Track& track : tracks_) {
     header["tracks"].push_back({track.vehicle, track.first_frame, track.count});
-    for (const ReplayColumn* column :
-         {&track.x, &track.y, &track.heading, &track.speed, &track.state}) {
-      columns += column->bytes();
-    }
   }
-  return {info_.title, dump(header), std::move(columns)};
+  return {info_.title, dump(header), columns()};
 }
 
 Replay with_label(Replay replay, const std::string& label) {

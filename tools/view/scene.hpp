@@ -6,7 +6,8 @@
 
 namespace mvtp {
 
-/// The lanes open to traffic and the junctions of a road network.
+/// The lanes, crossings and junctions of a road network, and where its lights stand; signals are
+/// numbered in the order of `network.signals`.
 [[nodiscard]] ReplayScene scene_of(const RoadNetwork& network);
 
 /// The border and the obstacles of a map.

@@ -18,7 +18,41 @@ constexpr double kSurroundings = 150.0;  // [m] at least, around control zones
 constexpr double kReverse = -0.02;       // [m/s]
 
 /// The colours of the page, by ReplayState.
-constexpr const char* kColours[] = {"#ffffff", "#0072b2", "#f0a500", "#5fb89b"};
+constexpr const char* kColours[] = {"#ffffff", "#0072b2", "#f0a500",
+                                    "#5fb89b", "#8f979f", "#b3446c"};
+
+const char* lane_colour(ReplayLaneKind kind) {
+  switch (kind) {
+    case ReplayLaneKind::kBuses:
+      return "#c2a68c";
+    case ReplayLaneKind::kBicycles:
+      return "#b7c9a3";
+    case ReplayLaneKind::kRail:
+      return "#a9a3b5";
+    case ReplayLaneKind::kFoot:
+      return "#dcdcd4";
+    case ReplayLaneKind::kCars:
+      break;
+  }
+  return "#c3c8cf";
+}
+
+const char* light_colour(char light) {
+  switch (light) {
+    case 'G':
+    case 'g':
+      return "#009e73";
+    case 'y':
+    case 'Y':
+      return "#f0c000";
+    case 'r':
+    case 'u':
+    case 's':
+      return "#d5201f";
+    default:
+      return "#59616c";
+  }
+}
 
 /// Everything is in metres with y up; the drawing turns it over.
 struct Box {
@@ -48,6 +82,7 @@ struct Box {
 Box box_of(const ReplayScene& scene, const std::vector<ReplayVehicleState>& states) {
   Box zones;
   for (const Polygon& zone : scene.zones) zones.add(zone);
+  for (const Polygon& slot : scene.slots) zones.add(slot);
   if (!zones.empty()) {
     const double size = std::max(zones.right - zones.left, zones.high - zones.low);
     zones.widen(std::max(5.0, (kSurroundings - size) / 2.0));
@@ -76,12 +111,30 @@ std::string escaped(const std::string& text) {
   return out;
 }
 
+std::string line_svg(const std::vector<Point>& line, const char* colour, double width,
+                     const char* more = "") {
+  return fmt::format("<polyline points=\"{}\" stroke=\"{}\" stroke-width=\"{:.2f}\" {}/>\n",
+                     points_of(line), colour, width, more);
+}
+
+/// @param colour  nullptr: that of the kind of the lane
 std::string lanes_of(const ReplayScene& scene, bool internal, const char* colour, double wider) {
   std::string svg;
   for (const ReplayLane& lane : scene.lanes) {
     if (lane.internal != internal) continue;
-    svg += fmt::format("<polyline points=\"{}\" stroke=\"{}\" stroke-width=\"{:.2f}\"/>\n",
-                       points_of(lane.shape), colour, lane.width + wider);
+    svg += line_svg(lane.shape, colour != nullptr ? colour : lane_colour(lane.kind),
+                    lane.width + wider);
+  }
+  return svg;
+}
+
+std::string lights_svg(const ReplayScene& scene, const std::vector<std::string>& shown) {
+  std::string svg;
+  for (const ReplayLight& light : scene.lights) {
+    const std::string& letters = shown.at(light.signal);
+    const auto index = static_cast<std::size_t>(light.index);
+    svg += line_svg({light.from, light.to},
+                    light_colour(index < letters.size() ? letters[index] : 'o'), 0.9);
   }
   return svg;
 }
@@ -103,8 +156,12 @@ std::string scene_svg(const ReplayScene& scene) {
         scene.border->x, scene.border->y);
   }
   svg += "<g fill=\"none\" stroke-linejoin=\"round\">\n";
-  svg += lanes_of(scene, false, "#ffffff", 0.15) + lanes_of(scene, false, "#c3c8cf", -0.15);
+  svg += lanes_of(scene, false, "#ffffff", 0.15) + lanes_of(scene, false, nullptr, -0.15);
   svg += polygons_of(scene.junctions, "fill=\"#c3c8cf\"") + lanes_of(scene, true, "#c3c8cf", 0.0);
+  for (const ReplayCrossing& crossing : scene.crossings) {
+    svg += line_svg(crossing.shape, "#ffffff", crossing.width, "stroke-dasharray=\".5 .5\"");
+  }
+  svg += polygons_of(scene.slots, "stroke=\"#ffffff\" stroke-width=\".12\"");
   svg +=
       polygons_of(scene.zones, "stroke=\"#0063a0\" stroke-width=\".4\" stroke-dasharray=\"2 2\"");
   svg += "</g>\n" + polygons_of(scene.polygons, "fill=\"#6a7078\"");
@@ -128,8 +185,16 @@ std::string body_svg(const ReplayVehicle& vehicle, const char* style) {
 }
 
 std::string vehicle_svg(const ReplayVehicle& vehicle, const ReplayVehicleState& state) {
-  const char* colour =
-      state.speed < kReverse ? "#cc3d93" : kColours[static_cast<std::size_t>(state.state) % 4];
+  if (vehicle.person) {
+    return fmt::format(
+        "<circle cx=\"{:.2f}\" cy=\"{:.2f}\" r=\"{:.2f}\" fill=\"{}\" stroke=\"#23272d\" "
+        "stroke-width=\".1\"><title>{}</title></circle>\n",
+        state.pose.x, state.pose.y, vehicle.front, kColours[std::size_t(ReplayState::kWalking)],
+        escaped(vehicle.id));
+  }
+  const char* colour = state.speed < kReverse
+                           ? "#cc3d93"
+                           : kColours[static_cast<std::size_t>(state.state) % std::size(kColours)];
   const std::string style =
       fmt::format("fill=\"{}\" stroke=\"#23272d\" stroke-width=\".1\"", colour);
   // The windshield; its narrow end looks forward.
@@ -180,6 +245,7 @@ std::string to_svg(const Replay& replay, double time, const std::string& where) 
       time, box.left - 1.0, -box.high - 1.0, width + 2.0, height + 2.0,
       scene.border ? "#dcdfe3" : "#eceee8");
   svg += scene_svg(scene) + goals_svg(vehicles);
+  svg += lights_svg(scene, lights_at(replay, time, where));
   for (const ReplayVehicleState& state : states) {
     svg += vehicle_svg(vehicles.at(state.vehicle), state);
   }

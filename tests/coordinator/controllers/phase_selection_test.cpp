@@ -122,7 +122,7 @@ TEST_F(PhaseSelectionTest, ALightThatStaysGreenDoesNotChange) {
   (void)watch(*controller, 20.0);
   EXPECT_EQ(traffic.shown, "rGG");
   traffic.clear();
-  traffic.put(5, "out", "x", 10.0);  // b's way on is full, c's is not
+  traffic.put(5, "out", "x", 10.0);  // b's path on is full, c's is not
   traffic.put(1, "c", "end");
   EXPECT_EQ(watch(*controller, 10.0), (Seen{{"ryG", 30}, {"rrG", 70}}));
 }

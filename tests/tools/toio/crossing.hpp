@@ -14,7 +14,7 @@ inline void add_straight(std::vector<Leg>& legs, Pose from, int waits, int metre
   }
 }
 
-/// Two robots whose ways cross at (7, 7), 5 m after the start; the one that heads up waits for so
+/// Two robots whose paths cross at (7, 7), 5 m after the start; the one that heads up waits for so
 /// many seconds first.
 ///
 ///        ^ b's goal

@@ -217,7 +217,7 @@ TEST_F(ToioEmulateProgram, TheReleaseGraphIsWhatKeepsBlockedCubesApart) {
   EXPECT_THAT(ungated.out, HasSubstr("TOUCHING: a and b"));
 }
 
-//   The paper's way: coordinates sent again and again; a cube comes within 15 dots of them.
+//   The paper's path: coordinates sent again and again; a cube comes within 15 dots of them.
 TEST_F(ToioEmulateProgram, TargetsNeedWiderMargins) {
   (void)directory_.file("run.json", to_json(exported(crossing()).run));
   expect_refused("toio emulate run.json --mode target",

@@ -89,7 +89,7 @@ std::vector<std::size_t> list_sizes(int mtu) {
   return sizes;
 }
 
-//   273 mm of way are 11 targets of 25 mm; 23 bytes hold two of them, 185 bytes 29.
+//   273 mm of path are 11 targets of 25 mm; 23 bytes hold two of them, 185 bytes 29.
 TEST(ToioExport, ListsOfTargetsFitTheLink) {
   EXPECT_THAT(list_sizes(23), ElementsAre(2, 2, 2, 2, 2, 1));
   EXPECT_THAT(list_sizes(185), ElementsAre(11));

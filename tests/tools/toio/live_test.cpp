@@ -93,7 +93,7 @@ TEST_F(ToioLive, NoSingleMessageIsNeeded) {
   expect_all_stopped();
 }
 
-//   The paper's way, over the bus: a cube promises to come within 15 dots of its goal.
+//   The paper's path, over the bus: a cube promises to come within 15 dots of its goal.
 TEST_F(ToioLive, TargetsAreDrivenTo) {
   const Exported wide = exported_for_targets();
   ASSERT_EQ(wide.problem, "");
@@ -147,7 +147,7 @@ std::string interrupt_when(const std::string& reached) {
 
 TEST_F(ToioLive, CtrlCLeavesEveryCubeStopped) {
   (void)directory_.file("run.json", to_json(exported(crossing()).run));
-  // Under way: thirty commands were other than to stand.
+  // Under path: thirty commands were other than to stand.
   const Outcome outcome =
       live("--run run.json",
            interrupt_when("[ \"$(grep motor log | grep -vc '02 01 .. 00 02 .. 00 19')\" -gt 30 ]"));

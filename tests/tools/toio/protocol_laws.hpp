@@ -9,7 +9,7 @@
 
 namespace mvtp {
 
-/// What decoding any bytes must do: nothing, or give a value that survives the way back and forth.
+/// What decoding any bytes must do: nothing, or give a value that survives the path back and forth.
 /// @return what broke that law, if anything did.
 inline std::optional<std::string> broken_law(std::span<const std::uint8_t> bytes, int& understood) {
   for (const Characteristic characteristic : kCharacteristics) {

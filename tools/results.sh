@@ -1,0 +1,128 @@
+#!/usr/bin/env bash
+# Measures every figure of docs/results.md by one build of one commit: FOLDER/results.md and
+# results.csv, one table per product.
+#   tools/results.sh [FOLDER]      out/results if not given; takes hours, on one core; started again
+#                                  it goes on where it was interrupted
+#   tools/results.sh --short DIR   a moment of everything
+# MVTP=PROGRAM takes that program in place of a release build.
+set -euo pipefail
+
+short=
+[ "${1:-}" != --short ] || { short=1; shift; }
+folder=$(realpath -m "${1:-"$(dirname "$0")/../out/results"}")
+cd "$(dirname "$0")/.."
+
+if [ -z "${MVTP:-}" ]; then
+  tools/install_packages.sh
+  cmake --preset release >/dev/null
+  cmake --build --preset release --target mvtp
+  MVTP=build/release/bin/mvtp
+fi
+
+# Rows of two commits never stand in one table.
+begin_or_go_on() {
+  mkdir -p "$folder/done"
+  local now
+  now="$("$MVTP" --version | head -n 1), commit $(git describe --always --dirty --abbrev=7 2>/dev/null || echo unknown)"
+  if [ -e "$folder/version" ] && [ "$(cat "$folder/version")" != "$now" ]; then
+    echo "results.sh: $folder: was begun by $(cat "$folder/version"), this is $now; choose another folder" >&2
+    exit 2
+  fi
+  echo "$now" >"$folder/version"
+}
+
+# row NAME COMMAND...: runs it unless it was done before. Runs that do not succeed are results, too.
+row() {
+  local name=$1 code=0
+  shift
+  [ ! -e "$folder/done/$name" ] || return 0
+  echo "results: $name" >&2
+  "$@" || code=$?
+  [ "$code" -le 1 ] || exit "$code"
+  echo "$code" >"$folder/done/$name"
+}
+
+# resumed FILE COMMAND...: rows of a sweep or bench into FILE; goes on with what is there.
+resumed() {
+  local file=$1
+  shift
+  [ ! -e "$file" ] || set -- "$@" --resume
+  "$MVTP" "$@" --output "$file"
+}
+
+if [ -n "$short" ]; then
+  seeds=1 end=(--end 60) roads=(crossroads) lots=(parking-120)
+  signals=static drivers=fcfs,escot sparse=(--count 1 --robots 2) dense=(--count 1 --robots 5) crowds=(--count 1 --size 50 --robots 12)
+  lot_count=(--count 1 --in 1 --out 1) limit=3 times=1
+else
+  seeds=1-5 end=() roads=(crossroads crossroads-400 crossroads-600 crossroads2-400 crossroads2-800)
+  lots=(parking-120 parking-240 angled)
+  signals=static,actuated,max-pressure drivers=fcfs,aim,conflict-zone,prioritized,escot
+  sparse=() dense=() crowds=() lot_count=() limit=30 times=20
+fi
+
+measure_roads() {
+  local name
+  for name in "${roads[@]}"; do
+    row "roads-$name" resumed "$folder/roads-$name.csv" sweep \
+      -c "scenarios/crossroads/$name.sumocfg" --seeds "$seeds" --controllers "$signals,$drivers" "${end[@]}"
+    row "lateral-$name" resumed "$folder/lateral-$name.csv" sweep \
+      -c "scenarios/crossroads/$name.sumocfg" --seeds "$seeds" --controllers escot --max-lateral-accel 3 "${end[@]}"
+  done
+  row roads-rilsa resumed "$folder/roads-rilsa.csv" sweep -c scenarios/rilsa/rilsa.sumocfg --seeds "$seeds" \
+    --controllers "static,escot" "${end[@]}"
+}
+
+measure_lot() {  # NAME SEED
+  "$MVTP" compare -c "scenarios/parking/$1.sumocfg" --seeds "$2" --jobs 1 --output-dir "$folder/lot" \
+    "${end[@]}" || [ $? = 1 ]
+  mv "$folder/lot/compare.csv" "$folder/lots-$1-$2.csv"
+}
+
+measure_lots() {
+  local name seed
+  for name in "${lots[@]}"; do
+    for seed in $(seq "${seeds%-*}" "${seeds#*-}"); do row "lots-$name-$seed" measure_lot "$name" "$seed"; done
+  done
+}
+
+measure_maps() {
+  row suite-sparse "$MVTP" generate sparse -q -o "$folder/sparse" "${sparse[@]}"
+  row suite-dense "$MVTP" generate dense -q -o "$folder/dense" "${dense[@]}"
+  row suite-typical "$MVTP" generate typical -q -o "$folder/typical"
+  row suite-crowd "$MVTP" generate crowd -q -o "$folder/crowd" --vehicle cl-cbs "${crowds[@]}"
+  row suite-parking "$MVTP" generate parking -q -o "$folder/parking" "${lot_count[@]}"
+  row maps-paper resumed "$folder/maps-paper.csv" bench "$folder"/{typical,sparse,dense} --algorithms escot,pbcr \
+    --runs 5 --run-time-limit 12
+  row maps-crowd resumed "$folder/maps-crowd.csv" bench "$folder/crowd" --algorithms escot,escot-star \
+    --vehicle cl-cbs --time-limit "$limit"
+  row maps-parking resumed "$folder/maps-parking.csv" bench "$folder/parking" --algorithms escot-star \
+    --time-limit "$limit" --gap 2
+}
+
+plan_cubes() {
+  local instance plan
+  mkdir -p "$folder/cubes"
+  for instance in scenarios/toio/random/*.yaml; do
+    plan=$folder/cubes/$(basename "$instance" .yaml)
+    "$MVTP" solve -i "$instance" -o "$plan.plan.yaml" -q
+    "$MVTP" toio export "$plan.plan.yaml" -i "$instance" --mat collection-ring -o "$plan.run.json" -q
+    [ -z "$short" ] || break
+  done
+}
+
+measure_cubes() {
+  row cubes-plans plan_cubes
+  local emulate=("$MVTP" toio emulate "$folder"/cubes/*.run.json --delay 130 --loss 2 --runs "$times" -q)
+  row cubes-calm "${emulate[@]}" --report "$folder/cubes-calm.json"
+  row cubes-calm-ungated "${emulate[@]}" --no-gating --report "$folder/cubes-calm-ungated.json"
+  row cubes-stalls "${emulate[@]}" --stall 4:1-5 --report "$folder/cubes-stalls.json"
+  row cubes-stalls-ungated "${emulate[@]}" --stall 4:1-5 --no-gating --report "$folder/cubes-stalls-ungated.json"
+}
+
+begin_or_go_on
+measure_roads
+measure_lots
+measure_maps
+measure_cubes >/dev/null
+tools/results/tables.py "$folder"
