@@ -97,7 +97,7 @@ int make_video(const ViewOptions& options) {
   const std::string page = (folder.path() / "view.html").string();
   write_text_file(page, to_html(load_replays(options.request)));
   Browser browser(*program, options.film.size);
-  Progress progress("view --video", options.quiet, TimeLeft::kShown);
+  Progress progress("view --video", options.quiet);
   const std::string video = to_video(
       browser, page, options.film, [&](double done) { progress.update(done); }, interrupt.seen());
   if (video.empty()) return kInterrupted;
