@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <numeric>
 
 #include "coordinator/partition.hpp"
 #include "planner/road/emergency_braking.hpp"
@@ -68,6 +69,7 @@ void Coordinator::decide() {
   taken_over_.clear();
   handed_back_.clear();
   forget_the_vanished();
+  give_up_the_lost();
   follow_plans();
   if (step_ % grid_.steps_per_decision == 0) {
     remember_lanes();
@@ -87,8 +89,23 @@ void Coordinator::act() {
 
 void Coordinator::follow_plans() {
   for (auto& [id, driven] : driven_) {
-    driven.road.now = state_at(*plan_.find(driven.key), step_);
+    driven.road.now = state_at(*plan_.find(driven.key), effective_step());
   }
+}
+
+/// Where its plan has the vehicle now.
+InertialState Coordinator::here(const Driven& driven) const {
+  return state_at(*plan_.find(driven.key), step_);
+}
+
+/// Of the moment when what is decided now takes effect.
+RoadScene Coordinator::empty_scene() const {
+  return {.library = &corridors_.library(),
+          .grid = grid_,
+          .step = effective_step(),
+          .vehicles = {},
+          .forecasts = {},
+          .reaction = grid_.decision() + options_.tolerance.latency(grid_.dt)};
 }
 
 /// The traffic may take a vehicle off the road whenever it likes.
@@ -122,7 +139,7 @@ void Coordinator::replan() {
   const auto begin = std::chrono::steady_clock::now();
   for (const Newcomer& n : newcomers) arrivals.emplace(n.state->id, admit(n, next_key_++));
   const std::vector<std::int64_t> upset = stagnating_groups();
-  const Trial trial = best_trial(arrivals, upset);
+  Trial trial = best_trial(arrivals, upset);
   Replan record{.time = traffic_.time(),
                 .vehicles = int(driven_.size() + newcomers.size()),
                 .newcomers = int(newcomers.size()),
@@ -132,6 +149,10 @@ void Coordinator::replan() {
                 .cost = trial.decision.cost};
   record.ms =
       std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
+  if (comes_late()) {
+    trial.decision.late.resize(trial.decision.members.size());
+    std::iota(trial.decision.late.begin(), trial.decision.late.end(), std::size_t{0});
+  }
   record.fallback = !trial.decision.late.empty() || !trial.refused.empty();
   replans_.push_back(record);
   accept(trial, arrivals);
@@ -217,6 +238,13 @@ void Coordinator::accept(const Trial& trial, const std::map<std::string, Driven>
     }
     announce(id, arrival);
   }
+  commit(arrivals);
+}
+
+/// One of the decisions that are dropped at random.
+bool Coordinator::comes_late() const {
+  if (options_.late_share <= 0.0) return false;
+  return Draws(options_.escot.seed * 1000003 + std::uint64_t(step_)).share() < options_.late_share;
 }
 
 /// Of the groups of the last decision, those that have not moved since though nobody in them
@@ -264,7 +292,7 @@ void Coordinator::notice_the_stuck() {
 }
 
 RoadScene Coordinator::scene() const {
-  RoadScene scene{.library = &corridors_.library(), .grid = grid_, .step = step_};
+  RoadScene scene = empty_scene();
   for (const auto& [id, driven] : driven_) scene.vehicles.push_back(driven.road);
   std::ranges::sort(scene.vehicles, {}, &RoadVehicle::key);
   scene.forecasts = forecasts_;
@@ -333,7 +361,7 @@ void Coordinator::brake_for_surprises() {
 
 void Coordinator::brake_for(const VehicleState& v) {
   constexpr double kNear = 60.0;  // [m]
-  RoadScene now{.library = &corridors_.library(), .grid = grid_, .step = step_};
+  RoadScene now = empty_scene();
   for (const auto& [id, driven] : driven_) {
     const Pose& pose = find_state(id)->pose;
     if (distance(pose, v.pose) < kNear) now.vehicles.push_back(driven.road);
@@ -341,6 +369,7 @@ void Coordinator::brake_for(const VehicleState& v) {
   if (now.vehicles.empty()) return;
   std::ranges::sort(now.vehicles, {}, &RoadVehicle::key);
   now.forecasts = predict_one(v, {});
+  look_ahead(now.forecasts);
   prepare_tables(now);
   for (const std::int64_t key : who_must_brake(now, plan_, options_.escot.crossing.trajectory)) {
     const RoadVehicle& braking = now.vehicle(key);
@@ -348,15 +377,24 @@ void Coordinator::brake_for(const VehicleState& v) {
     const auto entry = std::ranges::find(plan_.entries, key, &JointPlan::Entry::key);
     entry->trajectory = std::make_shared<PathTrajectory>(stop_after(now, braking.now, -b, b));
   }
+  commit({});
 }
 
 void Coordinator::place_all() {
-  for (const auto& [id, driven] : driven_) {
-    const InertialState next = state_at(*plan_.find(driven.key), step_ + 1);
-    const Corridor& corridor = corridors_[driven.corridor];
-    const double speed = next.v / corridor.ratios[corridor.piece_at(next.s)];
-    traffic_.place(id, driven.approach.pose(path_of(driven), next.s), speed);
+  const auto kept = std::size_t(std::lround(options_.tolerance.age / grid_.dt)) + 1;
+  for (auto& [id, driven] : driven_) {
+    const PlannedPose next = planned_pose(driven, state_at(*plan_.find(driven.key), step_ + 1));
+    traffic_.place(id, next.pose, next.speed);
+    driven.past.push_front(next.pose);
+    if (driven.past.size() > kept) driven.past.pop_back();
   }
+  if (traffic_.wants_plans()) announce_plans();
+}
+
+PlannedPose Coordinator::planned_pose(const Driven& driven, const InertialState& state) const {
+  const Corridor& corridor = corridors_[driven.corridor];
+  return {driven.approach.pose(path_of(driven), state.s),
+          state.v / corridor.ratios[corridor.piece_at(state.s)]};
 }
 
 const GuidePath& Coordinator::path_of(const Driven& driven) const {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <deque>
 #include <map>
 #include <optional>
 #include <set>
@@ -12,11 +13,13 @@
 #include "coordinator/controlled_share.hpp"
 #include "coordinator/controller.hpp"
 #include "coordinator/corridor.hpp"
+#include "coordinator/faults/fault_model.hpp"
 #include "coordinator/gate.hpp"
 #include "coordinator/human_drivers.hpp"
 #include "coordinator/path_approach.hpp"
 #include "coordinator/people.hpp"
 #include "coordinator/prediction.hpp"
+#include "coordinator/priority.hpp"
 #include "coordinator/referee.hpp"
 #include "planner/road/road_escot.hpp"
 
@@ -32,7 +35,11 @@ struct CoordinatorOptions {
   /// 0: no planning at all, as if the planner had died.
   double replan_budget_ms = 1e9;
   double budget_from = 0.0;
-  ControlledShare share;  ///< who is taken over
+  /// Share of the decisions that are dropped as if they were late, at random.
+  double late_share = 0.0;
+  FaultTolerance tolerance;  ///< of messages and vehicles
+  Priority priority;         ///< whose time counts for more
+  ControlledShare share;     ///< who is taken over
   SignalTiming signals;   ///< where human-driven vehicles get their greens from us
 };
 
@@ -40,9 +47,13 @@ struct CoordinatorOptions {
 struct Driven {
   std::int64_t key = 0;
   int corridor = 0;
-  RoadVehicle road;        ///< `now` as of the last decision
+  RoadVehicle road;        ///< `now`: when what is decided next takes effect
   PathApproach approach;   ///< from where it was taken over onto the path
   std::vector<int> route;  ///< edges from the first piece of the corridor on
+  std::int64_t since = 0;  ///< step of the takeover
+  /// What it is expected to do from its takeover until a plan takes effect.
+  std::vector<InertialState> committed = {};
+  std::deque<Pose> past = {};  ///< where it was placed, the last step first
 };
 
 /// The closed loop at junctions: takes vehicles over before a coordinated stop line, plans for all
@@ -71,6 +82,8 @@ class Coordinator : public Controller {
   [[nodiscard]] const std::vector<std::string>& handed_back() const { return handed_back_; }
   /// Sightings of vehicles near a stop line that keep their own drivers.
   [[nodiscard]] std::int64_t guest_sightings() const { return guest_sightings_; }
+  /// Vehicles that were not where their plans had them, and have been given up.
+  [[nodiscard]] const std::vector<FaultEvent>& losses() const { return losses_; }
   [[nodiscard]] const CorridorMap& corridors() const { return corridors_; }
   /// Drivers at signals that are ours; none if everybody is automated.
   [[nodiscard]] const HumanDrivers* humans() const { return humans_ ? &*humans_ : nullptr; }
@@ -111,12 +124,17 @@ class Coordinator : public Controller {
   [[nodiscard]] static InertialState state_at(const PathTrajectory& t, std::int64_t k);
   void replan();
   void follow_plans();
+  /// The step from which on what is decided now is executed.
+  [[nodiscard]] std::int64_t effective_step() const { return step_ + options_.tolerance.lead; }
+  [[nodiscard]] RoadScene empty_scene() const;
+  [[nodiscard]] InertialState here(const Driven& driven) const;
   void forget_the_vanished();
   [[nodiscard]] bool planner_is_dead() const;
   void hold_departures();
   void hold_back(const std::vector<Newcomer>& newcomers);
   [[nodiscard]] const VehicleType& type_of(const std::string& id);
   void let_pass(const std::string& guest);
+  [[nodiscard]] bool comes_late() const;
   /// As long as somebody is under control, drivers with green go on as planned for.
   [[nodiscard]] bool shows_lights() const {
     return heads_ && !(planner_is_dead() && driven_.empty());
@@ -132,6 +150,18 @@ class Coordinator : public Controller {
   [[nodiscard]] std::vector<std::int64_t> stagnating_groups();
   void notice_the_stuck();
   void place_all();
+  [[nodiscard]] PlannedPose planned_pose(const Driven& driven, const InertialState& state) const;
+
+  // Messages that take their time, and vehicles that do not obey: coordinator_tolerance.cpp
+  void commit(const std::map<std::string, Driven>& arrivals);
+  void announce_plans();
+  void give_up_the_lost();
+  [[nodiscard]] bool is_lost(const Driven& driven, const VehicleState& state) const;
+  void delay(Driven& driven, const VehicleState& state) const;
+  [[nodiscard]] const VehicleState& believed(const std::string& id, const Driven& driven);
+  void continue_on(Driven& arrival, const Driven& before) const;
+  void look_ahead(std::vector<Forecast>& forecasts) const;
+
   [[nodiscard]] const GuidePath& path_of(const Driven& driven) const;
   [[nodiscard]] const VehicleState* find_state(const std::string& id) const;
 
@@ -235,6 +265,12 @@ class Coordinator : public Controller {
   std::map<std::string, int> turned_away_;  ///< decisions for which newcomers had to wait
   std::map<std::int64_t, int> standing_;    ///< decisions in a row without a complete plan, by key
   std::map<std::int64_t, int> refusals_;    ///< of the referee in a row, by key
+  std::set<std::string> lost_;              ///< under control, but they do not obey
+  std::vector<FaultEvent> losses_;
+  std::map<std::string, VehicleState> believed_;  ///< vehicles that go on into other corridors
+  std::map<std::string, std::shared_ptr<const PathTrajectory>> announced_;  ///< to the traffic
+  /// By key; kept only where plans take effect later.
+  std::map<std::int64_t, std::shared_ptr<const PathTrajectory>> executed_;
   std::set<std::int64_t> blocking_guests_;  ///< keys, at the last decision
   std::vector<Replan> replans_;
   std::vector<std::string> taken_over_;

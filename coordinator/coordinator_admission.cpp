@@ -87,9 +87,12 @@ Driven Coordinator::admit(const Newcomer& newcomer, std::int64_t key) {
   road.stuck = v.speed == 0.0 && is_impatient(v.id);
   road.path = c.path;
   road.now = {driven.approach.begin(), v.speed * c.ratios[c.piece_at(expected)]};
+  driven.since = step_;
+  delay(driven, v);
   road.cruise_speed = std::min(v.speed_factor * c.lane_limits.back(), type.body.max_speed);
   road.envelope =
       std::make_shared<SpeedEnvelope>(std::move(limits), comfortable_braking(type.body));
+  road.weight = options_.priority.weight_of(type);
   road.min_gap = type.min_gap;
   road.tau = type.tau;
   road.stop_lines = people_ ? lines_beside_people(c.stops) : c.stops;

@@ -62,18 +62,19 @@ std::map<std::string, Driven> Coordinator::leave_corridors(bool may_go_on) {
   std::map<std::string, Driven> going_on;
   std::vector<std::string> finished;
   for (const auto& [id, driven] : driven_) {
-    if (driven.road.now.s < driven.road.s_handback) {
+    if (here(driven).s < driven.road.s_handback) {
       if (stands_for_good(driven)) finished.push_back(id);
       continue;
     }
     const std::optional<Newcomer> next =
-        planner_is_dead() ? std::nullopt : next_corridor(driven, *find_state(id));
+        planner_is_dead() ? std::nullopt : next_corridor(driven, believed(id, driven));
     if (!next) {
       if (driver_has_room(driven) || ends_soon(driven)) finished.push_back(id);
     } else if (may_go_on) {
       Driven& arrival = going_on.emplace(id, admit(*next, driven.key)).first->second;
       // The traffic's speed is that along the lanes, which the two corridors may scale otherwise.
       arrival.road.now.v = driven.road.now.v;
+      continue_on(arrival, driven);
     }
   }
   for (const std::string& id : finished) hand_back(id);
@@ -87,7 +88,7 @@ bool Coordinator::stands_for_good(const Driven& driven) const {
 
 /// Is there no place left for a later hand-back?
 bool Coordinator::ends_soon(const Driven& driven) const {
-  const InertialState& now = driven.road.now;
+  const InertialState now = here(driven);
   return planner_is_dead() || now.s + now.v * grid_.dt >= corridors_[driven.corridor].s_latest ||
          now.s + now.v * grid_.decision() >= driven.road.s_end;
 }
@@ -97,7 +98,7 @@ bool Coordinator::ends_soon(const Driven& driven) const {
 bool Coordinator::driver_has_room(const Driven& driven) {
   constexpr double kSight = 60.0;  // [m]
   const Corridor& corridor = corridors_[driven.corridor];
-  const InertialState& now = driven.road.now;
+  const InertialState now = here(driven);
   const double b = corridors_.library().body(driven.road.path).max_decel;
   const Pose here = path_of(driven).at(now.s);
   return std::ranges::none_of(traffic_.vehicles(), [&](const VehicleState& v) {
@@ -125,20 +126,21 @@ void Coordinator::hand_back(const std::string& id) {
 std::optional<Coordinator::Newcomer> Coordinator::next_corridor(const Driven& driven,
                                                                 const VehicleState& state) {
   const Corridor& corridor = corridors_[driven.corridor];
-  const std::size_t here = corridor.piece_at(driven.road.now.s);
-  const CorridorPiece& piece = corridor.course.pieces[here];
+  const double s = here(driven).s;
+  const std::size_t at = corridor.piece_at(s);
+  const CorridorPiece& piece = corridor.course.pieces[at];
   if (graph_.edge_of(piece.lane) == LaneGraph::kNone) return std::nullopt;
   // How many edges of the route lie behind.
   std::size_t done =
       graph_.edge_of(corridor.course.pieces.front().lane) == LaneGraph::kNone ? 1 : 0;
-  for (std::size_t i = 0; i < here; ++i) {
+  for (std::size_t i = 0; i < at; ++i) {
     done += graph_.edge_of(corridor.course.pieces[i].lane) != LaneGraph::kNone ? 1 : 0;
   }
   std::vector<int> route(driven.route.begin() + std::ptrdiff_t(std::min(done, driven.route.size())),
                          driven.route.end());
   CourseQuery query = query_for(state, route);
   query.lane = piece.last_lane();
-  query.position = (driven.road.now.s - corridor.stations[here]) / corridor.scales[here];
+  query.position = (s - corridor.stations[at]) / corridor.scales[at];
   std::optional<Newcomer> next = newcomer_at(state, query, route);
   if (!next) return std::nullopt;
   // What its body cannot drive is its driver's: it is taken over again behind that.

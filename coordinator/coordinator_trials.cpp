@@ -126,7 +126,7 @@ bool stop_near_each_other(const PathLibrary& library, const RoadVehicle& a, cons
 std::set<std::string> Coordinator::too_late(const std::map<std::string, Driven>& arrivals) {
   std::set<std::string> late;
   if (arrivals.empty()) return late;
-  RoadScene now{.library = &corridors_.library(), .grid = grid_, .step = step_};
+  RoadScene now = empty_scene();
   std::map<std::string, const Driven*> present;
   for (const auto& [id, driven] : driven_) {
     present[id] = &driven;
@@ -136,7 +136,10 @@ std::set<std::string> Coordinator::too_late(const std::map<std::string, Driven>&
   std::map<std::string, std::vector<Forecast>> with_drivers;
   for (const auto& [id, arrival] : arrivals) {
     in_order.emplace(arrival.key, id);
-    if (!driven_.contains(id)) with_drivers[id] = predict_one(*find_state(id), {});
+    if (!driven_.contains(id)) {
+      with_drivers[id] = predict_one(*find_state(id), {});
+      look_ahead(with_drivers[id]);
+    }
     present[id] = &arrival;
   }
   now.forecasts = predict_others(present, {});
@@ -187,7 +190,7 @@ Coordinator::Trial Coordinator::plan_trial(const std::map<std::string, Driven>& 
     present[id] = &arrival;
     arriving.insert(arrival.key);
   }
-  RoadScene now{.library = &corridors_.library(), .grid = grid_, .step = step_};
+  RoadScene now = empty_scene();
   for (const auto& [id, driven] : present) {
     now.vehicles.push_back(driven->road);
     trial.paths.emplace(driven->key, driven->road.path);
@@ -250,12 +253,14 @@ std::vector<Forecast> Coordinator::predict_others(
     if (!is_near({v.pose.x, v.pose.y})) continue;
     for (Forecast& forecast : predict_one(v, guests)) forecasts.push_back(std::move(forecast));
   }
-  if (!people_) return forecasts;
-  for (People::Expected& person : people_->expect(guests)) {
-    const Forecast& f = person.forecast;
-    const Pose where = corridors_.library().path(f.vehicle.path).at(f.vehicle.now.s);
-    if (is_near({where.x, where.y})) forecasts.push_back(std::move(person.forecast));
+  if (people_) {
+    for (People::Expected& person : people_->expect(guests)) {
+      const Forecast& f = person.forecast;
+      const Pose where = corridors_.library().path(f.vehicle.path).at(f.vehicle.now.s);
+      if (is_near({where.x, where.y})) forecasts.push_back(std::move(person.forecast));
+    }
   }
+  look_ahead(forecasts);
   return forecasts;
 }
 
@@ -268,9 +273,12 @@ std::vector<Forecast> Coordinator::predict_one(const VehicleState& v,
   }
   const std::vector<int> route = route_of(v);
   const bool passes = gate_.passes(v.id) || is_let_pass;
+  const Intent intent = lost_.contains(v.id) ? Intent::kUnknown
+                        : passes             ? Intent::kPasses
+                                             : Intent::kWaits;
   std::vector<Forecast> forecasts =
-      predictor_.predict(v, query_for(v, route), type_of(v.type).body,
-                         passes ? Intent::kPasses : Intent::kWaits, time_at_stop(v), grid_, step_);
+      predictor_.predict(v, query_for(v, route), type_of(v.type).body, intent, time_at_stop(v),
+                         grid_, step_ - std::int64_t(std::lround(v.age / grid_.dt)));
   if (gate_.holds_guest(v.id)) return forecasts;
   for (Forecast& f : forecasts) f.held.reset();  // it is taken over as soon as it has a plan
   return forecasts;

@@ -137,7 +137,8 @@ std::vector<Forecast> Predictor::predict(const VehicleState& v, const CourseQuer
   const bool is_inside = graph_.edge_of(query.lane) == LaneGraph::kNone;
   // Whoever is further from the next line than those under control is not ahead of them there, but
   // may be in the lane beside them.
-  const bool is_far = to_line && *to_line > takeover_ + kAlongside;
+  const bool is_unknown = intent == Intent::kUnknown;
+  const bool is_far = !is_unknown && to_line && *to_line > takeover_ + kAlongside;
   if (is_far && root.lane == LaneGraph::kNone && !is_inside) return {};
   const std::optional<Placed> placed = place(v, query, body);
   if (!placed) return {};
@@ -146,6 +147,15 @@ std::vector<Forecast> Predictor::predict(const VehicleState& v, const CourseQuer
   Forecast forecast{.vehicle = road, .trajectory = {}, .latest = std::nullopt};
   if (stands > 0.0) {
     forecast.trajectory = predict_stop(road, stands, grid, step);
+    return {forecast};
+  }
+  if (is_unknown) {
+    constexpr double kStanding = 0.1;  // [m/s]
+    forecast.latest = predict_breakdown(road, body.max_decel, grid, step);
+    forecast.trajectory =
+        v.speed < kStanding ? *forecast.latest : predict_passage(road, body.max_accel, grid, step);
+    if (v.speed < kStanding) forecast.latest.reset();
+    forecast.yields = false;
     return {forecast};
   }
   const bool at_line = to_line && *to_line <= takeover_ && s + *to_line < road.s_end;
@@ -181,6 +191,15 @@ PathTrajectory predict_stop(const RoadVehicle& v, double stands, const DecisionG
   PathTrajectory t{.begin = step, .states = {{v.now.s, 0.0}}};
   const double steps = std::min(stands / grid.dt, double(kLongest));
   t.states.resize(std::size_t(steps) + 1, t.states.front());
+  drive_on(t, v, grid, 0, kAcceleration);
+  return t;
+}
+
+PathTrajectory predict_breakdown(const RoadVehicle& v, double decel, const DecisionGrid& grid,
+                                 std::int64_t step) {
+  PathTrajectory t{.begin = step, .states = {v.now}};
+  while (t.states.back().v > 0.0) t.states.push_back(advance(t.states.back(), -decel, grid.dt));
+  t.states.resize(t.states.size() + std::size_t(kStand / grid.dt), t.states.back());
   drive_on(t, v, grid, 0, kAcceleration);
   return t;
 }

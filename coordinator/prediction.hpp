@@ -17,9 +17,9 @@ struct ExitRoot {
   double offset = 0.0;
 };
 
-/// What a driver does at a coordinated stop line: waits, as it is held at the end of its lane; or
-/// goes over it, as it is let through.
-enum class Intent { kWaits, kPasses };
+/// What a driver does at a coordinated stop line: waits, as it is held at the end of its lane; goes
+/// over it, as it is let through; or nobody knows, of one that does not do what it was told to.
+enum class Intent { kWaits, kPasses, kUnknown };
 
 /// What vehicles that nobody controls are expected to do.
 class Predictor {
@@ -83,6 +83,10 @@ class Predictor {
 /// A driver who is let over a junction: he speeds up at once with `acceleration`.
 [[nodiscard]] PathTrajectory predict_passage(const RoadVehicle& vehicle, double acceleration,
                                              const DecisionGrid& grid, std::int64_t step);
+
+/// One that stops as hard as it can, and stands for a while.
+[[nodiscard]] PathTrajectory predict_breakdown(const RoadVehicle& vehicle, double decel,
+                                               const DecisionGrid& grid, std::int64_t step);
 
 /// The slowest way over a junction to be expected of him: at a crawl in the end.
 [[nodiscard]] PathTrajectory predict_crawl(const RoadVehicle& vehicle, const DecisionGrid& grid,

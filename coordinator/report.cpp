@@ -58,6 +58,63 @@ Json delay_by_driver(const RunReport& report, bool coordinated) {
   return delay;
 }
 
+/// Of emergency vehicles and of buses; nulls where there are none.
+Json delay_by_priority(const RunReport& report) {
+  Json result = Json::object();
+  for (const auto& [kind, name] :
+       {std::pair{Priority::Kind::kEmergency, "emergency"}, {Priority::Kind::kBus, "bus"}}) {
+    std::vector<double> delays;
+    for (const VehicleRecord& v : report.vehicles) {
+      if (v.priority == kind && v.departure) delays.push_back(delay_of(v, report.end));
+    }
+    result[name] = delay_json(delays);
+    if (delays.empty()) {
+      for (Json& figure : result[name]) figure = nullptr;
+    }
+    result[name]["vehicles"] = delays.size();
+  }
+  return result;
+}
+
+Json events_json(const std::vector<FaultEvent>& events) {
+  Json list = Json::array();
+  for (const FaultEvent& e : events) {
+    list.push_back(
+        {{"frame", e.frame}, {"time_s", e.time}, {"vehicle", e.vehicle}, {"what", e.what}});
+  }
+  return list;
+}
+
+/// The overlaps of the audit, with their frames.
+Json contacts_json(const RunReport& report, double step_length) {
+  Json list = Json::array();
+  for (const AuditEvent& e : report.events) {
+    if (e.what.find("overlap") == std::string::npos) continue;
+    list.push_back({{"frame", std::lround((e.time - report.begin) / step_length)},
+                    {"time_s", e.time},
+                    {"what", e.what}});
+  }
+  return list;
+}
+
+Json faults_json(const RunReport& report) {
+  const FaultReport& f = *report.faults;
+  return {{"simulated", f.simulated},
+          {"assumed", f.assumed},
+          {"lead_s", f.tolerance.lead * f.step_length},
+          {"oldest_report_s", f.tolerance.age},
+          {"margin_along_m", f.tolerance.more.along},
+          {"margin_across_m", f.tolerance.more.across},
+          {"commands", f.figures.commands},
+          {"commands_lost", f.figures.commands_lost},
+          {"reports", f.figures.reports},
+          {"reports_lost", f.figures.reports_lost},
+          {"largest_deviation_m", f.figures.largest_deviation},
+          {"events", events_json(f.figures.events)},
+          {"given_up", events_json(f.given_up)},
+          {"contacts", contacts_json(report, f.step_length)}};
+}
+
 Json audit_json(const AuditFigures& a) {
   return {{"between_steps", a.between_steps},
           {"overlap_pairs", a.overlap_pairs},
@@ -150,6 +207,7 @@ std::string summary_json(const RunReport& r) {
   j["penetration"] = r.penetration;
   j["delay_controlled_s"] = delay_by_driver(r, true);
   j["delay_human_s"] = delay_by_driver(r, false);
+  j["delay_priority_s"] = delay_by_priority(r);
   if (r.humans) {
     j["greens"] = r.humans->greens;
     j["tube_misses"] = r.humans->tube_misses;
@@ -162,6 +220,7 @@ std::string summary_json(const RunReport& r) {
   add_measures(r, j);
   j["audit"] = audit_json(r.audit);
   j["overlap_pairs_coordinated"] = r.audit.overlap_pairs_coordinated;
+  if (r.faults) j["faults"] = faults_json(r);
   j["sumo_collisions"] = r.sumo_collisions;
   j["sumo_warnings"] = r.sumo_warnings;
   j["max_accel"] = r.audit.max_accel;

@@ -29,6 +29,7 @@ struct VehicleRecord {
   double speed_factor = 1.0;
   double stopped = 0.0;       ///< at scheduled stops
   bool coordinated = false;   ///< was it ever under control
+  Priority::Kind priority = Priority::Kind::kNone;
   std::string movement = {};  ///< "FROM>TO", the first and the last edge of its route
   DrivingFigures driving = {};
   std::optional<Emissions> emissions = {};  ///< none: the traffic does not tell
@@ -46,6 +47,16 @@ struct HumanFigures {
   std::int64_t unplanned_passages = 0;  ///< drivers who went over their lines without a plan
 };
 
+/// What was made to go wrong in a run, and what was noticed of it.
+struct FaultReport {
+  std::string simulated;  ///< in the words of the command line; empty: nothing
+  std::string assumed;    ///< likewise
+  FaultTolerance tolerance;
+  double step_length = 0.1;  ///< [s]
+  FaultFigures figures;
+  std::vector<FaultEvent> given_up;  ///< vehicles that did not obey
+};
+
 /// Everything that a run leaves behind.
 struct RunReport {
   std::vector<VehicleRecord> vehicles;
@@ -58,6 +69,7 @@ struct RunReport {
   std::int64_t sumo_collisions = 0;
   double penetration = 1.0;            ///< as asked for
   std::optional<HumanFigures> humans;  ///< none: no signal was ours
+  std::optional<FaultReport> faults;   ///< none: nothing was simulated nor assumed
   PeopleFigures people;
   std::int64_t people_greens = 0;           ///< shown at crossings
   std::int64_t left_to_sumo_sightings = 0;  ///< vehicles near a stop line, over the decisions

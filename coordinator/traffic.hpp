@@ -31,6 +31,13 @@ struct VehicleState {
   std::string lane;             ///< empty while off every lane
   double lane_position = 0.0;   ///< of the front bumper from the start of the lane [m]
   bool halted_by_stop = false;  ///< it stands at a scheduled stop, and waits there for its time
+  double age = 0.0;             ///< [s] since it was like this
+};
+
+/// Where a vehicle is to be at the end of a step.
+struct PlannedPose {
+  Pose pose;           ///< rear axle
+  double speed = 0.0;  ///< [m/s]
 };
 
 /// The next stop that a vehicle's demand schedules, of any kind: beside the road or on it.
@@ -130,6 +137,12 @@ class Traffic {
   virtual void enter_road(const std::string& /*id*/, const std::string& /*lane*/) {}
   /// Where a taken-over vehicle is after the next step.
   virtual void place(const std::string& id, const Pose& pose, double speed) = 0;
+  /// Does the traffic want to be told plans ahead of time? Then
+  [[nodiscard]] virtual bool wants_plans() const { return false; }
+  /// where a taken-over vehicle is now, and where it will be placed in each of the next steps.
+  /// @param complete  behind the end of the plan its own driver goes on; else it stays there.
+  virtual void announce_plan(const std::string& /*id*/, std::vector<PlannedPose> /*poses*/,
+                             bool /*complete*/) {}
   /// Makes a vehicle that is not taken over stop before the end of its lane (true), or go on.
   virtual void hold(const std::string& id, bool stop) = 0;
   /// The driver of a vehicle that is not taken over heeds no signal and no right of way (true), or

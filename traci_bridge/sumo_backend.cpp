@@ -51,7 +51,8 @@ constexpr double kStanding = 0.1;   // [m/s]
 class Backend final : public SumoTraffic {
  public:
   explicit Backend(SumoLaunch launch)
-      : configuration_(std::move(launch.configuration)),
+      : configuration_(launch.configuration),
+        joined_(launch.remote.has_value()),
         network_(std::move(launch.network)),
         outputs_(std::move(launch.outputs)),
         log_(launch.log),
@@ -59,7 +60,7 @@ class Backend final : public SumoTraffic {
         routes_(network_, log_),
         holds_(network_, log_) {
     ask([&] {
-      connection_ = std::make_unique<SumoConnection>(launch.arguments, log_);
+      connection_ = std::make_unique<SumoConnection>(launch, log_);
       step_length_ = api::Simulation::getDeltaT();
       observe();
     });
@@ -130,7 +131,12 @@ class Backend final : public SumoTraffic {
     });
   }
 
-  bool is_taken_over(const std::string& id) const override { return controlled_.contains(id); }
+  bool is_taken_over(const std::string& id) const override {
+    if (controlled_.contains(id)) return true;
+    // A vehicle that another client drives obeys as ours do.
+    return joined_ && is_here(id) &&
+           look_up([&] { return api::Vehicle::getSpeedMode(id); }) == kObey;
+  }
 
   void hand_back(const std::string& id) override {
     const auto found = controlled_.find(id);
@@ -567,6 +573,7 @@ class Backend final : public SumoTraffic {
   }
 
   std::string configuration_;
+  bool joined_;  ///< somebody else runs this SUMO
   RoadNetwork network_;
   std::vector<OutputFile> outputs_;
   mutable SumoLog log_;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,7 +17,8 @@ struct SumoLaunch {
   std::vector<std::string> arguments;  ///< of SUMO's command line, the program first
   RoadNetwork network;
   std::vector<OutputFile> outputs;
-  std::string log;  ///< as in SumoOptions
+  std::string log;                    ///< as in SumoOptions
+  std::optional<SumoAddress> remote;  ///< likewise; with libtraci only
 };
 
 /// The two back ends: sumo_backend.cpp, compiled against libsumo and against libtraci.

@@ -1,39 +1,54 @@
 #pragma once
 
+#include <optional>
 #include <stdexcept>
 #include <string>
-#include <vector>
 
 #include "traci_bridge/sumo_api.hpp"
+#include "traci_bridge/sumo_backend.hpp"
 #include "traci_bridge/sumo_log.hpp"
 #include "traci_bridge/sumo_process.hpp"
 
 namespace mvtp::MVTP_SUMO_NAMESPACE {
 
 #ifdef LIBTRACI
-/// A SUMO that runs as a program of its own.
+/// A SUMO that runs as a program of its own: ours, or one that somebody else has started.
 class SumoConnection {
  public:
-  SumoConnection(const std::vector<std::string>& arguments, const SumoLog& log)
-      : process_(arguments, log.descriptor()) {
-    const std::string port = std::to_string(process_.port());
-    api::Simulation::init(process_.port(), 0, "127.0.0.1", "mvtp-" + port);
+  SumoConnection(const SumoLaunch& launch, const SumoLog& log) {
+    if (launch.remote) {
+      join(*launch.remote);
+      return;
+    }
+    process_.emplace(launch.arguments, log.descriptor());
+    connect(process_->port(), "127.0.0.1", 0);
   }
 
   void close() {
     api::Simulation::close();
-    if (!process_.wait()) throw std::runtime_error("it did not end well");
+    if (process_ && !process_->wait()) throw std::runtime_error("it did not end well");
   }
 
  private:
-  SumoProcess process_;
+  static void connect(int port, const std::string& host, int retries) {
+    api::Simulation::init(port, retries, host, "mvtp-" + host + "-" + std::to_string(port));
+  }
+
+  static void join(const SumoAddress& remote) {
+    constexpr int kRetries = 10;  // one second each
+    connect(remote.port, remote.host, kRetries);
+    // SUMO begins once every client has said when it speaks; a single one need not.
+    if (remote.clients > 1) api::Simulation::setOrder(remote.order);
+  }
+
+  std::optional<SumoProcess> process_;
 };
 #else
 /// A SUMO that runs inside this process.
 class SumoConnection {
  public:
-  SumoConnection(const std::vector<std::string>& arguments, const SumoLog& /*log*/) {
-    api::Simulation::start(arguments);
+  SumoConnection(const SumoLaunch& launch, const SumoLog& /*log*/) {
+    api::Simulation::start(launch.arguments);
   }
 
   void close() { api::Simulation::close(); }

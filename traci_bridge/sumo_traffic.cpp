@@ -116,6 +116,18 @@ void require_display() {
                             "--gui out");
 }
 
+/// What only the one who starts SUMO can say.
+void check_remote(const SumoOptions& options) {
+  const std::string where = "--remote " + options.remote->host;
+  if (options.gui) {
+    throw InputError(where, "joins a SUMO that runs already; leave --gui out, or start sumo-gui");
+  }
+  if (!options.extra.empty()) {
+    throw InputError(where, "joins a SUMO that runs already; give it the option " +
+                                options.extra.front() + " where it is started");
+  }
+}
+
 }  // namespace
 
 std::unique_ptr<SumoTraffic> open_sumo(const SumoOptions& options) {
@@ -124,7 +136,12 @@ std::unique_ptr<SumoTraffic> open_sumo(const SumoOptions& options) {
                     .arguments = arguments_of(options),
                     .network = read_network(configuration.net_file),
                     .outputs = {},
-                    .log = options.log};
+                    .log = options.log,
+                    .remote = options.remote};
+  if (options.remote) {
+    check_remote(options);
+    return launch_libtraci(std::move(launch));
+  }
   check_configuration(options, configuration);
   check_extra(options, launch.arguments);
 

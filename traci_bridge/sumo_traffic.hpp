@@ -10,6 +10,14 @@
 
 namespace mvtp {
 
+/// A SUMO that somebody else has started, and that waits for its clients.
+struct SumoAddress {
+  std::string host;
+  int port = 0;
+  int order = 1;    ///< of this client among them, from 1: who speaks first in each step
+  int clients = 1;  ///< for how many it waits; its option --num-clients
+};
+
 struct SumoOptions {
   std::string configuration;          ///< path of the *.sumocfg
   std::optional<std::uint32_t> seed;  ///< of SUMO's random numbers; none: SUMO's own default
@@ -17,6 +25,8 @@ struct SumoOptions {
   /// Run SUMO as a program of its own (libtraci) instead of inside this process (libsumo): the
   /// same figures many times slower, but a crash of SUMO is then an InputError.
   bool separate_process = false;
+  /// Join this one instead of starting any; seed, gui, outputs and more options are its own then.
+  std::optional<SumoAddress> remote;
   std::string fcd_output;          ///< path of the trajectories; empty: none
   std::string tripinfo_output;     ///< path of one record per vehicle; empty: none
   std::string log;                 ///< path of what SUMO says on the way; empty: nowhere
@@ -55,6 +65,9 @@ class SumoTraffic : public Traffic {
 ///
 /// Throws InputError for whatever SUMO or we have against the scenario, the options or the output
 /// paths, with SUMO's own words, in one line; SUMO itself prints nothing.
+///
+/// One that is joined goes on after close(), and a vehicle that another client drives counts as
+/// taken over.
 [[nodiscard]] std::unique_ptr<SumoTraffic> open_sumo(const SumoOptions& options);
 
 /// The version of libsumo, e.g. "SUMO 1.15.0".

@@ -192,8 +192,10 @@ class CrossingPlanner {
     for (std::size_t i = entries.size(); i < order.size(); ++i) {
       if (cost >= budget) return i;
       // Whoever costs more than this makes the whole no better.
-      const PlanLimits limits{.work = &work_, .cost = budget - cost + cost_.alone(order[i])};
-      auto t = plan_vehicle(pairs_, scene_.vehicle(order[i]), entries, options_.trajectory, limits);
+      const RoadVehicle& v = scene_.vehicle(order[i]);
+      const PlanLimits limits{.work = &work_,
+                              .cost = (budget - cost + cost_.alone(order[i])) / v.weight};
+      auto t = plan_vehicle(pairs_, v, entries, options_.trajectory, limits);
       if (!t || work_.left <= 0) return i;
       entries.push_back({order[i], std::make_shared<PathTrajectory>(std::move(*t))});
       cost += cost_.until_handback(entries.back()) - cost_.alone(order[i]);

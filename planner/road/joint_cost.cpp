@@ -10,8 +10,8 @@ double JointCost::until_handback(const JointPlan::Entry& e) const {
   const std::int64_t k = std::max(scene_.step, arrival_step(*e.trajectory, v.s_handback));
   const double speed = k < e.trajectory->end() ? e.trajectory->at(k).v : v.cruise_speed;
   const double missing = std::max(0.0, v.cruise_speed - speed);
-  return double(k - scene_.step) * scene_.grid.dt +
-         missing * missing / (2.0 * scene_.body(v).max_accel * v.cruise_speed);
+  return v.weight * (double(k - scene_.step) * scene_.grid.dt +
+                     missing * missing / (2.0 * scene_.body(v).max_accel * v.cruise_speed));
 }
 
 std::vector<double> JointCost::delays(const Entries& entries) {

@@ -9,7 +9,8 @@
 namespace mvtp {
 
 /// What joint plans cost: the time of each vehicle until it is handed back, what it takes to be at
-/// cruise speed again, and headways that are missing then.
+/// cruise speed again, both times its weight, and headways that are missing then. Seconds are those
+/// of a vehicle of weight 1.
 class JointCost {
  public:
   using Entries = std::vector<JointPlan::Entry>;

@@ -145,7 +145,7 @@ RoadPairs::RoadPairs(const RoadScene& scene)
     for (std::size_t f = 0; f < scene.forecasts.size(); ++f) {
       const RoadVehicle& a = scene.vehicles[i];
       const RoadVehicle& b = scene.forecasts[f].vehicle;
-      const RoadContact& contact = forecasts_.emplace_back(scene, a, b, kReaction);
+      const RoadContact& contact = forecasts_.emplace_back(scene, a, b, scene.reaction);
       if (contact.never()) continue;
       follows_[i * scene.forecasts.size() + f] =
           contact.is_ahead(a.now, b.now) &&

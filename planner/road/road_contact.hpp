@@ -144,9 +144,6 @@ struct ContactView {
 /// A scene, and for all pairs in it what planning asks again and again.
 class RoadPairs {
  public:
-  /// [s] until we notice that a forecast vehicle brakes.
-  static constexpr double kReaction = 0.5;
-
   /// Implicit: every planner on roads takes a scene; who plans often makes this once.
   RoadPairs(const RoadScene& scene);  // NOLINT(google-explicit-constructor)
 

@@ -59,6 +59,7 @@ struct RoadVehicle {
   double s_entry_lane = 0.0;  ///< rear axle when the front bumper enters that [m]
   double s_handback = 0.0;    ///< rear axle where the zone ends [m]
   double s_end = 0.0;         ///< rear axle where a plan is complete [m]; >= s_handback
+  double weight = 1.0;        ///< its time costs so many times that of any other vehicle
   /// It has stood for long without a complete plan, or it stands with a driver of its own. Two such
   /// vehicles may pass each other closely.
   bool stuck = false;
@@ -99,6 +100,7 @@ struct RoadScene {
   std::int64_t step = 0;              ///< now
   std::vector<RoadVehicle> vehicles;  ///< ours, ordered by key
   std::vector<Forecast> forecasts;
+  double reaction = 0.5;  ///< [s] until we answer to a forecast vehicle that brakes
 
   /// @pre there is one with this key
   [[nodiscard]] const RoadVehicle& vehicle(std::int64_t key) const {

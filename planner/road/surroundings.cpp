@@ -9,6 +9,7 @@ Surroundings::Surroundings(const RoadPairs& pairs, const RoadVehicle& vehicle,
                            const WholeTrajectoryOptions& options, Forecasts forecasts)
     : grid_(pairs.scene().grid),
       now_(pairs.scene().step),
+      reaction_(pairs.scene().reaction),
       vehicle_(vehicle),
       body_(pairs.scene().body(vehicle)),
       options_(options) {
@@ -38,7 +39,7 @@ bool Surroundings::step_is_clear(std::int64_t k, const InertialState& from, doub
                                  const InertialState& to) const {
   count_work();
   const double reach =
-      to.s + stopping_distance(to.v, body_.max_decel) + to.v * RoadPairs::kReaction;
+      to.s + stopping_distance(to.v, body_.max_decel) + to.v * reaction_;
   // A leader of another driver may always be answered with full braking, and whoever crosses now;
   // one that stands can do no more.
   const bool brakes_fully = a <= -body_.max_decel + 1e-9 || (from.v == 0.0 && to.v == 0.0);

@@ -129,6 +129,7 @@ class Surroundings {
 
   DecisionGrid grid_;
   std::int64_t now_;
+  double reaction_;  ///< [s] as of RoadScene
   const RoadVehicle& vehicle_;
   const Vehicle& body_;
   const WholeTrajectoryOptions& options_;

@@ -45,6 +45,9 @@ std::string known_fault(const std::string& shape, unsigned seed, double step_len
   if (shape == "two_lanes" && seed == 1 && step_length == 0.25) {
     return "a lane change at the takeover ends before a driver who cannot brake in time";
   }
+  if (shape == "t" && seed == 5 && step_length == 0.25) {
+    return "a truck stands in its turn, over the lane of a bus that rolls to its line";
+  }
   if (shape == "crossroads" && seed == 5 && step_length == 0.25) {
     return "a truck waits in its turn for a bus that is held at its line and has no plan";
   }

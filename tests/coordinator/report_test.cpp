@@ -45,6 +45,7 @@ TEST(Report, TheDocsNameEveryKeyOfTheSummaryAndNoOther) {
   report.message = "SUMO ended";
   report.lots.resize(2);
   report.humans.emplace();
+  report.faults.emplace();
   const nlohmann::json summary = nlohmann::json::parse(summary_json(report));
   EXPECT_THAT(documented("### `summary.json`"), ContainerEq(keys_of(summary)));
   EXPECT_THAT(documented("`audit`:"), ContainerEq(keys_of(summary["audit"])));

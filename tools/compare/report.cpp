@@ -23,6 +23,8 @@ constexpr std::array kFigures = {
     ComparedFigure{"delay_p50_s", "/delay_s/p50"},
     ComparedFigure{"delay_p95_s", "/delay_s/p95"},
     ComparedFigure{"delay_max_s", "/delay_s/max"},
+    ComparedFigure{"delay_emergency_s", "/delay_priority_s/emergency/mean"},
+    ComparedFigure{"delay_bus_s", "/delay_priority_s/bus/mean"},
     ComparedFigure{"throughput_veh_h", "/throughput_veh_h"},
     ComparedFigure{"time_loss_s", "/time_loss_s"},
     ComparedFigure{"depart_delay_s", "/depart_delay_s"},
@@ -200,6 +202,21 @@ const std::array kParkingColumns = {Column{"control", &Row::control},
                                     mean_column("replan 95 % [ms]", "replan_p95_ms", 1),
                                     mean_column("x real time", "real_time_factor", 0)};
 
+/// Columns about emergency vehicles and buses come only with such vehicles.
+std::vector<Column> columns_for(std::span<const ComparedRun> runs) {
+  if (is_parking(runs)) return {kParkingColumns.begin(), kParkingColumns.end()};
+  std::vector<Column> columns(kColumns.begin(), kColumns.end());
+  constexpr std::ptrdiff_t kBehindDelays = 4;
+  auto at = columns.begin() + kBehindDelays;
+  for (const auto& [title, figure] :
+       {std::pair{"emergency [s]", "delay_emergency_s"}, {"buses [s]", "delay_bus_s"}}) {
+    const auto has_it = [&](const ComparedRun& run) { return run.figures.contains(figure); };
+    if (std::ranges::none_of(runs, has_it)) continue;
+    at = columns.insert(at, mean_column(title, figure, 1)) + 1;
+  }
+  return columns;
+}
+
 std::size_t display_width(const std::string& text) {
   return static_cast<std::size_t>(
       std::ranges::count_if(text, [](char c) { return (c & 0xc0) != 0x80; }));
@@ -251,8 +268,7 @@ bool succeeded(const ComparedRun& run) {
 }
 
 std::string comparison_table(std::span<const ComparedRun> runs) {
-  const std::span<const Column> columns =
-      is_parking(runs) ? std::span<const Column>(kParkingColumns) : kColumns;
+  const std::vector<Column> columns = columns_for(runs);
   std::vector<Cells> lines(1);
   for (const Column& column : columns) lines.front().push_back(column.title);
   for (const Row& row : rows_of(runs)) {

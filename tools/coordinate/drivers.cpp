@@ -6,13 +6,17 @@
 #include <algorithm>
 #include <ranges>
 
+#include "coordinator/faults/tolerate.hpp"
 #include "planner/problem/input_error.hpp"
+#include "tools/coordinate/fault_options.hpp"
 #include "tools/coordinate/lot_options.hpp"
 #include "tools/output_folder.hpp"
 #include "tools/suggest.hpp"
 
 namespace mvtp {
 namespace {
+
+constexpr double kWidestMargin = 1.3;  ///< [m] across, as of --margin-across
 
 void check_junctions(const CoordinateOptions& options, const RoadNetwork& network) {
   for (const std::string& id : options.junctions) {
@@ -53,6 +57,7 @@ void check_types(const CoordinateOptions& options, const Traffic& traffic) {
   };
   check("--coordinate-types", options.coordinate_types);
   check("--human-types", options.human_types);
+  check("--priority-types", options.priority_types);
   for (const std::string& type : options.human_types) {
     if (std::ranges::count(options.coordinate_types, type) == 0) continue;
     throw InputError("--human-types " + type,
@@ -60,12 +65,27 @@ void check_types(const CoordinateOptions& options, const Traffic& traffic) {
   }
 }
 
+/// @throws InputError if more noise is assumed than lanes have room for
+void check_margins(const CoordinateOptions& options, const Margins& margins) {
+  if (margins.across <= kWidestMargin) return;
+  throw InputError("--assume-noise " + options.assume_noise,
+                   fmt::format("takes {:.2f} m between two vehicles side by side, and lanes leave "
+                               "{} m; assume less noise",
+                               margins.across, kWidestMargin));
+}
+
 CoordinatorOptions coordinator_options(const CoordinateOptions& options,
-                                       const std::set<std::string>& junctions) {
+                                       const std::set<std::string>& junctions,
+                                       const Traffic& traffic) {
   CoordinatorOptions coordinator;
   coordinator.corridors.takeover = options.zone_radius;
   coordinator.limits.max_lateral_accel = options.max_lateral_accel;
   coordinator.limits.margins = {options.margin_along, options.margin_across};
+  tolerate(declared_tolerance(options, traffic), traffic.network(), traffic.step_length(),
+           coordinator);
+  check_margins(options, coordinator.limits.margins);
+  coordinator.late_share = read_faults(options.faults).late_share;
+  coordinator.priority.types = {options.priority_types.begin(), options.priority_types.end()};
   coordinator.junctions.assign(junctions.begin(), junctions.end());
   coordinator.escot.seed = options.seed;
   coordinator.share = controlled_share(options);
@@ -80,6 +100,15 @@ CoordinatorOptions coordinator_options(const CoordinateOptions& options,
 }
 
 }  // namespace
+
+FaultTolerance declared_tolerance(const CoordinateOptions& options, const Traffic& traffic) {
+  double longest = 4.0;  // [m] of a car, ahead of its rear axle
+  for (const std::string& id : traffic.types()) {
+    longest = std::max(longest, traffic.type(id).body.front);
+  }
+  const FaultModel declared = read_assumed(options.assume_noise, read_faults(options.faults));
+  return tolerance_of(declared, traffic.step_length(), longest);
+}
 
 ControlledShare controlled_share(const CoordinateOptions& options) {
   return {.penetration = options.penetration,
@@ -129,7 +158,7 @@ Drivers::Drivers(const CoordinateOptions& options, Traffic& traffic, const Driva
   }
   if (kind.make == nullptr || junctions.empty()) return;
   std::unique_ptr<Controller> controller =
-      kind.make({traffic, area, coordinator_options(options, junctions)});
+      kind.make({traffic, area, coordinator_options(options, junctions, traffic)});
   coordinator_ = dynamic_cast<const Coordinator*>(controller.get());
   if (!options.dump_instances.empty() && coordinator_ != nullptr) {
     dump_.emplace(*coordinator_, area,
@@ -197,6 +226,7 @@ void Drivers::report_to(RunReport& report) const {
   std::ranges::stable_sort(report.replans, {}, &Replan::time);
   if (!coordinator_) return;
   report.left_to_sumo_sightings = coordinator_->guest_sightings();
+  if (report.faults) report.faults->given_up = coordinator_->losses();
   if (const People* people = coordinator_->people()) report.people_greens = people->greens();
   if (const HumanDrivers* humans = coordinator_->humans()) {
     report.humans = {.greens = humans->greens(),

@@ -27,6 +27,10 @@ namespace mvtp {
                                                           const RoadNetwork& network,
                                                           std::span<const ParkingLot> lots);
 
+/// What the plans have to bear, by `--assume-noise`.
+/// @throws InputError
+[[nodiscard]] FaultTolerance declared_tolerance(const CoordinateOptions& options,
+                                                const Traffic& traffic);
 /// Which vehicles are taken over.
 [[nodiscard]] ControlledShare controlled_share(const CoordinateOptions& options);
 

@@ -26,12 +26,39 @@ void declare_share(CLI::App& app, CoordinateOptions& o) {
       ->allow_extra_args(false)
       ->type_name("ID,ID,...")
       ->group("Control");
+  app.add_option("--priority-types", o.priority_types,
+                 "Vehicle types whose time counts 20 times at junctions, A,B or repeated, as that\n"
+                 "of vehicles of SUMO's class emergency always does (buses: 4 times)")
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->type_name("ID,ID,...")
+      ->group("Control");
   app.add_option("--signal-timing", o.signal_timing,
                  "Lights for human-driven vehicles: real (yellow 3 s at 50 km/h, 1 s all red, 5 s\n"
                  "least green) or instant (they turn at once)")
       ->type_name("real|instant")
       ->check(one_of({"real", "instant"}))
       ->capture_default_str()
+      ->group("Control");
+}
+
+/// What goes wrong, and what is reckoned with.
+void declare_faults(CLI::App& app, CoordinateOptions& o) {
+  app.add_option(
+         "--faults", o.faults,
+         "What goes wrong at junctions, by seed: of messages, each way, delay=S and loss=SHARE\n"
+         "(command-delay, report-loss, ...: one way); of reports, position=M and heading=DEG; of\n"
+         "driving, actuation=M (standard deviations); of vehicles, shares that stop dead inside a\n"
+         "junction, stops=SHARE (stops-for=S, 60), or ignore their plans there, ignores=SHARE, "
+         "and\n"
+         "stop=VEHICLE@S, ignore=VEHICLE@S; late=SHARE of the decisions; sumo-ends=S")
+      ->type_name("KEY=VALUE,...")
+      ->group("Control");
+  app.add_option("--assume-noise", o.assume_noise,
+                 "What plans are to bear, in the keys of --faults for messages, reports and\n"
+                 "driving; faults: what --faults says. Lead and safety distances follow from it\n"
+                 "(default: nothing)")
+      ->type_name("KEY=VALUE,...|faults")
       ->group("Control");
 }
 
@@ -121,6 +148,7 @@ void declare_run_options(CLI::App& app, CoordinateOptions& o) {
       ->group("Control");
   declare_share(app, o);
   declare_planning(app, o);
+  declare_faults(app, o);
   app.add_option("sumo", o.sumo, "Options for SUMO itself, behind --")->group("Input");
 }
 
@@ -128,6 +156,19 @@ void declare_coordinate_options(CLI::App& app, CoordinateOptions& o) {
   declare_run_options(app, o);
   app.add_option("--seed", o.seed, "Seed of SUMO's and mvtp's random numbers")
       ->check(whole_number_between(0, 2147483647))
+      ->capture_default_str()
+      ->group("Input");
+  app.add_option("--remote", o.remote,
+                 "Join a SUMO that was started on the same scenario with --remote-port PORT,\n"
+                 "instead of starting one; its options, seed and outputs are its own")
+      ->type_name("HOST:PORT")
+      ->group("Input");
+  app.add_option("--order", o.order, "Of this client of it, from 1: who speaks first in a step")
+      ->check(whole_number_between(1, 1000))
+      ->capture_default_str()
+      ->group("Input");
+  app.add_option("--num-clients", o.num_clients, "Clients that it waits for, as it was told")
+      ->check(whole_number_between(1, 1000))
       ->capture_default_str()
       ->group("Input");
   std::string meanings = "Who drives:";

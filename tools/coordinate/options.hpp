@@ -23,14 +23,20 @@ struct CoordinateOptions {
   std::string parking = "any";                ///< or "forward", "reverse"
   std::vector<std::string> breakdowns;        ///< VEHICLE@SECONDS
   std::string output_dir = "out";
+  std::string remote;   ///< HOST:PORT of a SUMO to be joined; empty: start one
+  int order = 1;        ///< of this client of it
+  int num_clients = 1;  ///< that it waits for
   bool gui = false;
   bool separate_process = false;  ///< SUMO is a program of its own: no option of the command
   bool quiet = false;
-  std::uint32_t seed = 23423;       ///< SUMO's own default
-  std::optional<double> end;        ///< [s]
-  double max_lateral_accel = 0.0;   ///< [m/s^2]; 0: no limit but the lanes'
-  double replan_budget_ms = -1.0;   ///< [ms]; < 0: the decision period
-  double replan_budget_from = 0.0;  ///< [s]
+  std::uint32_t seed = 23423;               ///< SUMO's own default
+  std::optional<double> end;                ///< [s]
+  double max_lateral_accel = 0.0;           ///< [m/s^2]; 0: no limit but the lanes'
+  double replan_budget_ms = -1.0;           ///< [ms]; < 0: the decision period
+  double replan_budget_from = 0.0;          ///< [s]
+  std::string faults;                       ///< KEY=VALUE,...; empty: none
+  std::string assume_noise;                 ///< KEY=VALUE,... or "faults"; empty: none
+  std::vector<std::string> priority_types;  ///< ids
   int tries = 30;
   int threads = 0;             ///< that plan; 0: one per core
   double margin_along = 0.6;   ///< [m]

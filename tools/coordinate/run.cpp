@@ -10,6 +10,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "coordinator/faults/faulty_traffic.hpp"
 #include "coordinator/interrupt.hpp"
 #include "coordinator/lateral_limits.hpp"
 #include "coordinator/report.hpp"
@@ -18,6 +19,7 @@
 #include "planner/problem/input_error.hpp"
 #include "tools/compare/report.hpp"
 #include "tools/coordinate/drivers.hpp"
+#include "tools/coordinate/fault_options.hpp"
 #include "tools/coordinate/run_recorder.hpp"
 #include "tools/coordinate/scenario.hpp"
 #include "tools/program.hpp"
@@ -37,6 +39,12 @@ constexpr double kAfterLastDeparture = 120.0;  ///< [s] that a run goes on about
 std::unique_ptr<SumoTraffic> open_traffic(const CoordinateOptions& options,
                                           const Scenario& scenario) {
   std::unique_ptr<SumoTraffic> traffic = open_sumo(scenario.sumo);
+  if (scenario.sumo.remote && traffic->step_length() > kLongestStep) {
+    throw InputError("--remote " + options.remote,
+                     fmt::format("its step of {} s is too long to drive vehicles by; start it with "
+                                 "--step-length {} or less",
+                                 traffic->step_length(), kLongestStep));
+  }
   if (options.max_lateral_accel > 0.0) {
     for (const auto& [lane, speed] :
          bend_speed_limits(traffic->network(), options.max_lateral_accel)) {
@@ -44,6 +52,14 @@ std::unique_ptr<SumoTraffic> open_traffic(const CoordinateOptions& options,
     }
   }
   return traffic;
+}
+
+/// The traffic through the air, if something is to go wrong there.
+std::unique_ptr<FaultyTraffic> make_faulty(const CoordinateOptions& options, Traffic& traffic) {
+  FaultPlan plan = read_faults(options.faults);
+  plan.seed = options.seed;
+  if (options.faults.empty()) return nullptr;
+  return std::make_unique<FaultyTraffic>(traffic, std::move(plan));
 }
 
 }  // namespace
@@ -64,8 +80,10 @@ class SumoRun::Impl {
         log_(*traffic_),
         free_flow_(traffic_->network()),
         safety_(traffic_->network(), traffic_->step_length()),
-        drivers_(options, *traffic_, area_, junctions_, lots_),
-        simulation_(*traffic_) {
+        faulty_(make_faulty(options, *traffic_)),
+        drivers_(options, seen_by_drivers(), area_, junctions_, lots_),
+        simulation_(*traffic_),
+        priority_{{options.priority_types.begin(), options.priority_types.end()}} {
     report_.controller = options.controller;
     report_.command = command;
     report_.seed = options.seed;
@@ -74,6 +92,14 @@ class SumoRun::Impl {
     report_.mvtp_version = version();
     report_.sumo_version = sumo_version();
     report_.begin = report_.end = traffic_->time();
+    if (faulty_ || !options.assume_noise.empty()) {
+      report_.faults = {.simulated = options.faults,
+                        .assumed = options.assume_noise,
+                        .tolerance = declared_tolerance(options, *traffic_),
+                        .step_length = traffic_->step_length(),
+                        .figures = {},
+                        .given_up = {}};
+    }
     if (!options_.no_view) {
       recorder_ = std::make_unique<RunRecorder>(options_, *traffic_, junctions_, lots_,
                                                 drivers_.coordinator(), report_);
@@ -150,6 +176,11 @@ class SumoRun::Impl {
   }
 
  private:
+  [[nodiscard]] Traffic& seen_by_drivers() {
+    if (faulty_) return *faulty_;
+    return *traffic_;
+  }
+
   using Clock = std::chrono::steady_clock;
 
   void say(const std::string& line) const { host_.say(line); }
@@ -164,6 +195,7 @@ class SumoRun::Impl {
   /// Who looks at every step.
   void watch() {
     drivers_.join(simulation_);
+    if (faulty_) simulation_.add(faulty_->radio());
     progress_.emplace("coordinate", options_.quiet);
     simulation_.add([this](const Snapshot& now) {
       report_.end = now.time;
@@ -200,6 +232,7 @@ class SumoRun::Impl {
     if (status == RunStatus::kFailed) traffic_->keep_outputs();
     try {
       traffic_->close();
+      if (scenario_.sumo.remote) return log_.trips();
       return read_trips(folder_.path("tripinfo.xml"));
     } catch (const InputError& error) {
       fail(error.what());
@@ -219,6 +252,7 @@ class SumoRun::Impl {
     report_.pet = safety_.post_encroachment();
     report_.ttc = safety_.to_collision();
     report_.people = people_.figures();
+    if (faulty_) report_.faults->figures = faulty_->figures();
     drivers_.report_to(report_);
     report_.vehicles = log_.records(
         trips, free_flow_, report_.end,
@@ -227,6 +261,7 @@ class SumoRun::Impl {
     const std::map<std::string, DrivingFigures> driving = style_.figures();
     for (VehicleRecord& v : report_.vehicles) {
       if (const auto known = driving.find(v.id); known != driving.end()) v.driving = known->second;
+      v.priority = priority_.kind_of(simulation_.type_of(v.type));
     }
     drivers_.report_lots(report_, log_, trips, free_flow_, simulation_);
   }
@@ -312,8 +347,10 @@ class SumoRun::Impl {
   FreeFlow free_flow_;
   DrivingStyle style_;
   SurrogateSafety safety_;
+  std::unique_ptr<FaultyTraffic> faulty_;  ///< none: nothing goes wrong
   Drivers drivers_;
   Simulation simulation_;
+  Priority priority_;
   RunReport report_;
   std::unique_ptr<RunRecorder> recorder_;  ///< none: nobody wants the page
   std::optional<Progress> progress_;

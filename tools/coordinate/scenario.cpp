@@ -129,6 +129,27 @@ fs::path their_path(const Scenario& scenario, const std::string& configuration,
          (setting(scenario.configuration, "output-prefix") + plain.filename().string());
 }
 
+/// @throws InputError
+SumoAddress address_of(const CoordinateOptions& options) {
+  const std::string& text = options.remote;
+  const std::size_t colon = text.rfind(':');
+  const auto port = colon == std::string::npos || colon == 0
+                        ? std::nullopt
+                        : number(std::string_view(text).substr(colon + 1));
+  if (!port || *port != double(int(*port)) || *port < 1 || *port > 65535) {
+    throw InputError("--remote " + text, "is no HOST:PORT; give e.g. localhost:8813");
+  }
+  if (options.order > options.num_clients) {
+    throw InputError(
+        fmt::format("--order {}", options.order),
+        fmt::format("is beyond --num-clients {}; give both as SUMO was told", options.num_clients));
+  }
+  return {.host = text.substr(0, colon),
+          .port = int(*port),
+          .order = options.order,
+          .clients = options.num_clients};
+}
+
 }  // namespace
 
 Demand scan_demand(const Configuration& configuration) {
@@ -148,13 +169,19 @@ Scenario plan_run(const CoordinateOptions& options, RunFolder& folder) {
   scenario.demand = scan_demand(scenario.configuration);
   SumoOptions& sumo = scenario.sumo;
   sumo.configuration = options.configuration;
-  sumo.seed = options.seed;
-  sumo.gui = options.gui;
-  sumo.separate_process = options.separate_process;
-  if (!options.no_fcd) sumo.fcd_output = folder.path("fcd.xml");
-  sumo.tripinfo_output = folder.path("tripinfo.xml");
   sumo.log = folder.part("sumo.log");
   sumo.extra = options.sumo;
+  sumo.gui = options.gui;
+  sumo.separate_process = options.separate_process;
+  if (!options.remote.empty()) {
+    sumo.remote = address_of(options);
+    choose_end(options, scenario);
+    note_settings(scenario);
+    return scenario;
+  }
+  sumo.seed = options.seed;
+  if (!options.no_fcd) sumo.fcd_output = folder.path("fcd.xml");
+  sumo.tripinfo_output = folder.path("tripinfo.xml");
   choose_step_length(options, scenario);
   equip_with_emissions(options, scenario);
   choose_end(options, scenario);

@@ -174,6 +174,7 @@ class _Options(TypedDict, total=False):
     penetration: float
     coordinate_types: str | Sequence[str]
     human_types: str | Sequence[str]
+    priority_types: str | Sequence[str]
     signal_timing: str
     tries: int
     threads: int
@@ -181,6 +182,8 @@ class _Options(TypedDict, total=False):
     break_down: str | Sequence[str]
     replan_budget_ms: float
     replan_budget_from: float
+    faults: str
+    assume_noise: str
     sumo: Sequence[str]
 
 class _SimulationOptions(_Options, total=False):
@@ -190,6 +193,9 @@ class _SimulationOptions(_Options, total=False):
     dump_instances: _Path
     dump_every: int
     gui: bool
+    remote: str
+    order: int
+    num_clients: int
 
 class _CoordinateOptions(_SimulationOptions, total=False):
     controller: str
