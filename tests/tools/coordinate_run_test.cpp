@@ -106,6 +106,17 @@ TEST_F(CoordinateRun, AScheduledStopIsNeitherStuckNorDelay) {
   EXPECT_LT(summary()["delay_s"]["mean"], 20.0);
 }
 
+//   The first stands where the second would depart.
+TEST_F(CoordinateRun, WhoCannotDepartDoesNotEndTheRun) {
+  write(vehicle("a", 0, "Wi Eo", "<stop lane=\"Wi_0\" endPos=\"6\" duration=\"400\"/>") +
+            vehicle("b", 1, "Wi Eo"),
+        kStep);
+  const Outcome outcome = coordinate("--end 20");
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_EQ(summary()["status"], "end reached") << outcome.err;
+  EXPECT_EQ(summary()["never_departed"], 1);
+}
+
 TEST_F(CoordinateRun, ARunInWhichNobodyMovesIsStuck) {
   write(
       "<vType id=\"snail\" maxSpeed=\"0.01\"/><vehicle id=\"a\" type=\"snail\" depart=\"0\"><route "

@@ -261,7 +261,8 @@ class SumoRun::Impl {
     const std::map<std::string, DrivingFigures> driving = style_.figures();
     for (VehicleRecord& v : report_.vehicles) {
       if (const auto known = driving.find(v.id); known != driving.end()) v.driving = known->second;
-      v.priority = priority_.kind_of(simulation_.type_of(v.type));
+      // Who never departed has no type that SUMO would tell.
+      if (!v.type.empty()) v.priority = priority_.kind_of(simulation_.type_of(v.type));
     }
     drivers_.report_lots(report_, log_, trips, free_flow_, simulation_);
   }
