@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "planner/problem/referee_geometry.hpp"
 
@@ -11,16 +12,34 @@ namespace {
 constexpr double kCell = 8.0;          ///< [m] of the look-up grid
 constexpr double kMaxTolerance = 1.0;  ///< [m] that queries may ask for
 
-/// Is `p` at most `reach` away from the segment? Without a root: this is what footprints are tested
-/// with.
-bool is_near(const Point& p, const Point& a, const Point& b, double reach) {
+double distance(const Point& a, const Point& b) { return std::hypot(b.x - a.x, b.y - a.y); }
+
+/// The place of the segment that is nearest to `p`.
+Point nearest(const Point& p, const Point& a, const Point& b) {
   const double dx = b.x - a.x;
   const double dy = b.y - a.y;
   const double squared = dx * dx + dy * dy;
   const double f =
       squared > 0.0 ? std::clamp(((p.x - a.x) * dx + (p.y - a.y) * dy) / squared, 0.0, 1.0) : 0.0;
-  const double x = p.x - a.x - f * dx;
-  const double y = p.y - a.y - f * dy;
+  return {a.x + f * dx, a.y + f * dy};
+}
+
+/// @pre the line has a point
+Point nearest(const Point& p, std::span<const Point> line) {
+  Point best = line.front();
+  for (std::size_t i = 1; i < line.size(); ++i) {
+    const Point here = nearest(p, line[i - 1], line[i]);
+    if (distance(p, here) < distance(p, best)) best = here;
+  }
+  return best;
+}
+
+/// Is `p` at most `reach` away from the segment? Without a root: this is what footprints are tested
+/// with.
+bool is_near(const Point& p, const Point& a, const Point& b, double reach) {
+  const Point q = nearest(p, a, b);
+  const double x = p.x - q.x;
+  const double y = p.y - q.y;
   return x * x + y * y <= reach * reach;
 }
 
@@ -35,15 +54,13 @@ bool near_border(const Point& p, const Polygon& polygon, double tolerance) {
 
 DrivableArea::DrivableArea(const RoadNetwork& network, std::span<const ParkingLot> lots) {
   for (const auto& [id, lane] : network.lanes) {
-    if (!lane.road) continue;
-    const double r = lane.width / 2.0;
-    for (std::size_t i = 1; i < lane.shape.size(); ++i) {
-      const Point& a = lane.shape[i - 1];
-      const Point& b = lane.shape[i];
-      strips_.push_back({a, b, r});
-      register_box({std::min(a.x, b.x) - r, std::min(a.y, b.y) - r},
-                   {std::max(a.x, b.x) + r, std::max(a.y, b.y) + r},
-                   std::int32_t(strips_.size()) - 1);
+    if (lane.road) add_lane(lane);
+  }
+  for (const auto& [id, lanes] : network.edges) {
+    for (std::size_t i = 1; i < lanes.size(); ++i) {
+      const Lane& right = network.lanes.at(lanes[i - 1]);
+      const Lane& left = network.lanes.at(lanes[i]);
+      if (right.road && left.road) add_seam(right, left);
     }
   }
   for (const auto& [id, junction] : network.junctions) {
@@ -52,6 +69,38 @@ DrivableArea::DrivableArea(const RoadNetwork& network, std::span<const ParkingLo
   for (const ParkingLot& lot : lots) {
     add_polygon(lot.ground);
     solid_.insert(solid_.end(), lot.obstacles.begin(), lot.obstacles.end());
+  }
+}
+
+void DrivableArea::add_strip(const Strip& strip) {
+  const auto& [a, b, r] = strip;
+  strips_.push_back(strip);
+  register_box({std::min(a.x, b.x) - r, std::min(a.y, b.y) - r},
+               {std::max(a.x, b.x) + r, std::max(a.y, b.y) + r},
+               std::int32_t(strips_.size()) - 1);
+}
+
+void DrivableArea::add_lane(const Lane& lane) {
+  for (std::size_t i = 1; i < lane.shape.size(); ++i) {
+    add_strip({lane.shape[i - 1], lane.shape[i], lane.width / 2.0});
+  }
+}
+
+/// Lanes of one edge lie a line's width apart, which is as much road as they are.
+void DrivableArea::add_seam(const Lane& right, const Lane& left) {
+  constexpr double kWidest = 0.5;  // [m]: more is no seam
+  std::optional<Strip> before;
+  for (const Point& p : right.shape) {
+    const Point q = nearest(p, left.shape);
+    const double apart = distance(p, q);
+    const double gap = apart - (right.width + left.width) / 2.0;
+    const double share = (right.width + gap) / 2.0 / apart;
+    const Point middle{p.x + share * (q.x - p.x), p.y + share * (q.y - p.y)};
+    const bool is_seam = gap > 0.0 && gap < kWidest;
+    if (before && is_seam) {
+      add_strip({before->a, middle, std::max(before->half_width, gap / 2.0)});
+    }
+    before = is_seam ? std::optional<Strip>({middle, middle, gap / 2.0}) : std::nullopt;
   }
 }
 

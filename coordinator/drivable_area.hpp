@@ -10,8 +10,8 @@
 
 namespace mvtp {
 
-/// The ground that vehicles may use: the strips of all drivable lanes, the junctions' areas, and
-/// the ground of parking lots without what stands on it.
+/// The ground that vehicles may use: the strips of all drivable lanes, the seams between lanes of
+/// one edge, the junctions' areas, and the ground of parking lots without what stands on it.
 class DrivableArea {
  public:
   explicit DrivableArea(const RoadNetwork& network, std::span<const ParkingLot> lots = {});
@@ -31,6 +31,9 @@ class DrivableArea {
     double half_width;
   };
 
+  void add_strip(const Strip& strip);
+  void add_lane(const Lane& lane);
+  void add_seam(const Lane& right, const Lane& left);
   void add_polygon(const Polygon& polygon);
   [[nodiscard]] bool is_in(std::int32_t item, const Point& p, double tolerance) const;
   /// @param item  a strip to look at first; the one that `p` is on, if there is any.

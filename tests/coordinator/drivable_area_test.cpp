@@ -1,0 +1,54 @@
+#include "coordinator/drivable_area.hpp"
+
+#include <gtest/gtest.h>
+
+#include "coordinator/audit.hpp"
+#include "tests/coordinator/fake_traffic.hpp"
+
+namespace mvtp {
+namespace {
+
+/// A road of two lanes that bends, of 3.2 m each, whose middles are `apart` metres apart.
+RoadNetwork two_lanes(double apart) {
+  RoadNetwork network;
+  for (const int i : {0, 1}) {
+    const double y = apart * i;
+    Lane lane{.id = "e_" + std::to_string(i), .edge = "e", .index = i, .length = 100.0};
+    lane.shape = {{0.0, y}, {50.0, y}, {100.0, y + 20.0}};
+    network.lanes.emplace(lane.id, lane);
+    network.edges["e"].push_back(lane.id);
+  }
+  return network;
+}
+
+/// Does a car that comes over from the one lane into the other leave the road?
+bool leaves_the_road(const RoadNetwork& network, double apart) {
+  const DrivableArea area(network);
+  const Vehicle car = fake_type("car").body;
+  for (double x = 5.0; x < 45.0; x += 0.01) {
+    const Pose pose{x, apart * (x - 5.0) / 40.0, std::atan2(apart, 40.0)};
+    if (area.share_outside(pose, car, Audit::kRoadTolerance) > 0.0) return true;
+  }
+  return false;
+}
+
+// netconvert puts a line of 0.1 m between lanes, and rounds to a hundredth.
+TEST(DrivableArea, SeamsBetweenLanesAreRoad) {
+  EXPECT_FALSE(leaves_the_road(two_lanes(3.2), 3.2));
+  EXPECT_FALSE(leaves_the_road(two_lanes(3.31), 3.31));
+  EXPECT_FALSE(leaves_the_road(two_lanes(3.6), 3.6));
+}
+
+TEST(DrivableArea, WhatLiesBetweenLanesFarApartIsNot) {
+  EXPECT_TRUE(leaves_the_road(two_lanes(4.5), 4.5));
+}
+
+TEST(DrivableArea, TheSeamFollowsABend) {
+  const DrivableArea area(two_lanes(3.4));
+  EXPECT_TRUE(area.contains({75.0, 10.0 + 1.7}, 0.0));
+  EXPECT_TRUE(area.contains({50.0, 1.7}, 0.0));
+  EXPECT_FALSE(area.contains({25.0, 5.1}, 0.0)) << "beside the road";
+}
+
+}  // namespace
+}  // namespace mvtp
