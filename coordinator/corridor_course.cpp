@@ -263,7 +263,8 @@ CorridorCourse CourseFinder::follow(const CourseQuery& query, double reach) cons
       const std::span<const int> links = links_between(query.edges[i], query.edges[i + 1]);
       const auto k =
           std::ranges::find_if(links, [&](int n) { return graph_.link(n).from == lane; });
-      if (k == links.end()) break;
+      course.dead_end = k == links.end();
+      if (course.dead_end) break;
       for (const int via : graph_.link(*k).via) course.pieces.push_back({.lane = via});
       lane = graph_.link(*k).to;
       course.pieces.push_back({.lane = lane});

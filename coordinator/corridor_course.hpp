@@ -33,6 +33,7 @@ struct CorridorCourse {
   double end = 0.0;         ///< [m] likewise: where a plan is complete; >= handback
   double reach = 0.0;       ///< [m] likewise: what lies further ahead does not matter
   bool own_driver = false;  ///< who keeps to the lanes, however wide the body swings
+  bool dead_end = false;    ///< the last lane does not lead on along the route
 
   friend auto operator<=>(const CorridorCourse&, const CorridorCourse&) = default;
 };

@@ -129,6 +129,13 @@ std::optional<Predictor::Placed> Predictor::place(const VehicleState& v, const C
   return Placed{number, road};
 }
 
+std::optional<double> Predictor::dead_end(const Placed& placed) const {
+  const Corridor& corridor = corridors_[placed.corridor];
+  if (!corridor.course.dead_end) return std::nullopt;
+  const double length = graph_.lane(corridor.course.pieces.back().lane).length;
+  return corridor.stations.back() + corridor.ratios.back() * length;
+}
+
 std::vector<Forecast> Predictor::predict(const VehicleState& v, const CourseQuery& query,
                                          const Vehicle& body, Intent intent, double stands,
                                          const DecisionGrid& grid, std::int64_t step) {
@@ -159,20 +166,21 @@ std::vector<Forecast> Predictor::predict(const VehicleState& v, const CourseQuer
     return {forecast};
   }
   const bool at_line = to_line && *to_line <= takeover_ && s + *to_line < road.s_end;
-  if (intent == Intent::kPasses && (at_line || is_inside)) {
+  std::optional<double> stop = dead_end(*placed);
+  if (intent == Intent::kPasses && !stop && (at_line || is_inside)) {
     // How quickly it goes nobody knows: it may speed up as it can, or slow down to a crawl.
     forecast.trajectory = predict_passage(road, std::min(kPassing, body.max_accel), grid, step);
     forecast.latest = predict_crawl(road, grid, step);
     forecast.yields = false;
     return {forecast};
   }
-  std::optional<double> stop;
   bool is_held = false;
   if (to_line) {
     // It is held at the end of its lane, or driven as soon as it is nearer.
     const double lane_end = graph_.lane(query.lane).length - query.position;
     is_held = at_line && !is_inside;
-    stop = s + (is_held ? std::min(*to_line, lane_end) : *to_line);
+    const double line = s + (is_held ? std::min(*to_line, lane_end) : *to_line);
+    stop = std::min(line, stop.value_or(line));
   }
   forecast.trajectory = predict_leader(road, stop, grid, step);
   if (is_held) forecast.held = held_at_line(forecast.trajectory, grid);

@@ -44,6 +44,9 @@ class Predictor {
     int corridor = 0;
     RoadVehicle road;
   };
+  /// Where the rear axle is when it waits at the end of its lane until it can change to one that
+  /// leads on; nullopt if its own does.
+  [[nodiscard]] std::optional<double> dead_end(const Placed& placed) const;
   /// nullopt if the lanes it is on do not lead along its route.
   [[nodiscard]] std::optional<Placed> place(const VehicleState& vehicle, const CourseQuery& query,
                                             const Vehicle& body);

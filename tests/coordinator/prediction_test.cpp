@@ -69,6 +69,19 @@ TEST(Predictor, WhoWaitsHaltsBeforeItsLineAndStaysThere) {
   }
 }
 
+// Only the left of two lanes leads where it wants to go: until it can change over, it waits.
+TEST(Predictor, WhoIsInAWrongLaneHaltsAtItsEndEvenIfItMayPass) {
+  Prediction p(two_lanes_shape());
+  for (const Intent intent : {Intent::kPasses, Intent::kWaits}) {
+    const auto forecasts = p.predict("W-C_0", 60.0, 8.0, {"W-C", "C-N"}, intent);
+    ASSERT_THAT(forecasts, SizeIs(1));
+    const std::int64_t later = 7 + 400;
+    EXPECT_EQ(forecasts[0].trajectory.at(later).v, 0.0);
+    EXPECT_LT(p.place(forecasts[0], later).x, -7.2);
+    EXPECT_TRUE(forecasts[0].yields);
+  }
+}
+
 // He comes nearer still, and it is at the line that he is held.
 TEST(Predictor, WhoStandsBeforeHisLineIsNotHeldThere) {
   Prediction p(crossroads_shape());
