@@ -53,6 +53,8 @@ class Simulation {
   [[nodiscard]] RunStatus run(const RunLimits& limits);
 
   [[nodiscard]] const VehicleType& type_of(const std::string& id);
+  /// Has type_of() been asked for it?
+  [[nodiscard]] bool knows(const std::string& type) const { return types_.contains(type); }
 
  private:
   [[nodiscard]] Snapshot look();

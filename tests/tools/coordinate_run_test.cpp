@@ -117,6 +117,17 @@ TEST_F(CoordinateRun, WhoCannotDepartDoesNotEndTheRun) {
   EXPECT_EQ(summary()["never_departed"], 1);
 }
 
+// SUMO's trips name the type of who never departed, and SUMO is gone when they are read.
+TEST_F(CoordinateRun, TypesOfThoseWhoNeverDepartedAreKnown) {
+  write("<vType id=\"rare\" length=\"6\"/>" + vehicle("a", 0, "Wi Eo") +
+            "<vehicle id=\"b\" type=\"rare\" depart=\"0\"><route edges=\"Wi Eo\"/></vehicle>",
+        kStep);
+  const Outcome outcome = coordinate("--end 0.5");
+  EXPECT_EQ(outcome.exit_code, 1) << outcome.err;
+  EXPECT_EQ(summary()["status"], "end reached") << outcome.err;
+  EXPECT_EQ(summary()["never_departed"], 1);
+}
+
 TEST_F(CoordinateRun, ARunInWhichNobodyMovesIsStuck) {
   write(
       "<vType id=\"snail\" maxSpeed=\"0.01\"/><vehicle id=\"a\" type=\"snail\" depart=\"0\"><route "

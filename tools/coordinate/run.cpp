@@ -231,6 +231,9 @@ class SumoRun::Impl {
   std::vector<Trip> close(RunStatus status) {
     if (status == RunStatus::kFailed) traffic_->keep_outputs();
     try {
+      // SUMO tells nothing after its end, and its trips name the types of those, too, who departed
+      // in the last step or never.
+      for (const std::string& id : traffic_->types()) (void)simulation_.type_of(id);
       traffic_->close();
       if (scenario_.sumo.remote) return log_.trips();
       return read_trips(folder_.path("tripinfo.xml"));
@@ -261,8 +264,7 @@ class SumoRun::Impl {
     const std::map<std::string, DrivingFigures> driving = style_.figures();
     for (VehicleRecord& v : report_.vehicles) {
       if (const auto known = driving.find(v.id); known != driving.end()) v.driving = known->second;
-      // Who never departed has no type that SUMO would tell.
-      if (!v.type.empty()) v.priority = priority_.kind_of(simulation_.type_of(v.type));
+      if (simulation_.knows(v.type)) v.priority = priority_.kind_of(simulation_.type_of(v.type));
     }
     drivers_.report_lots(report_, log_, trips, free_flow_, simulation_);
   }
