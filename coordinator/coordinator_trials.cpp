@@ -163,14 +163,15 @@ std::set<std::string> Coordinator::too_late(const std::map<std::string, Driven>&
   return late;
 }
 
-/// A newcomer waits at its line; one that goes on from another corridor has to stop before it is
-/// there.
+/// A newcomer waits at its line; one that goes on from another corridor must still be able to stop
+/// there after this decision, if need be as hard as it can.
 bool Coordinator::may_come_later(const std::string& id, const Driven& arrival) const {
   if (!driven_.contains(id)) return true;
+  constexpr double kSpare = 5.0;  // [m] before the line
   const InertialState& now = arrival.road.now;
   const double to_line = corridors_[arrival.corridor].lines.front() - now.s;
-  return can_wait(now.v, corridors_.library().body(arrival.road.path),
-                  to_line - now.v * grid_.decision());
+  const double b = corridors_.library().body(arrival.road.path).max_decel;
+  return to_line >= now.v * grid_.decision() + stopping_distance(now.v, b) + kSpare;
 }
 
 Coordinator::Trial Coordinator::plan_trial(const std::map<std::string, Driven>& arrivals,

@@ -81,11 +81,44 @@ class CrossingPlanner {
     }
     restore_headways(entries);
     for (std::size_t i = old; i < order.size(); ++i) {
-      auto t = plan_at_least(scene_.vehicle(order[i]), entries);
-      if (!t) return std::nullopt;
-      entries.push_back({order[i], std::make_shared<PathTrajectory>(std::move(*t))});
+      if (!fit_in(scene_.vehicle(order[i]), entries, {})) return std::nullopt;
     }
     return CrossingResult{{in_lane_order(entries)}, {}, cost_.of(entries)};
+  }
+
+  /// Adds a plan for `v` to those `planned`, around them and the `bodies`; if there is none, around
+  /// all but the few of them each of which alone leaves none, which get new plans around it.
+  /// False, and nothing changes, if that does not work either.
+  bool fit_in(const RoadVehicle& v, std::vector<Entry>& planned, std::span<const Entry> bodies) {
+    std::vector<Entry> all(bodies.begin(), bodies.end());
+    all.insert(all.end(), planned.begin(), planned.end());
+    if (auto t = plan_at_least(v, all)) {
+      planned.push_back({v.key, std::make_shared<PathTrajectory>(std::move(*t))});
+      return true;
+    }
+    const Order blocking = those_in_the_way(v, planned);
+    if (blocking.empty() || work_.left <= 0) return false;
+    std::erase_if(all, [&](const Entry& e) { return std::ranges::count(blocking, e.key) > 0; });
+    for (const std::int64_t key : joined({v.key}, blocking)) {
+      auto t = plan_at_least(scene_.vehicle(key), all);
+      if (!t) return false;
+      all.push_back({key, std::make_shared<PathTrajectory>(std::move(*t))});
+    }
+    planned.assign(all.begin() + std::ptrdiff_t(bodies.size()), all.end());
+    return true;
+  }
+
+  /// In lane order, those whose plans each leave none for `v`; empty if they are too many.
+  Order those_in_the_way(const RoadVehicle& v, const std::vector<Entry>& planned) {
+    constexpr std::size_t kFew = 4;
+    const std::size_t self = pairs_.index(v.key);
+    Order found;
+    for (const Entry& e : planned) {
+      if (pairs_.between(self, pairs_.index(e.key)).contact->never()) continue;
+      if (!plan_at_least(v, {&e, 1})) found.push_back(e.key);
+      if (found.size() > kFew) return {};
+    }
+    return orders_.in_lane_order(found);
   }
 
   /// A leader may go on otherwise than it was expected to when its follower was planned: whoever
@@ -151,10 +184,7 @@ class CrossingPlanner {
           planned.push_back(*old);
           continue;
         }
-        if (auto t = plan_at_least(v, before)) {
-          planned.push_back({v.key, std::make_shared<PathTrajectory>(std::move(*t))});
-          continue;
-        }
+        if (fit_in(v, planned, bodies)) continue;
       }
       result.unplanned.push_back(v.key);
       const double b = scene_.body(v).max_decel;

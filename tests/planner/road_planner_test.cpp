@@ -182,6 +182,23 @@ TEST_F(Crossing, APlanIsReplacedOnlyByABetterOne) {
   EXPECT_NEAR(again.cost, better.cost, 1e-9);
 }
 
+//   Vehicle 1 comes across, by a plan of its own, when vehicle 0, which cannot stop any more, is
+//   taken over. No order is tried.
+TEST_F(Crossing, WhoCannotStopIsMadeRoomFor) {
+  add(1, 84.0, 8.0);
+  add(3, 20.0, 13.9);
+  const CrossingOptions no_search{.tries = 0, .repairs = 0};
+  const auto before = plan_crossing(scene, keys(), {}, no_search, 0);
+  add(0, 86.0, 12.0);
+  ASSERT_FALSE(plan_vehicle(RoadPairs(scene), scene.vehicles[2], before.plan.entries, {}))
+      << "there is no need for room";
+  const auto result = plan_crossing(scene, keys(), before.plan, no_search, 0);
+  ASSERT_TRUE(result.unplanned.empty());
+  EXPECT_FALSE(ever_touch(scene.vehicles[0], *result.plan.find(0), scene.vehicles[2],
+                          *result.plan.find(2)));
+  EXPECT_EQ(result.plan.find(1)->states, before.plan.find(1)->states) << "it is not concerned";
+}
+
 TEST_F(Crossing, TheSameSeedGivesTheSamePlan) {
   for (int i = 0; i < 5; ++i) {
     add(0, 70.0 - 14.0 * i, 13.0);
