@@ -46,6 +46,9 @@ std::vector<std::pair<double, double>> inside_junctions(const Corridor& corridor
   return inside;
 }
 
+/// Does it let one go, after others?
+bool is_permissive(char light) { return !is_protected(light) && !is_red(light) && light != 'y'; }
+
 }  // namespace
 
 GreenLanes::GreenLanes(Traffic& traffic, const LaneGraph& graph, const CourseFinder& finder,
@@ -123,16 +126,17 @@ bool GreenLanes::can_stop(const VehicleState& v, const CourseQuery& query,
   return needed < to_end || v.speed < kStands;
 }
 
-/// Drivers with permissive green wait inside, at the end of the first of two internal lanes.
+/// Drivers with permissive green wait inside, at the end of the first of two internal lanes; and
+/// whoever stands inside waits for somebody.
 bool GreenLanes::may_wait_inside(const VehicleState& v, const CourseQuery& query,
                                  const VehicleType& type) const {
   const int link = link_of(query);
   const SignalProgram* program = program_of(link);
   if (program == nullptr || graph_.edge_of(query.lane) != LaneGraph::kNone) return false;
+  if (v.speed < kStands) return true;
   const LaneGraph::Link& way = graph_.link(link);
-  const char light = program->light_now(way.signal_index);
   return way.via.size() > 1 && query.lane == way.via.front() && can_stop(v, query, type) &&
-         !is_protected(light) && !is_red(light) && light != 'y';
+         is_permissive(program->light_now(way.signal_index));
 }
 
 void GreenLanes::sense_inside(const VehicleState& v, const CourseQuery& query,
@@ -158,7 +162,8 @@ std::vector<Forecast> GreenLanes::expect(const VehicleState& v, const CourseQuer
       may_wait_inside(v, query, type) ? predictor_.place(v, query, type.body) : std::nullopt;
   if (!placed) return predict(Intent::kPasses);
   const double to_end = graph_.lane(query.lane).length - query.position;
-  return {waits_at(placed->road, placed->road.now.s + to_end, step)};
+  const double room = v.speed < kStands ? 0.0 : to_end;
+  return {waits_at(placed->road, placed->road.now.s + room, step)};
 }
 
 /// One who stops there, until those across his way have passed.
@@ -286,12 +291,15 @@ void GreenLanes::close_for(const Crossing& crossing, int other, RoadVehicle& veh
     vehicle.closed.push_back({s, s_end, step_ + std::int64_t(std::floor(begin / grid_.dt)),
                               step_ + std::int64_t(std::ceil(end / grid_.dt))});
   };
+  // Who waits inside with a green that yields does so for those with a better one only.
+  const bool waits = waiting_inside_.contains(other);
+  const bool is_left_over = !is_permissive(program.light_now(other_light));
   for (const SignalProgram::Course& course : program.courses(horizon)) {
     for (std::size_t i = 0; i < course.size(); ++i) {
       const SignalProgram::Shown& shown = course[i];
       const char right = program.right(shown.phase, own_light);
+      if (waits && (!is_protected(right) || is_left_over)) add(from, to, shown.begin, shown.end);
       if (is_protected(right)) continue;
-      if (waiting_inside_.contains(other)) add(from, to, shown.begin, shown.end);
       if (is_red(program.light(shown.phase, other_light))) continue;
       const bool only_sensed = ground_ == GreenGround::kSensed || !is_red(right);
       if (only_sensed && !first) continue;

@@ -218,13 +218,13 @@ TEST(GreenLanes, AreKeptFreeThoughNobodyIsThere) {
     Watched run(rival, 1.0, {{.id = "a", .from = "S-C", .to = "C-N"}});
     run.until(200.0);
     EXPECT_TRUE(run.everybody_arrived());
-    return std::pair(run.traffic.time(), run.passed_at_red);
+    return std::pair(run.traffic.time(), run.on_green_ground);
   };
-  const auto [light, light_at_red] = arrives_at("fcfs-light");
-  const auto [sensed, sensed_at_red] = arrives_at("h-aim");
+  const auto [light, light_on_green] = arrives_at("fcfs-light");
+  const auto [sensed, sensed_on_green] = arrives_at("h-aim");
   EXPECT_GT(light, sensed + 3.0);
-  EXPECT_EQ(light_at_red, 0);
-  EXPECT_GT(sensed_at_red, 0);
+  EXPECT_EQ(light_on_green, 0);
+  EXPECT_GT(sensed_on_green, 0);
 }
 
 TEST(SignalProgram, LooksAheadByTheClock) {
