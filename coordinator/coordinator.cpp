@@ -31,12 +31,17 @@ Coordinator::Coordinator(Traffic& traffic, const DrivableArea& area,
       gate_(traffic) {
   grid_.dt = traffic.step_length();
   grid_.steps_per_decision = std::max(1, int(std::lround(options.decision / grid_.dt)));
-  if (options.share.is_whole() && graph_.crossings() == 0) return;
+  if (options.greens) {
+    greens_.emplace(traffic, graph_, finder_, corridors_, predictor_, grid_, *options.greens,
+                    [this](const std::string& id) { return over_line(id); });
+  }
+  const bool owns_lights = !options.share.is_whole() && !greens_;
+  if (!owns_lights && graph_.crossings() == 0) return;
   heads_.emplace(traffic, graph_, coordinated_, options.signals);
   if (graph_.crossings() > 0) {
     people_.emplace(traffic, graph_, corridors_.library(), *heads_, grid_);
   }
-  if (options.share.is_whole()) return;
+  if (!owns_lights) return;
   const auto plan_of = [this](const std::string& id) -> const PathTrajectory* {
     const auto driven = driven_.find(id);
     return driven == driven_.end() ? nullptr : plan_.find(driven->second.key);
@@ -71,10 +76,12 @@ void Coordinator::decide() {
   forget_the_vanished();
   give_up_the_lost();
   follow_plans();
+  if (greens_) greens_->observe();
   if (step_ % grid_.steps_per_decision == 0) {
     remember_lanes();
     replan();
     if (owns_signals()) humans_->settle();
+    if (greens_) greens_->settle();
   } else {
     static_cast<void>(leave_corridors(/*may_go_on=*/false));
     hold_departures();
@@ -120,14 +127,6 @@ void Coordinator::forget_the_vanished() {
   });
 }
 
-/// Lights that are due to change do so, and people are looked at, before anything is decided.
-void Coordinator::look_at_signals() {
-  if (!shows_lights()) return;
-  heads_->own();
-  heads_->advance();
-  if (people_) people_->begin(step_);
-}
-
 void Coordinator::replan() {
   notice_the_stuck();
   look_at_signals();
@@ -138,6 +137,7 @@ void Coordinator::replan() {
 
   const auto begin = std::chrono::steady_clock::now();
   for (const Newcomer& n : newcomers) arrivals.emplace(n.state->id, admit(n, next_key_++));
+  if (greens_) close_ground(arrivals);
   const std::vector<std::int64_t> upset = stagnating_groups();
   Trial trial = best_trial(arrivals, upset);
   Replan record{.time = traffic_.time(),
@@ -334,6 +334,7 @@ void Coordinator::hold_departures() {
     const CourseQuery query = query_for(v, route);
     const std::optional<double> to_line = finder_.distance_to_line(query);
     if (owns_signals() && humans_->decides_for(query)) continue;  // its light is red
+    if (greens_ && greens_->governs(query)) continue;             // it has a light
     if (to_line && *to_line < kAtLine) see_guest(v, query);
   }
 }

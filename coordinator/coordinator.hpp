@@ -15,6 +15,7 @@
 #include "coordinator/corridor.hpp"
 #include "coordinator/faults/fault_model.hpp"
 #include "coordinator/gate.hpp"
+#include "coordinator/green_lanes.hpp"
 #include "coordinator/human_drivers.hpp"
 #include "coordinator/path_approach.hpp"
 #include "coordinator/people.hpp"
@@ -40,7 +41,10 @@ struct CoordinatorOptions {
   FaultTolerance tolerance;  ///< of messages and vehicles
   Priority priority;         ///< whose time counts for more
   ControlledShare share;     ///< who is taken over
-  SignalTiming signals;   ///< where human-driven vehicles get their greens from us
+  /// Signals run their own programs, and this is the ground of drivers with green; none: signals
+  /// are the coordinator's, where there are human drivers.
+  std::optional<GreenGround> greens = {};
+  SignalTiming signals;  ///< where human-driven vehicles get their greens from us
 };
 
 /// A vehicle under control.
@@ -137,10 +141,13 @@ class Coordinator : public Controller {
   [[nodiscard]] bool comes_late() const;
   /// As long as somebody is under control, drivers with green go on as planned for.
   [[nodiscard]] bool shows_lights() const {
-    return heads_ && !(planner_is_dead() && driven_.empty());
+    return heads_ && !greens_ && !(planner_is_dead() && driven_.empty());
   }
   [[nodiscard]] bool owns_signals() const { return humans_ && shows_lights(); }
   void look_at_signals();
+  [[nodiscard]] std::optional<double> over_line(const std::string& id) const;
+  void sense_drivers();
+  void close_ground(std::map<std::string, Driven>& arrivals);
   [[nodiscard]] RoadEscotOptions escot() const;
   void accept(const Trial& trial, const std::map<std::string, Driven>& arrivals);
   void admit_guests_freely();
@@ -250,6 +257,7 @@ class Coordinator : public Controller {
   Gate gate_;
   std::optional<SignalHeads> heads_;
   std::optional<HumanDrivers> humans_;
+  std::optional<GreenLanes> greens_;
   std::optional<People> people_;
   DecisionGrid grid_;
   std::int64_t step_ = 0;

@@ -270,8 +270,8 @@ std::vector<Coordinator::Newcomer> Coordinator::find_newcomers() {
   return newcomers;
 }
 
-/// Does it enter the network just now, its tail still behind the beginning of its first lane? Inside
-/// a junction its tail may be beside the road, too, but it has been seen before.
+/// Does it enter the network just now, its tail still behind the beginning of its first lane?
+/// Inside a junction its tail may be beside the road, too, but it has been seen before.
 bool Coordinator::is_entering(const VehicleState& v) {
   if (graph_.edge_of(graph_.find_lane(v.lane)) == LaneGraph::kNone) return false;
   const double length = type_of(v.type).body.length();
@@ -309,6 +309,7 @@ void Coordinator::see_guest(const VehicleState& v, const CourseQuery& query) {
 /// A driver who gets his green from us, or who has had it and is still inside the junction.
 bool Coordinator::see_human(const VehicleState& v, const CourseQuery& query,
                             std::optional<double> to_line) {
+  if (greens_ && greens_->governs(query)) return true;
   if (!humans_) return false;
   if (!owns_signals()) return humans_->decides_for(query);  // the signal's own program does
   if (graph_.edge_of(query.lane) == LaneGraph::kNone) {

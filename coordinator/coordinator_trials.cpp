@@ -273,13 +273,20 @@ std::vector<Forecast> Coordinator::predict_one(const VehicleState& v,
     return {*passage};
   }
   const std::vector<int> route = route_of(v);
+  const CourseQuery query = query_for(v, route);
+  const bool heeds_light = greens_ && !options_.share.contains(v.id, v.type) &&
+                           !lost_.contains(v.id) && !v.halted_by_stop;
+  if (heeds_light && greens_->governs(query)) {
+    return greens_->expect(v, query, type_of(v.type),
+                           step_ - std::int64_t(std::lround(v.age / grid_.dt)));
+  }
   const bool passes = gate_.passes(v.id) || is_let_pass;
   const Intent intent = lost_.contains(v.id) ? Intent::kUnknown
                         : passes             ? Intent::kPasses
                                              : Intent::kWaits;
   std::vector<Forecast> forecasts =
-      predictor_.predict(v, query_for(v, route), type_of(v.type).body, intent, time_at_stop(v),
-                         grid_, step_ - std::int64_t(std::lround(v.age / grid_.dt)));
+      predictor_.predict(v, query, type_of(v.type).body, intent, time_at_stop(v), grid_,
+                         step_ - std::int64_t(std::lround(v.age / grid_.dt)));
   if (gate_.holds_guest(v.id)) return forecasts;
   for (Forecast& f : forecasts) f.held.reset();  // it is taken over as soon as it has a plan
   return forecasts;

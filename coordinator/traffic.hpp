@@ -167,6 +167,10 @@ class Traffic {
       const std::string& /*signal*/) const {
     return {};
   }
+  /// Who runs that program.
+  [[nodiscard]] virtual SignalControl signal_control(const std::string& /*signal*/) const {
+    return SignalControl::kFixed;
+  }
   /// What a signal shows now: a letter each, as in SignalPhase; empty if it is not known.
   [[nodiscard]] virtual std::string shown(const std::string& /*signal*/) const { return {}; }
   /// Has a signal's phases run in this way from now on.

@@ -258,6 +258,10 @@ class Backend final : public SumoTraffic {
     return ask([&] { return signals_.phases(signal); });
   }
 
+  SignalControl signal_control(const std::string& signal) const override {
+    return ask([&] { return signals_.control_of(signal); });
+  }
+
   std::string shown(const std::string& signal) const override {
     return look_up([&] { return api::TrafficLight::getRedYellowGreenState(signal); });
   }

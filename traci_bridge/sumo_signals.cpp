@@ -65,10 +65,14 @@ void SumoSignals::free(const std::string& signal) {
   signals_.erase(found);
 }
 
+/// Its own: what we show is a program for SUMO, too.
+std::string SumoSignals::program_of(const std::string& signal) const {
+  const auto ours = signals_.find(signal);
+  return ours == signals_.end() ? api::TrafficLight::getProgram(signal) : ours->second.program;
+}
+
 std::vector<SignalPhase> SumoSignals::phases(const std::string& signal) const {
-  const auto ours = signals_.find(signal);  // then SUMO's present program is what we show
-  const std::string program =
-      ours == signals_.end() ? api::TrafficLight::getProgram(signal) : ours->second.program;
+  const std::string program = program_of(signal);
   std::vector<SignalPhase> phases;
   for (const libsumo::TraCILogic& logic : api::TrafficLight::getAllProgramLogics(signal)) {
     if (logic.programID != program) continue;
@@ -84,6 +88,15 @@ std::vector<SignalPhase> SumoSignals::phases(const std::string& signal) const {
     }
   }
   return phases;
+}
+
+SignalControl SumoSignals::control_of(const std::string& signal) const {
+  const std::string program = program_of(signal);
+  if (program == "off") return SignalControl::kOff;
+  for (const libsumo::TraCILogic& logic : api::TrafficLight::getAllProgramLogics(signal)) {
+    if (logic.programID == program && logic.type == kStatic) return SignalControl::kFixed;
+  }
+  return SignalControl::kActuated;
 }
 
 void SumoSignals::control(const std::string& signal, SignalControl control) const {

@@ -20,10 +20,13 @@ class SumoSignals {
   void free(const std::string& signal);
   [[nodiscard]] std::vector<SignalPhase> phases(const std::string& signal) const;
   void control(const std::string& signal, SignalControl control) const;
+  /// Who runs its program.
+  [[nodiscard]] SignalControl control_of(const std::string& signal) const;
 
  private:
   struct Signal;
   Signal& shown(const std::string& signal);
+  [[nodiscard]] std::string program_of(const std::string& signal) const;
 
   struct Signal {
     std::string program;  ///< SUMO's own, to go back to

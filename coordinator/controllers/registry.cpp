@@ -8,6 +8,8 @@
   ENTRY(escot)                  \
   ENTRY(prioritized)            \
   ENTRY(aim)                    \
+  ENTRY(fcfs_light)             \
+  ENTRY(h_aim)                  \
   ENTRY(conflict_zone)          \
   ENTRY(fcfs)                   \
   ENTRY(one_at_a_time)          \

@@ -13,4 +13,8 @@ namespace mvtp {
 [[nodiscard]] std::unique_ptr<Controller> make_reserving(const ControllerSetup& setup,
                                                          Reservation reservation);
 
+/// The same with tiles, under signals that run their own programs for human drivers.
+[[nodiscard]] std::unique_ptr<Controller> make_reserving(const ControllerSetup& setup,
+                                                         GreenGround greens);
+
 }  // namespace mvtp

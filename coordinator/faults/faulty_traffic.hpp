@@ -74,6 +74,12 @@ class FaultyTraffic : public Traffic {
   [[nodiscard]] std::vector<SignalPhase> signal_phases(const std::string& signal) const override {
     return world_.signal_phases(signal);
   }
+  [[nodiscard]] SignalControl signal_control(const std::string& signal) const override {
+    return world_.signal_control(signal);
+  }
+  [[nodiscard]] std::string shown(const std::string& signal) const override {
+    return world_.shown(signal);
+  }
   void control_signal(const std::string& signal, SignalControl control) override {
     world_.control_signal(signal, control);
   }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <optional>
 #include <set>
@@ -18,6 +19,7 @@ using Order = PassingOrder;
 
 /// Looks that the plan of one vehicle may take although the work is used up.
 constexpr std::int64_t kLeastWork = 30000;
+constexpr double kNotWorthIt = 0.1;  ///< [s] for which nobody asks again
 
 class CrossingPlanner {
  public:
@@ -80,6 +82,7 @@ class CrossingPlanner {
       entries.push_back(*fits);
     }
     restore_headways(entries);
+    ask_again(entries);
     for (std::size_t i = old; i < order.size(); ++i) {
       if (!fit_in(scene_.vehicle(order[i]), entries, {})) return std::nullopt;
     }
@@ -132,6 +135,19 @@ class CrossingPlanner {
     }
   }
 
+  /// Better plans around all others for those who may change theirs.
+  void ask_again(std::vector<Entry>& entries) {
+    for (Entry& e : entries) {
+      const RoadVehicle& v = scene_.vehicle(e.key);
+      const double cost = cost_.until_handback(e);
+      if (!v.asks_again || cost <= cost_.alone(e.key) + kNotWorthIt) continue;
+      auto t = plan_at_least(v, entries, cost / v.weight);
+      if (!t) continue;
+      const Entry better{e.key, std::make_shared<PathTrajectory>(std::move(*t))};
+      if (cost_.until_handback(better) < cost) e = better;
+    }
+  }
+
   /// Fills `entries` along `order` with the incumbents that fit and new plans for the others;
   /// returns the place of the first vehicle without a plan.
   std::optional<std::size_t> keep_or_plan(const Order& order, const JointPlan& incumbent,
@@ -153,10 +169,13 @@ class CrossingPlanner {
   }
 
   /// A plan even if the work is used up, as long as it is found fast.
-  std::optional<PathTrajectory> plan_at_least(const RoadVehicle& v, std::span<const Entry> before) {
+  /// @param cost  [s] from which it is of no use.
+  std::optional<PathTrajectory> plan_at_least(
+      const RoadVehicle& v, std::span<const Entry> before,
+      double cost = std::numeric_limits<double>::infinity()) {
     WorkBudget least{std::max(work_.left, kLeastWork)};
     const std::int64_t given = least.left;
-    auto t = plan_vehicle(pairs_, v, before, options_.trajectory, {.work = &least});
+    auto t = plan_vehicle(pairs_, v, before, options_.trajectory, {.work = &least, .cost = cost});
     work_.left -= given - least.left;
     return t;
   }

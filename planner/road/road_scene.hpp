@@ -37,6 +37,14 @@ struct PathTrajectory {
   }
 };
 
+/// A stretch of a path that is kept free of the vehicle for a while: its rear axle is not there.
+struct ClosedStretch {
+  double from = 0.0;       ///< [m]
+  double to = 0.0;         ///< [m]
+  std::int64_t begin = 0;  ///< step, and
+  std::int64_t end = 0;    ///< the first step at which it is open again
+};
+
 /// One vehicle on the road as the planner sees it.
 struct RoadVehicle {
   std::int64_t key = 0;  ///< its name over time; ties are broken by it
@@ -51,6 +59,10 @@ struct RoadVehicle {
   std::vector<double> stop_lines;
   /// Where its rear axle must not come to rest to wait, from and to [m]: on crossings of people.
   std::vector<std::pair<double, double>> no_waiting;
+  std::vector<ClosedStretch> closed;  ///< ground that others have a right to
+  /// Its plan gives way to a better one around all others at every decision, as soon as there is
+  /// one; else only where the order of passage is searched.
+  bool asks_again = false;
   int exit_lane = -1;        ///< vehicles of one exit lane keep a headway on it
   double s_exit_lane = 0.0;  ///< rear axle when the front bumper enters the exit lane [m]
   /// The exit lane on which its path begins, behind another junction: there it is a leader of those
@@ -88,8 +100,8 @@ struct Forecast {
   /// plans that are kept need not, so that a small surprise does not break them.
   int slack_before = 0;
   int slack_behind = 0;
-  /// Of a driver who is held at a line: he stays there, whatever `trajectory` says, until whoever is
-  /// not behind him on his lane has passed. Else each of the two might wait for the other.
+  /// Of a driver who is held at a line: he stays there, whatever `trajectory` says, until whoever
+  /// is not behind him on his lane has passed. Else each of the two might wait for the other.
   std::optional<PathTrajectory> held;
 };
 

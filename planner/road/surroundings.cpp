@@ -16,6 +16,7 @@ Surroundings::Surroundings(const RoadPairs& pairs, const RoadVehicle& vehicle,
   const RoadScene& scene = pairs.scene();
   const std::size_t self = pairs.index(vehicle.key);
   const bool count = forecasts != Forecasts::kIgnore;
+  if (count) closed_ = vehicle.closed;
   for (std::size_t f = 0; count && f < scene.forecasts.size(); ++f) {
     if (pairs.follows(f, self)) continue;
     const Forecast& forecast = scene.forecasts[f];
@@ -38,8 +39,8 @@ Surroundings::Surroundings(const RoadPairs& pairs, const RoadVehicle& vehicle,
 bool Surroundings::step_is_clear(std::int64_t k, const InertialState& from, double a,
                                  const InertialState& to) const {
   count_work();
-  const double reach =
-      to.s + stopping_distance(to.v, body_.max_decel) + to.v * reaction_;
+  if (enters_closed(k, from, a)) return false;
+  const double reach = to.s + stopping_distance(to.v, body_.max_decel) + to.v * reaction_;
   // A leader of another driver may always be answered with full braking, and whoever crosses now;
   // one that stands can do no more.
   const bool brakes_fully = a <= -body_.max_decel + 1e-9 || (from.v == 0.0 && to.v == 0.0);
@@ -73,6 +74,10 @@ bool Surroundings::can_wait(std::int64_t k, const InertialState& state) const {
   count_work();
   const double rest = state.s + stopping_distance(state.v, body_.max_decel);
   if (!may_stand_at(rest)) return false;
+  const bool will_be_closed = std::ranges::any_of(closed_, [&](const ClosedStretch& c) {
+    return c.end > k && rest >= c.from && state.s <= c.to;
+  });
+  if (will_be_closed) return false;
   for (std::size_t o = 0; o < others_.size(); ++o) {
     if (!stretches_[o].overlaps(state.s, rest)) continue;
     const Other& other = others_[o];
@@ -226,6 +231,16 @@ bool Surroundings::meets(const Other& other, std::int64_t k, const InertialState
       last == grid_.steps_per_decision ? to : advance(from, a, last * grid_.dt);
   return other.contact.touch_braking(then, other_to, lenient) ||
          (is_followed_by(other, then, other_to) && other.contact.contact->cuts_off(then, other_to));
+}
+
+bool Surroundings::enters_closed(std::int64_t k, const InertialState& from, double a) const {
+  return std::ranges::any_of(closed_, [&](const ClosedStretch& c) {
+    const std::int64_t first = std::max(c.begin, k) - k;
+    const std::int64_t last = std::min(c.end, k + grid_.steps_per_decision) - k;
+    if (first >= last) return false;
+    return advance(from, a, double(first) * grid_.dt).s <= c.to &&
+           advance(from, a, double(last) * grid_.dt).s >= c.from;
+  });
 }
 
 bool Surroundings::enters_reserved(const Other& other, std::int64_t k, const InertialState& from,

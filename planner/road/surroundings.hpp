@@ -99,6 +99,8 @@ class Surroundings {
   /// Do we come onto what the other one has reserved, in the decision from `from` at step k?
   [[nodiscard]] bool enters_reserved(const Other& other, std::int64_t k, const InertialState& from,
                                      double a) const;
+  /// Is the decision to drive from `from` at step k partly on ground that is closed then?
+  [[nodiscard]] bool enters_closed(std::int64_t k, const InertialState& from, double a) const;
   /// Are we, braking from `state` at step k and then standing, where the other one will pass?
   [[nodiscard]] bool stands_in_the_way(const Other& other, const ContactTable& contacts,
                                        std::int64_t k, const InertialState& state) const;
@@ -133,6 +135,7 @@ class Surroundings {
   const RoadVehicle& vehicle_;
   const Vehicle& body_;
   const WholeTrajectoryOptions& options_;
+  std::span<const ClosedStretch> closed_;
   std::vector<Other> others_;
   std::vector<Stretch> stretches_;    ///< of each of the others
   std::vector<std::size_t> on_exit_;  ///< those of the others that use this vehicle's exit lane

@@ -133,6 +133,23 @@ TEST_F(Compare, ControllersAreComparedByName) {
   EXPECT_EQ(run["controller"], "static");
 }
 
+TEST_F(Compare, RivalsForMixedTrafficRunUnderTheSignalsOfTheNetwork) {
+  const std::string scenario = MVTP_SCENARIOS "/crossroads/crossroads.actuated.sumocfg";
+  const Outcome outcome = run("compare -c '" + scenario +
+                              "' --end 60 --output-dir out --controllers sumo,aim,fcfs-light,h-aim "
+                              "--penetration 0.5 --seeds 1 --quiet");
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  const json j = json::parse(content_of(directory_.path("out/compare.json")));
+  ASSERT_EQ(j["controls"].size(), 4U);
+  for (const json& c : j["controls"]) EXPECT_EQ(c["overlap_pairs"]["mean"], 0.0) << c["control"];
+  for (const char* rival : {"fcfs-light", "h-aim"}) {
+    const json summary =
+        json::parse(content_of(directory_.path("out/" + std::string(rival) + "-1/summary.json")));
+    EXPECT_EQ(summary["controller"], rival);
+    EXPECT_EQ(summary["penetration"], 0.5);
+  }
+}
+
 TEST_F(Compare, RefusesControllersThatCannotBe) {
   expect_refused(command("--controllers escot,magic"),
                  "--controllers magic: is no controller; there are escot, [^\n]*max-wave[^\n]*");
