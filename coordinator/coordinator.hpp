@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <optional>
 #include <set>
 #include <string>
@@ -13,14 +14,17 @@
 #include "coordinator/controller.hpp"
 #include "coordinator/corridor.hpp"
 #include "coordinator/gate.hpp"
-#include "coordinator/human_drivers.hpp"
+#include "coordinator/known_intent.hpp"
 #include "coordinator/path_approach.hpp"
 #include "coordinator/people.hpp"
 #include "coordinator/prediction.hpp"
 #include "coordinator/referee.hpp"
+#include "coordinator/signal_heads.hpp"
 #include "planner/road/road_escot.hpp"
 
 namespace mvtp {
+
+class HumanDrivers;
 
 struct CoordinatorOptions {
   RoadEscotOptions escot;
@@ -34,6 +38,7 @@ struct CoordinatorOptions {
   double budget_from = 0.0;
   ControlledShare share;  ///< who is taken over
   SignalTiming signals;   ///< where human-driven vehicles get their greens from us
+  KnownIntent intent = KnownIntent::kRoute;  ///< of those
 };
 
 /// A vehicle under control.
@@ -58,6 +63,8 @@ class Coordinator : public Controller {
   /// @throws InputError if one of the junctions is not in the network.
   Coordinator(Traffic& traffic, const DrivableArea& area, const CoordinatorOptions& options);
 
+  ~Coordinator() override;
+
   void decide() override;
   void act() override;
 
@@ -73,7 +80,7 @@ class Coordinator : public Controller {
   [[nodiscard]] std::int64_t guest_sightings() const { return guest_sightings_; }
   [[nodiscard]] const CorridorMap& corridors() const { return corridors_; }
   /// Drivers at signals that are ours; none if everybody is automated.
-  [[nodiscard]] const HumanDrivers* humans() const { return humans_ ? &*humans_ : nullptr; }
+  [[nodiscard]] const HumanDrivers* humans() const { return humans_.get(); }
 
   /// Who walks over crossings; none if the network has none.
   [[nodiscard]] const People* people() const { return people_ ? &*people_ : nullptr; }
@@ -216,7 +223,7 @@ class Coordinator : public Controller {
   Predictor predictor_;
   Gate gate_;
   std::optional<SignalHeads> heads_;
-  std::optional<HumanDrivers> humans_;
+  std::unique_ptr<HumanDrivers> humans_;
   std::optional<People> people_;
   DecisionGrid grid_;
   std::int64_t step_ = 0;

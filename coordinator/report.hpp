@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "coordinator/audit.hpp"
+#include "coordinator/braking_analysis.hpp"
 #include "coordinator/coordinator.hpp"
 #include "coordinator/lot_report.hpp"
 #include "coordinator/measures/driving_style.hpp"
@@ -29,6 +30,7 @@ struct VehicleRecord {
   double speed_factor = 1.0;
   double stopped = 0.0;       ///< at scheduled stops
   bool coordinated = false;   ///< was it ever under control
+  std::string vehicle_class = {};  ///< SUMO's vClass
   std::string movement = {};  ///< "FROM>TO", the first and the last edge of its route
   DrivingFigures driving = {};
   std::optional<Emissions> emissions = {};  ///< none: the traffic does not tell
@@ -46,6 +48,13 @@ struct HumanFigures {
   std::int64_t unplanned_passages = 0;  ///< drivers who went over their lines without a plan
 };
 
+/// What came of human drivers who misbehaved.
+struct FaultFigures {
+  double rate = 0.0;  ///< as asked for
+  std::vector<HumanFault> faults;
+  std::vector<HumanOverlap> overlaps;  ///< of vehicles under control with human drivers
+};
+
 /// Everything that a run leaves behind.
 struct RunReport {
   std::vector<VehicleRecord> vehicles;
@@ -58,6 +67,7 @@ struct RunReport {
   std::int64_t sumo_collisions = 0;
   double penetration = 1.0;            ///< as asked for
   std::optional<HumanFigures> humans;  ///< none: no signal was ours
+  std::optional<FaultFigures> faults;  ///< none: nobody was asked to misbehave
   PeopleFigures people;
   std::int64_t people_greens = 0;           ///< shown at crossings
   std::int64_t left_to_sumo_sightings = 0;  ///< vehicles near a stop line, over the decisions

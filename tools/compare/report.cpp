@@ -23,6 +23,8 @@ constexpr std::array kFigures = {
     ComparedFigure{"delay_p50_s", "/delay_s/p50"},
     ComparedFigure{"delay_p95_s", "/delay_s/p95"},
     ComparedFigure{"delay_max_s", "/delay_s/max"},
+    ComparedFigure{"delay_controlled_s", "/delay_controlled_s/mean"},
+    ComparedFigure{"delay_human_s", "/delay_human_s/mean"},
     ComparedFigure{"throughput_veh_h", "/throughput_veh_h"},
     ComparedFigure{"time_loss_s", "/time_loss_s"},
     ComparedFigure{"depart_delay_s", "/depart_delay_s"},

@@ -59,6 +59,24 @@ void check_types(const CoordinateOptions& options, const Traffic& traffic) {
   }
 }
 
+ControlledShare share_of(const CoordinateOptions& options) {
+  return {.penetration = options.penetration,
+          .coordinate_types = {options.coordinate_types.begin(), options.coordinate_types.end()},
+          .human_types = {options.human_types.begin(), options.human_types.end()},
+          .seed = options.seed};
+}
+
+ControlledShare nobody() { return {.penetration = 0.0}; }
+
+std::vector<std::string> lanes_before(const RoadNetwork& network,
+                                      const std::set<std::string>& junctions) {
+  std::set<std::string> lanes;
+  for (const std::string& id : junctions) {
+    for (const Connection& c : network.junctions.at(id).connections) lanes.insert(c.from_lane);
+  }
+  return {lanes.begin(), lanes.end()};
+}
+
 CoordinatorOptions coordinator_options(const CoordinateOptions& options,
                                        const std::set<std::string>& junctions) {
   CoordinatorOptions coordinator;
@@ -67,11 +85,10 @@ CoordinatorOptions coordinator_options(const CoordinateOptions& options,
   coordinator.limits.margins = {options.margin_along, options.margin_across};
   coordinator.junctions.assign(junctions.begin(), junctions.end());
   coordinator.escot.seed = options.seed;
-  coordinator.share = {
-      .penetration = options.penetration,
-      .coordinate_types = {options.coordinate_types.begin(), options.coordinate_types.end()},
-      .human_types = {options.human_types.begin(), options.human_types.end()},
-      .seed = options.seed};
+  coordinator.share = share_of(options);
+  coordinator.intent = options.intent == "known"  ? KnownIntent::kRoute
+                      : options.intent == "lane" ? KnownIntent::kLane
+                                                 : KnownIntent::kNone;
   coordinator.signals =
       options.signal_timing == "instant" ? SignalTiming::instant() : SignalTiming::real();
   coordinator.escot.crossing.tries = options.tries;
@@ -123,6 +140,16 @@ Drivers::Drivers(const CoordinateOptions& options, Traffic& traffic, const Driva
     controllers_.push_back(std::move(controller));
   }
   if (kind.make == nullptr || junctions.empty()) return;
+  auto* const faults = dynamic_cast<FaultPort*>(&traffic);
+  if (options.human_faults > 0.0 && faults != nullptr) {
+    faults_ = std::make_unique<HumanFaults>(
+        traffic, *faults,
+        HumanFaultOptions{.rate = options.human_faults,
+                                   .seed = options.seed,
+                                   .humans = kind.drives ? share_of(options) : nobody(),
+                                   .lanes = lanes_before(traffic.network(), junctions)});
+    fault_rate_ = options.human_faults;
+  }
   std::unique_ptr<Controller> controller =
       kind.make({traffic, area, coordinator_options(options, junctions)});
   coordinator_ = dynamic_cast<const Coordinator*>(controller.get());
@@ -139,6 +166,7 @@ Drivers::Drivers(const CoordinateOptions& options, Traffic& traffic, const Driva
 
 void Drivers::join(Simulation& simulation) {
   for (const auto& controller : controllers_) simulation.add(*controller);
+  if (faults_) simulation.add(*faults_);
   for (const auto& lot : lots_) {
     simulation.add([&lot = *lot](const Snapshot& now) { lot.observe(now.time); });
   }
@@ -158,6 +186,7 @@ void Drivers::report_to(RunReport& report) const {
     append(report.left_to_sumo, controller->left_to_sumo());
   }
   std::ranges::stable_sort(report.replans, {}, &Replan::time);
+  if (faults_) report.faults = {.rate = fault_rate_, .faults = faults_->faults(), .overlaps = {}};
   if (!coordinator_) return;
   report.left_to_sumo_sightings = coordinator_->guest_sightings();
   if (const People* people = coordinator_->people()) report.people_greens = people->greens();

@@ -9,6 +9,7 @@
 
 #include "coordinator/coordinator.hpp"
 #include "coordinator/drivable_area.hpp"
+#include "coordinator/human_faults.hpp"
 #include "coordinator/instance_dump.hpp"
 #include "coordinator/lot_coordinator.hpp"
 #include "coordinator/report.hpp"
@@ -37,6 +38,8 @@ class Drivers {
 
   /// Lets them take part; so do those who watch the lots, and who dumps decisions.
   void join(Simulation& simulation);
+  /// Human drivers who misbehave; nullptr: nobody is asked to.
+  [[nodiscard]] const HumanFaults* faults() const { return faults_.get(); }
   /// What they did.
   void report_to(RunReport& report) const;
   /// How it went on the parking lots.
@@ -48,6 +51,8 @@ class Drivers {
  private:
   std::vector<std::unique_ptr<Controller>> controllers_;
   const Coordinator* coordinator_ = nullptr;  ///< the one of the junctions
+  std::unique_ptr<HumanFaults> faults_;
+  double fault_rate_ = 0.0;
   std::vector<std::unique_ptr<LotRecorder>> lots_;
   std::optional<InstanceDump> dump_;
 };

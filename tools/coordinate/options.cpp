@@ -32,6 +32,19 @@ void declare_share(CLI::App& app, CoordinateOptions& o) {
       ->check(CLI::IsMember({"real", "instant"}))
       ->capture_default_str()
       ->group("Control");
+  app.add_option("--intent", o.intent,
+                 "What is known of where human drivers turn: their routes (known), any movement\n"
+                 "of their lane until they are behind its line (lane), or of their road until they\n"
+                 "may not change lanes any more (none)")
+      ->check(CLI::IsMember({"known", "lane", "none"}))
+      ->capture_default_str()
+      ->group("Control");
+  app.add_option("--human-faults", o.human_faults,
+                 "Share of the human drivers who misbehave once before a junction, by seed: run a\n"
+                 "red light, stop dead, change lanes at once, or react late")
+      ->check(number_between(0.0, 1.0))
+      ->capture_default_str()
+      ->group("Control");
 }
 
 /// Options of planning, on roads and on lots.

@@ -58,6 +58,7 @@ class Run {
         junctions_(coordinated_junctions(options, traffic_->network(), lots_)),
         area_(traffic_->network(), lots_),
         audit_(area_, traffic_->step_length()),
+        braking_(traffic_->step_length()),
         log_(*traffic_),
         free_flow_(traffic_->network()),
         safety_(traffic_->network(), traffic_->step_length()),
@@ -118,6 +119,9 @@ class Run {
       safety_.observe(now.time, now.vehicles);
       people_.observe(now);
       audit_.observe(now.time, now.vehicles, now.people);
+      if (drivers_.faults()) {
+        braking_.observe(now.time, now.vehicles, drivers_.faults()->faults());
+      }
       recorder_->observe(now.time, now.vehicles, audit_);
       if (now.time >= next_checkpoint_) checkpoint();
       tell_progress(now);
@@ -168,12 +172,14 @@ class Run {
     report_.ttc = safety_.to_collision();
     report_.people = people_.figures();
     drivers_.report_to(report_);
+    if (report_.faults) report_.faults->overlaps = braking_.overlaps();
     report_.vehicles = log_.records(
         trips, free_flow_, report_.end,
         [this](const std::string& type) { return simulation_.type_of(type).body.max_speed; },
         audit_.clearances());
     const std::map<std::string, DrivingFigures> driving = style_.figures();
     for (VehicleRecord& v : report_.vehicles) {
+      v.vehicle_class = simulation_.type_of(v.type).vehicle_class;
       if (const auto known = driving.find(v.id); known != driving.end()) v.driving = known->second;
     }
     drivers_.report_lots(report_, log_, trips, free_flow_, simulation_);
@@ -248,6 +254,7 @@ class Run {
   std::set<std::string> junctions_;
   DrivableArea area_;
   Audit audit_;
+  BrakingAnalysis braking_;
   TripLog log_;
   PeopleLog people_;
   FreeFlow free_flow_;
