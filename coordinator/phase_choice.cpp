@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <tuple>
+#include <utility>
 
 namespace mvtp {
 namespace {
@@ -10,6 +12,8 @@ namespace {
 constexpr double kSight = 150.0;  ///< [m] before a line from which vehicles are counted
 constexpr double kAccel = 2.0;    ///< [m/s^2] of a driver who starts
 constexpr double kStands = 0.5;   ///< [m/s]
+constexpr double kLead = 4.5;     ///< [s] before somebody is at his line his phase begins
+constexpr double kGap = 5.0;      ///< [s] in which nobody comes who needs a phase: it ends
 constexpr double kLook = 1.0;     ///< [s] between two ends of a green that are compared,
 constexpr double kFar = 20.0;     ///< [s] and the last of them
 
@@ -39,7 +43,8 @@ const GreenPhase& PhaseChoice::present(int signal) const {
 
 bool PhaseChoice::allows(int link) const {
   const int signal = phases_.signal_of(link);
-  return signal == LaneGraph::kNone || present(signal).links.contains(link);
+  if (signal == LaneGraph::kNone) return true;
+  return !choices_[std::size_t(signal)].rests && present(signal).links.contains(link);
 }
 
 const std::set<int>& PhaseChoice::beside(int link) const {
@@ -57,29 +62,65 @@ void PhaseChoice::decide() {
   for (std::size_t s = 0; s < choices_.size(); ++s) decide(int(s));
 }
 
-/// Ends the present phase if every later end costs those who are seen more.
 void PhaseChoice::decide(int signal) {
-  Choice& choice = choices_[std::size_t(signal)];
   const Queues queues = queues_of(signal);
-  const QueuePhases model = model_of(signal);
-  const bool too_long = traffic_.time() - choice.since > heads_.timing().most_green;
+  if (choices_[std::size_t(signal)].rests) {
+    start(signal, queues);
+  } else {
+    go_on(signal, queues);
+  }
+}
+
+/// From red for all: as soon as somebody is near, the phase by which those who are seen lose least.
+void PhaseChoice::start(int signal, const Queues& queues) {
+  Choice& choice = choices_[std::size_t(signal)];
+  const bool wanted = std::ranges::any_of(queues, [](const auto& queue) {
+    return !queue.empty() && queue.front().arrival < kLead;
+  });
+  if (!wanted) return;
+  const double begun = std::max(choice.over, traffic_.time() - change_time(signal));
+  double least = std::numeric_limits<double>::infinity();
+  Choice best;
+  const auto phases = int(phases_.signals()[std::size_t(signal)].phases.size());
+  for (int p = 0; p < phases; ++p) {
+    const Choice candidate{.phase = p, .since = begun, .rests = false};
+    const double delay = queue_delay(queues, model_of(signal, candidate));
+    if (delay < least) std::tie(least, best) = std::pair(delay, candidate);
+  }
+  choice = best;
+}
+
+/// Ends the present phase if every later end costs those who are seen more, or nobody needs it.
+void PhaseChoice::go_on(int signal, const Queues& queues) {
+  Choice& choice = choices_[std::size_t(signal)];
+  const QueuePhases model = model_of(signal, choice);
   if (model.least_end > 0.0) return;
-  double now = std::numeric_limits<double>::infinity();
+  const double now = traffic_.time();
+  const auto comes = [&](bool to_this, double within) {
+    return std::ranges::any_of(queues, [&](const auto& queue) {
+      return !queue.empty() && allows(queue.front().link) == to_this &&
+             (queue.front().arrival < within || (!to_this && queue.front().stands));
+    });
+  };
+  if (!comes(true, kGap)) {
+    choice.rests = true;
+    choice.over = now;
+    return;
+  }
+  double at_once = std::numeric_limits<double>::infinity();
   double later = std::numeric_limits<double>::infinity();
   int best = choice.phase;
   for (int next = 0; next < model.phases; ++next) {
     if (next == choice.phase) continue;
-    const double at_once = queue_delay(queues, model, 0.0, next);
-    if (at_once < now) std::tie(now, best) = std::pair(at_once, next);
+    const double delay = queue_delay(queues, model, 0.0, next);
+    if (delay < at_once) std::tie(at_once, best) = std::pair(delay, next);
     for (double end = kLook; end < kFar; end += kLook) {
       later = std::min(later, queue_delay(queues, model, end, next));
     }
   }
-  const bool wanted = std::ranges::any_of(queues, [&](const auto& queue) {
-    return !queue.empty() && queue.front().stands && !allows(queue.front().link);
-  });
-  if (best == choice.phase || !(now < later || (too_long && wanted))) return;
-  choice = {best, traffic_.time()};
+  const bool too_long = now - choice.since > heads_.timing().most_green && comes(false, 0.0);
+  if (best == choice.phase || !(at_once < later || too_long)) return;
+  choice = {.phase = best, .since = now, .rests = false};
 }
 
 Queues PhaseChoice::queues_of(int signal) const {
@@ -140,8 +181,7 @@ double PhaseChoice::change_time(int signal) const {
   return yellow + heads_.timing().all_red;
 }
 
-QueuePhases PhaseChoice::model_of(int signal) const {
-  const Choice& choice = choices_[std::size_t(signal)];
+QueuePhases PhaseChoice::model_of(int signal, const Choice& choice) const {
   const std::vector<GreenPhase>& phases = phases_.signals()[std::size_t(signal)].phases;
   const double change = change_time(signal);
   const double ready = choice.since + change - traffic_.time();

@@ -12,7 +12,8 @@ namespace mvtp {
 
 /// Which movements may get green now, at signals whose changes cost time: those of one phase of
 /// each signal. A phase gives way to another one as soon as those who are seen lose less in all
-/// than if it went on. [rolling horizon, as in OPAC and SURTRAC]
+/// than if it went on [rolling horizon, as in OPAC and SURTRAC], and to red for all when nobody
+/// comes who needs it: from there any phase begins at once.
 class PhaseChoice {
  public:
   /// Is this vehicle under control? It needs no green, but those behind it do.
@@ -39,14 +40,18 @@ class PhaseChoice {
   struct Choice {
     int phase = 0;
     double since = -1e300;  ///< [s] when it was chosen
+    bool rests = true;      ///< nobody needs it: all lights are red, or about to be, and
+    double over = -1e300;   ///< [s] have been since then
   };
   void decide(int signal);
+  void start(int signal, const Queues& queues);
+  void go_on(int signal, const Queues& queues);
   [[nodiscard]] const GreenPhase& present(int signal) const;
   [[nodiscard]] Queues queues_of(int signal) const;
   [[nodiscard]] std::vector<QueuedVehicle> queue_on(int lane) const;
   [[nodiscard]] int link_of(const VehicleState& vehicle, int lane) const;
   [[nodiscard]] double arrival(const VehicleState& vehicle, int lane) const;
-  [[nodiscard]] QueuePhases model_of(int signal) const;
+  [[nodiscard]] QueuePhases model_of(int signal, const Choice& choice) const;
   [[nodiscard]] double change_time(int signal) const;
 
   Traffic& traffic_;

@@ -1,6 +1,7 @@
 #include "coordinator/queue_model.hpp"
 
 #include <algorithm>
+#include <optional>
 #include <tuple>
 #include <utility>
 
@@ -23,15 +24,16 @@ class Discharge {
     for (const auto& queue : queues) left_ += queue.size();
   }
 
-  double run(double end, int next) {
+  /// @param next  the second phase; none: as the others are chosen.
+  double run(double end, std::optional<int> next) {
     int phase = phases_.present;
     double green = phases_.ready;
-    bool first = true;
+    bool first = next.has_value();
     for (double t = 0.0; left_ > 0 && t < kHorizon; t += kStep) {
       const bool over = first ? t >= end : t >= green + phases_.least_green && !goes_on(phase, t);
       if (over && (first || wants_other(phase))) {
         clear(phase, t);
-        phase = first ? next : busiest(phase, t);
+        phase = first ? *next : busiest(phase, t);
         green = t + phases_.change;
         first = false;
       }
@@ -133,6 +135,10 @@ class Discharge {
 
 double queue_delay(const Queues& queues, const QueuePhases& phases, double end, int next) {
   return Discharge(queues, phases).run(end, next);
+}
+
+double queue_delay(const Queues& queues, const QueuePhases& phases) {
+  return Discharge(queues, phases).run(0.0, std::nullopt);
 }
 
 }  // namespace mvtp

@@ -32,5 +32,7 @@ struct QueuePhases {
 /// come closely, and go to the phase for which most wait.
 [[nodiscard]] double queue_delay(const Queues& queues, const QueuePhases& phases, double end,
                                  int next);
+/// The same if the present phase lasts as long as vehicles come closely.
+[[nodiscard]] double queue_delay(const Queues& queues, const QueuePhases& phases);
 
 }  // namespace mvtp
