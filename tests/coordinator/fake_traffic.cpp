@@ -6,6 +6,8 @@
 #include <tuple>
 #include <utility>
 
+#include "coordinator/signal_heads.hpp"
+
 namespace mvtp {
 namespace {
 
