@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <ranges>
 
+#include "coordinator/human_drivers.hpp"
 #include "planner/problem/input_error.hpp"
 #include "tools/coordinate/lot_options.hpp"
 #include "tools/output_folder.hpp"
