@@ -73,7 +73,8 @@ void BrakingAnalysis::judge(double time, const std::string& controlled, const st
   overlaps_.push_back(std::move(found));
 }
 
-/// Full braking from `sight` on, with the human where he was: no overlap until now?
+/// Full braking from `sight` on to rest, with the human where he was, and then going on straight at
+/// his speed: no overlap?
 bool BrakingAnalysis::could_stop(const Track& ours, const Track& human, double sight) const {
   DrivenPath path;
   double speed = -1.0;
@@ -83,14 +84,20 @@ bool BrakingAnalysis::could_stop(const Track& ours, const Track& human, double s
     path.add(m.pose);
     if (speed < 0.0) speed = m.speed;
   }
-  for (const Moment& m : human.moments) {
-    if (m.time < sight - dt_ / 2.0) continue;
-    if (clearance(path.at(driven), ours.body, m.pose, human.body) < -Audit::kTolerance) {
-      return false;
-    }
+  const auto brakes_clear_of = [&](const Pose& pose) {
+    const bool touches =
+        clearance(path.at(driven), ours.body, pose, human.body) < -Audit::kTolerance;
     const double next = std::max(0.0, speed - ours.body.max_decel * dt_);
     driven += 0.5 * (speed + next) * dt_;
     speed = next;
+    return !touches;
+  };
+  for (const Moment& m : human.moments) {
+    if (m.time >= sight - dt_ / 2.0 && !brakes_clear_of(m.pose)) return false;
+  }
+  const Moment& last = human.moments.back();
+  for (double way = last.speed * dt_; speed > 0.0; way += last.speed * dt_) {
+    if (!brakes_clear_of(compose(last.pose, {way, 0.0, 0.0}))) return false;
   }
   return true;
 }

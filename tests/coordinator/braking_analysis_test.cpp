@@ -37,7 +37,7 @@ TEST_F(OursAndAHuman, WhoCouldHaveStoppedCouldHaveAvoidedIt) {
 }
 
 TEST_F(OursAndAHuman, WhoWasTooNearWhenTheFaultShowedCouldNot) {
-  const HumanOverlap overlap = drive(10.0, 5.2, {{"human", FaultKind::kRedRunner, 5.0}});
+  const HumanOverlap overlap = drive(10.0, 5.4, {{"human", FaultKind::kRedRunner, 5.3}});
   EXPECT_EQ(overlap.fault, "red-runner");
   EXPECT_FALSE(overlap.avoidable);
 }

@@ -478,7 +478,10 @@ bool FakeTraffic::must_yield(const Car& car, int k) const {
                               : link_from(other, other.lane, other.edge);
     if (theirs == kNone || graph_.link(theirs).junction != link.junction) return false;
     const auto light = lights_.find({graph_.link(theirs).signal, graph_.link(theirs).signal_index});
-    const bool comes = light != lights_.end() && light->second == Light::kGreen &&
+    const bool is_first = std::ranges::none_of(cars_, [&](const auto& ahead) {
+      return ahead.second.lane == other.lane && ahead.second.position > other.position;
+    });
+    const bool comes = is_first && light != lights_.end() && light->second == Light::kGreen &&
                        graph_.lane(other.lane).length - other.position < kClear;
     return inside || comes;
   });

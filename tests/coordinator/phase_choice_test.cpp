@@ -57,12 +57,11 @@ TEST_F(Phases, MovementsGoTogetherThatDoInTheProgram) {
   EXPECT_FALSE(phases.permits(left, link("S-C", "C-N")));  // they merge, in different phases
 }
 
-TEST_F(Phases, APhaseRestsWhileNobodyWantsAnotherOne) {
+TEST_F(Phases, RestInRedWhileNobodyComes) {
   open({});
-  EXPECT_TRUE(choice->allows(link("W-C", "C-E")));
-  EXPECT_FALSE(choice->allows(link("S-C", "C-N")));
   wait(60.0);
-  EXPECT_TRUE(choice->allows(link("W-C", "C-E")));
+  EXPECT_FALSE(choice->allows(link("W-C", "C-E")));
+  EXPECT_FALSE(choice->allows(link("S-C", "C-N")));
 }
 
 TEST_F(Phases, AreChosenForThoseWhoCome) {
@@ -72,13 +71,13 @@ TEST_F(Phases, AreChosenForThoseWhoCome) {
   EXPECT_FALSE(choice->allows(link("W-C", "C-E")));
 }
 
-TEST_F(Phases, DoNotChangeForAVehicleUnderControlThatDrives) {
+TEST_F(Phases, DoNotBeginForAVehicleUnderControlThatDrives) {
   FakeTrip ours{"ours", 0.0, "S-C", "C-N"};
-  ours.at = std::pair(40.0, 13.0);
+  ours.at = std::pair(90.0, 13.0);
   open({ours});
   traffic->insert_now();
   choice->decide();
-  EXPECT_TRUE(choice->allows(link("W-C", "C-E")));
+  EXPECT_FALSE(choice->allows(link("S-C", "C-N")));
 }
 
 TEST_F(Phases, GoOnWhileAPlatoonComes) {
