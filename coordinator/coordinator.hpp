@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <deque>
 #include <map>
+#include <memory>
 #include <optional>
 #include <set>
 #include <string>
@@ -15,15 +16,18 @@
 #include "coordinator/corridor.hpp"
 #include "coordinator/faults/fault_model.hpp"
 #include "coordinator/gate.hpp"
-#include "coordinator/human_drivers.hpp"
+#include "coordinator/known_intent.hpp"
 #include "coordinator/path_approach.hpp"
 #include "coordinator/people.hpp"
 #include "coordinator/prediction.hpp"
 #include "coordinator/priority.hpp"
 #include "coordinator/referee.hpp"
+#include "coordinator/signal_heads.hpp"
 #include "planner/road/road_escot.hpp"
 
 namespace mvtp {
+
+class HumanDrivers;
 
 struct CoordinatorOptions {
   RoadEscotOptions escot;
@@ -40,7 +44,8 @@ struct CoordinatorOptions {
   FaultTolerance tolerance;  ///< of messages and vehicles
   Priority priority;         ///< whose time counts for more
   ControlledShare share;     ///< who is taken over
-  SignalTiming signals;   ///< where human-driven vehicles get their greens from us
+  SignalTiming signals;      ///< where human-driven vehicles get their greens from us
+  KnownIntent intent = KnownIntent::kRoute;  ///< of those
 };
 
 /// A vehicle under control.
@@ -69,6 +74,8 @@ class Coordinator : public Controller {
   /// @throws InputError if one of the junctions is not in the network.
   Coordinator(Traffic& traffic, const DrivableArea& area, const CoordinatorOptions& options);
 
+  ~Coordinator() override;
+
   void decide() override;
   void act() override;
 
@@ -86,7 +93,7 @@ class Coordinator : public Controller {
   [[nodiscard]] const std::vector<FaultEvent>& losses() const { return losses_; }
   [[nodiscard]] const CorridorMap& corridors() const { return corridors_; }
   /// Drivers at signals that are ours; none if everybody is automated.
-  [[nodiscard]] const HumanDrivers* humans() const { return humans_ ? &*humans_ : nullptr; }
+  [[nodiscard]] const HumanDrivers* humans() const { return humans_.get(); }
 
   /// Who walks over crossings; none if the network has none.
   [[nodiscard]] const People* people() const { return people_ ? &*people_ : nullptr; }
@@ -249,7 +256,7 @@ class Coordinator : public Controller {
   Predictor predictor_;
   Gate gate_;
   std::optional<SignalHeads> heads_;
-  std::optional<HumanDrivers> humans_;
+  std::unique_ptr<HumanDrivers> humans_;
   std::optional<People> people_;
   DecisionGrid grid_;
   std::int64_t step_ = 0;

@@ -66,8 +66,10 @@ Tube predict_tube(const TubeDriver& driver, const std::vector<TubeLeader>& leade
       InertialState next = advance(last, a, grid.dt);
       // SUMO drives a whole step at the speed that it has at the step's end (Euler).
       if (!latest && a > 0.0) next.s = last.s + next.v * grid.dt;
-      const double room =
-          room_behind(leaders, double(t.states.size()), grid.dt, latest, lag, distance);
+      double room = room_behind(leaders, double(t.states.size()), grid.dt, latest, lag, distance);
+      const std::int64_t k = step + std::int64_t(t.states.size());
+      const bool stands = latest && k <= driver.yields_until;
+      if (stands) room = std::min(room, std::max(0.0, driver.line - road.min_gap - road.now.s));
       if (next.s > road.now.s + room) {
         next.s = std::max(last.s, road.now.s + room);
         next.v = (next.s - last.s) / grid.dt;

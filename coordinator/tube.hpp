@@ -33,6 +33,8 @@ struct TubeDriver {
   double max_accel = 2.6;      ///< [m/s^2] of the vehicle
   double max_decel = 4.5;      ///< [m/s^2]
   double line = 0.0;           ///< station of his stop line [m]
+  /// Until this step he may stand there, or inside where he is, since he yields; < 0: to nobody.
+  std::int64_t yields_until = -1;
 };
 
 /// Whoever is ahead of him in his lane: he follows it.
