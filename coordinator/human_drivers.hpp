@@ -143,6 +143,7 @@ class HumanDrivers {
   [[nodiscard]] double green_left(const Agent& first) const;
   [[nodiscard]] bool may_turn_green(int link) const;
   [[nodiscard]] bool is_shown_green(const Agent& agent) const;
+  [[nodiscard]] bool is_in_phase(const Agent& agent) const;
   [[nodiscard]] bool goes_on_ahead(const VehicleState& v) const;
   [[nodiscard]] bool is_behind_one_who_waits(const Agent& agent) const;
   [[nodiscard]] bool may_end(int link) const;
@@ -150,6 +151,7 @@ class HumanDrivers {
   [[nodiscard]] bool will_pass_at_yellow(const Agent& agent) const;
   void take_back_greens();
   void complete_phases();
+  [[nodiscard]] bool go_together(const Agent& a, const Agent& b) const;
   [[nodiscard]] bool cross(const Agent& a, const Agent& b) const;
   [[nodiscard]] bool can_stop_after(const Agent& agent, double seconds) const;
   [[nodiscard]] bool may_meet(const Agent& a, const Agent& b) const;

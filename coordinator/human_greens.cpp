@@ -74,6 +74,12 @@ bool HumanDrivers::is_shown_green(const Agent& agent) const {
          std::ranges::all_of(agent.links, [&](int k) { return heads_.light(k) == Light::kGreen; });
 }
 
+/// Has it green in a phase?
+bool HumanDrivers::is_in_phase(const Agent& agent) const {
+  return is_shown_green(agent) && phases_ &&
+         std::ranges::all_of(agent.links, [&](int k) { return phases_->is_on(k); });
+}
+
 /// Is there room for it behind the junction, should everybody there stop?
 bool HumanDrivers::has_room_behind(const Agent& agent, const Way& way) const {
   const Corridor& corridor = corridors_[way.corridor];
@@ -184,7 +190,7 @@ std::vector<std::vector<std::string>> HumanDrivers::propose() {
     const std::vector<const Agent*> group = with_followers(*first);
     const bool clear = std::ranges::all_of(group, [&](const Agent* a) {
       return std::ranges::none_of(passing, [&](const Agent* p) {
-        if (let_each_other_pass(*a, *p)) return false;
+        if (go_together(*a, *p)) return false;
         return (!p->granted && cross(*a, *p)) || may_meet(*a, *p);
       });
     });
@@ -194,6 +200,13 @@ std::vector<std::vector<std::string>> HumanDrivers::propose() {
     passing.insert(passing.end(), group.begin(), group.end());
   }
   return proposals;
+}
+
+/// May they pass at once, as one of them yields to the other?
+bool HumanDrivers::go_together(const Agent& a, const Agent& b) const {
+  return phases_ && std::ranges::any_of(a.links, [&](int k) {
+           return std::ranges::any_of(b.links, [&](int l) { return phases_->go_together(k, l); });
+         });
 }
 
 /// Would their lights exclude each other? Two who get green at once may not cross at all.
@@ -219,8 +232,8 @@ double HumanDrivers::worth(const std::vector<std::string>& ids) const {
     const auto found = agents_.find(id);
     if (found == agents_.end()) continue;
     const Agent& agent = found->second;
-    // To end a green for one who comes to it costs more than whatever he costs others.
-    if (phases_ && is_shown_green(agent)) return std::numeric_limits<double>::infinity();
+    // To end a phase for one who comes to it costs more than whatever he costs others.
+    if (is_in_phase(agent)) return std::numeric_limits<double>::infinity();
     worth += agent.waited + 0.5 * agent.speed / agent.driver().max_decel +
              0.5 * agent.speed / agent.driver().max_accel;
   }
@@ -286,7 +299,7 @@ bool HumanDrivers::will_pass_at_yellow(const Agent& agent) const {
 bool HumanDrivers::may_end(int link) const {
   if (heads_.shown_for(link) < heads_.timing().least_green - 1e-6) return false;
   const bool stays =
-      phases_ && phases_->allows(link) && phases_->phases().signal_of(link) != LaneGraph::kNone;
+      phases_ && phases_->is_on(link) && heads_.yields(link) == phases_->yields(link);
   return !stays || heads_.is_called_before(link, step_);
 }
 
@@ -323,7 +336,7 @@ void HumanDrivers::settle() {
 /// least green when the phase ends.
 void HumanDrivers::complete_phases() {
   for (int k = 0; k < graph_.links(); ++k) {
-    if (!heads_.owns(k) || heads_.light(k) != Light::kRed || !phases_->allows(k)) continue;
+    if (!heads_.owns(k) || heads_.light(k) != Light::kRed || !phases_->is_on(k)) continue;
     const bool begins = std::ranges::any_of(phases_->beside(k), [&](int other) {
       return heads_.light(other) == Light::kGreen && heads_.shown_for(other) <= kTogether;
     });

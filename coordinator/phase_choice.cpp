@@ -12,10 +12,11 @@ namespace {
 constexpr double kSight = 150.0;  ///< [m] before a line from which vehicles are counted
 constexpr double kAccel = 2.0;    ///< [m/s^2] of a driver who starts
 constexpr double kStands = 0.5;   ///< [m/s]
-constexpr double kLead = 4.5;     ///< [s] before somebody is at his line his phase begins
-constexpr double kGap = 5.0;      ///< [s] in which nobody comes who needs a phase: it ends
-constexpr double kLook = 1.0;     ///< [s] between two ends of a green that are compared,
-constexpr double kFar = 20.0;     ///< [s] and the last of them
+constexpr double kLead =
+    4.5;  ///< [s] before they are at their lines a phase begins for two who need lights that cross
+constexpr double kGap = 5.0;   ///< [s] in which nobody comes who needs a phase: it ends
+constexpr double kLook = 1.0;  ///< [s] between two ends of a green that are compared,
+constexpr double kFar = 20.0;  ///< [s] and the last of them
 
 }  // namespace
 
@@ -36,26 +37,42 @@ PhaseChoice::PhaseChoice(Traffic& traffic, const LaneGraph& graph, const SignalH
   }
 }
 
-const GreenPhase& PhaseChoice::present(int signal) const {
-  return phases_.signals()[std::size_t(signal)]
-      .phases[std::size_t(choices_[std::size_t(signal)].phase)];
+/// The phase that is on at the signal of a connection; nullptr: each light goes alone.
+const GreenPhase* PhaseChoice::present(int link) const {
+  const int signal = phases_.signal_of(link);
+  if (signal == LaneGraph::kNone) return nullptr;
+  const Choice& choice = choices_[std::size_t(signal)];
+  if (choice.alone) return nullptr;
+  return &phases_.signals()[std::size_t(signal)].phases[std::size_t(choice.phase)];
 }
 
 bool PhaseChoice::allows(int link) const {
-  const int signal = phases_.signal_of(link);
-  if (signal == LaneGraph::kNone) return true;
-  return !choices_[std::size_t(signal)].rests && present(signal).links.contains(link);
+  const GreenPhase* phase = present(link);
+  return phase == nullptr || phase->links.contains(link);
+}
+
+bool PhaseChoice::is_on(int link) const {
+  const GreenPhase* phase = present(link);
+  return phase != nullptr && phase->links.contains(link);
 }
 
 const std::set<int>& PhaseChoice::beside(int link) const {
   static const std::set<int> kNobody;
-  const int signal = phases_.signal_of(link);
-  return signal == LaneGraph::kNone ? kNobody : present(signal).links;
+  const GreenPhase* phase = present(link);
+  return phase == nullptr ? kNobody : phase->links;
 }
 
 bool PhaseChoice::yields(int link) const {
-  const int signal = phases_.signal_of(link);
-  return signal != LaneGraph::kNone && present(signal).yielding.contains(link);
+  const GreenPhase* phase = present(link);
+  return phase != nullptr && phase->yielding.contains(link);
+}
+
+bool PhaseChoice::go_together(int link, int other) const {
+  if (!is_on(link) || !is_on(other) || !phases_.permits(link, other)) return false;
+  const auto says_so = [&](int k, int to) {
+    return !phases_.yields_to(k, to) || heads_.light(k) != Light::kGreen || heads_.yields(k);
+  };
+  return says_so(link, other) && says_so(other, link);
 }
 
 void PhaseChoice::decide() {
@@ -64,29 +81,52 @@ void PhaseChoice::decide() {
 
 void PhaseChoice::decide(int signal) {
   const Queues queues = queues_of(signal);
-  if (choices_[std::size_t(signal)].rests) {
+  if (choices_[std::size_t(signal)].alone) {
     start(signal, queues);
   } else {
     go_on(signal, queues);
   }
 }
 
-/// From red for all: as soon as somebody is near, the phase by which those who are seen lose least.
+/// Do two who need lights that cross come soon?
+bool PhaseChoice::is_contested(const Queues& queues) const {
+  std::vector<int> needed;
+  for (const auto& queue : queues) {
+    for (const QueuedVehicle& v : queue) {
+      if (v.needs_green && v.arrival < kLead) needed.push_back(v.link);
+    }
+  }
+  return std::ranges::any_of(needed, [&](int k) {
+    return std::ranges::any_of(needed, [&](int other) { return heads_.cross(k, other); });
+  });
+}
+
+/// When the green before would have ended, if the phase got green as soon as the lights allow [s].
+double PhaseChoice::can_begin(int signal, const GreenPhase& phase) const {
+  const double now = traffic_.time();
+  double begun = now - change_time(signal);
+  for (int k = 0; k < graph_.links(); ++k) {
+    if (phases_.signal_of(k) != signal || phase.links.contains(k)) continue;
+    const double since = heads_.light(k) == Light::kGreen ? now : now - heads_.shown_for(k);
+    const double gone = heads_.light(k) == Light::kRed ? yellow_time(signal) : 0.0;
+    begun = std::max(begun, since - gone);
+  }
+  return begun;
+}
+
+/// As soon as two come who need lights that cross, the phase by which those who are seen lose
+/// least.
 void PhaseChoice::start(int signal, const Queues& queues) {
-  Choice& choice = choices_[std::size_t(signal)];
-  const bool wanted = std::ranges::any_of(
-      queues, [](const auto& queue) { return !queue.empty() && queue.front().arrival < kLead; });
-  if (!wanted) return;
-  const double begun = std::max(choice.over, traffic_.time() - change_time(signal));
+  if (!is_contested(queues)) return;
+  const std::vector<GreenPhase>& phases = phases_.signals()[std::size_t(signal)].phases;
   double least = std::numeric_limits<double>::infinity();
   Choice best;
-  const auto phases = int(phases_.signals()[std::size_t(signal)].phases.size());
-  for (int p = 0; p < phases; ++p) {
-    const Choice candidate{.phase = p, .since = begun, .rests = false};
+  for (std::size_t p = 0; p < phases.size(); ++p) {
+    const Choice candidate{.phase = int(p), .since = can_begin(signal, phases[p]), .alone = false};
     const double delay = queue_delay(queues, model_of(signal, candidate));
     if (delay < least) std::tie(least, best) = std::pair(delay, candidate);
   }
-  choice = best;
+  choices_[std::size_t(signal)] = best;
 }
 
 /// Ends the present phase if every later end costs those who are seen more, or nobody needs it.
@@ -94,16 +134,17 @@ void PhaseChoice::go_on(int signal, const Queues& queues) {
   Choice& choice = choices_[std::size_t(signal)];
   const QueuePhases model = model_of(signal, choice);
   if (model.least_end > 0.0) return;
+  const GreenPhase& phase =
+      phases_.signals()[std::size_t(signal)].phases[std::size_t(choice.phase)];
   const double now = traffic_.time();
   const auto comes = [&](bool to_this, double within) {
     return std::ranges::any_of(queues, [&](const auto& queue) {
-      return !queue.empty() && allows(queue.front().link) == to_this &&
+      return !queue.empty() && phase.links.contains(queue.front().link) == to_this &&
              (queue.front().arrival < within || (!to_this && queue.front().stands));
     });
   };
   if (!comes(true, kGap)) {
-    choice.rests = true;
-    choice.over = now;
+    choice.alone = true;
     return;
   }
   double at_once = std::numeric_limits<double>::infinity();
@@ -119,7 +160,7 @@ void PhaseChoice::go_on(int signal, const Queues& queues) {
   }
   const bool too_long = now - choice.since > heads_.timing().most_green && comes(false, 0.0);
   if (best == choice.phase || !(at_once < later || too_long)) return;
-  choice = {.phase = best, .since = now, .rests = false};
+  choice = {.phase = best, .since = now, .alone = false};
 }
 
 Queues PhaseChoice::queues_of(int signal) const {
@@ -144,8 +185,12 @@ std::vector<QueuedVehicle> PhaseChoice::queue_on(int lane) const {
   for (const VehicleState* v : there) {
     const int link = link_of(*v, lane);
     if (link == LaneGraph::kNone) break;  // it changes lanes first
-    queue.push_back({.link = link, .arrival = arrival(*v, lane), .stands = v->speed < kStands});
-    if (queue.back().stands || !is_controlled_(v->id)) needed = queue.size();
+    const bool stands = v->speed < kStands;
+    queue.push_back({.link = link,
+                     .arrival = arrival(*v, lane),
+                     .stands = stands,
+                     .needs_green = !is_controlled_(v->id)});
+    if (stands || queue.back().needs_green) needed = queue.size();
   }
   queue.resize(needed);
   return queue;
@@ -172,13 +217,18 @@ double PhaseChoice::arrival(const VehicleState& v, int lane) const {
   return (most - v.speed) / kAccel + (way - to_speed_up) / most;
 }
 
-/// [s] of yellow and all red.
-double PhaseChoice::change_time(int signal) const {
+/// [s] of yellow, the longest of its lanes.
+double PhaseChoice::yellow_time(int signal) const {
   double yellow = 0.0;
   for (const int lane : lanes_[std::size_t(signal)]) {
     yellow = std::max(yellow, heads_.timing().yellow(graph_.lane(lane).speed_limit));
   }
-  return yellow + heads_.timing().all_red;
+  return yellow;
+}
+
+/// [s] of yellow and all red.
+double PhaseChoice::change_time(int signal) const {
+  return yellow_time(signal) + heads_.timing().all_red;
 }
 
 QueuePhases PhaseChoice::model_of(int signal, const Choice& choice) const {

@@ -10,6 +10,7 @@ struct QueuedVehicle {
   int link = 0;          ///< by which it goes on
   double arrival = 0.0;  ///< [s] from now until it is at its line, if nobody hinders it
   bool stands = false;
+  bool needs_green = true;  ///< not only those behind it
 };
 
 /// What comes to one signal: the vehicles of each lane, the first first.

@@ -205,6 +205,7 @@ void SignalHeads::free() {
 void SignalHeads::show(int link, Light light) {
   Head& head = heads_[std::size_t(link)];
   head.light = light == kYieldingGreen ? Light::kGreen : light;
+  if (head.light == Light::kGreen) head.yields = light == kYieldingGreen;
   head.since = traffic_.time();
   if (link < graph_.links()) {
     return traffic_.show(graph_.link(link).signal, graph_.link(link).signal_index, light);

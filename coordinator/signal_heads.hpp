@@ -47,6 +47,8 @@ class SignalHeads {
   [[nodiscard]] bool owns(int light) const { return heads_[std::size_t(light)].owned; }
   [[nodiscard]] bool owns_any() const { return !signals_.empty(); }
   [[nodiscard]] Light light(int link) const { return heads_[std::size_t(link)].light; }
+  /// Was it shown last as green for those who give way?
+  [[nodiscard]] bool yields(int link) const { return heads_[std::size_t(link)].yields; }
   /// For how long it has shown that [s].
   [[nodiscard]] double shown_for(int link) const;
   /// Do those meet who have these two lights? Not vehicles that come from one lane, nor people.
@@ -92,6 +94,7 @@ class SignalHeads {
     bool reserved = false;
     std::int64_t called = kNever;  ///< step
     Light light = Light::kRed;
+    bool yields = false;    ///< of its last green
     double since = -1e300;  ///< [s]
     std::vector<int> crossing;
     double clearance = 0.0;  ///< [s] of red until lights that cross it may be green

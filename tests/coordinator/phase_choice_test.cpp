@@ -56,27 +56,41 @@ TEST_F(Phases, MovementsGoTogetherThatDoInTheProgram) {
   EXPECT_FALSE(phases.permits(left, link("S-C", "C-N")));  // they merge, in different phases
 }
 
-TEST_F(Phases, RestInRedWhileNobodyComes) {
-  open({});
-  wait(60.0);
-  EXPECT_FALSE(choice->allows(link("W-C", "C-E")));
-  EXPECT_FALSE(choice->allows(link("S-C", "C-N")));
+FakeTrip near_its_line(const std::string& id, const std::string& from, const std::string& to) {
+  FakeTrip trip{id, 0.0, from, to};
+  trip.at = std::pair(90.0, 13.0);
+  return trip;
 }
 
-TEST_F(Phases, AreChosenForThoseWhoCome) {
-  open({{"a", 0.0, "S-C", "C-N"}});
-  wait(20.0);
-  EXPECT_TRUE(choice->allows(link("S-C", "C-N")));
-  EXPECT_FALSE(choice->allows(link("W-C", "C-E")));
-}
-
-TEST_F(Phases, DoNotBeginForAVehicleUnderControlThatDrives) {
-  FakeTrip ours{"ours", 0.0, "S-C", "C-N"};
-  ours.at = std::pair(90.0, 13.0);
-  open({ours});
+TEST_F(Phases, BeginForTwoWhoNeedLightsThatCross) {
+  open({near_its_line("a", "S-C", "C-N"), near_its_line("b", "W-C", "C-E")});
   traffic->insert_now();
   choice->decide();
-  EXPECT_FALSE(choice->allows(link("S-C", "C-N")));
+  EXPECT_NE(choice->allows(link("S-C", "C-N")), choice->allows(link("W-C", "C-E")));
+  EXPECT_EQ(choice->is_on(link("S-C", "C-N")), choice->is_on(link("N-C", "C-S")));
+}
+
+TEST_F(Phases, AreNotOnForOneAloneNorBesideAVehicleUnderControl) {
+  open({near_its_line("a", "S-C", "C-N"), near_its_line("ours", "W-C", "C-E")});
+  traffic->insert_now();
+  choice->decide();
+  EXPECT_TRUE(choice->allows(link("S-C", "C-N")));
+  EXPECT_TRUE(choice->allows(link("W-C", "C-E")));
+  EXPECT_FALSE(choice->is_on(link("S-C", "C-N")));
+  EXPECT_FALSE(choice->go_together(link("W-C", "C-N"), link("E-C", "C-W")));
+}
+
+TEST_F(Phases, GiveNoGreenBesideOneWhoseLightDoesNotTellHimToYield) {
+  open({near_its_line("a", "S-C", "C-N"), near_its_line("b", "W-C", "C-N"),
+        near_its_line("c", "E-C", "C-W")});
+  traffic->insert_now();
+  const int left = link("W-C", "C-N");
+  heads->turn_green(left);
+  choice->decide();
+  ASSERT_TRUE(choice->is_on(left));
+  EXPECT_FALSE(choice->go_together(link("E-C", "C-W"), left));
+  heads->end_green(left);
+  EXPECT_TRUE(choice->go_together(link("E-C", "C-W"), left));
 }
 
 TEST_F(Phases, GoOnWhileAPlatoonComes) {
