@@ -333,14 +333,14 @@ void HumanDrivers::settle() {
 }
 
 /// The lights of a phase turn green together: one that followed alone would have to stay for its
-/// least green when the phase ends.
+/// least green when the phase ends. Not for a driver who would go before his passage is planned.
 void HumanDrivers::complete_phases() {
   for (int k = 0; k < graph_.links(); ++k) {
     if (!heads_.owns(k) || heads_.light(k) != Light::kRed || !phases_->is_on(k)) continue;
     const bool begins = std::ranges::any_of(phases_->beside(k), [&](int other) {
       return heads_.light(other) == Light::kGreen && heads_.shown_for(other) <= kTogether;
     });
-    if (begins && may_turn_green(k) && !heads_.is_called_before(k, step_)) {
+    if (begins && may_turn_green(k) && !heads_.is_called_before(k, step_) && !must_end(k)) {
       heads_.turn_green(k, phases_->yields(k));
     }
   }
