@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "coordinator/human_drivers.hpp"
 #include "coordinator/partition.hpp"
 #include "planner/road/emergency_braking.hpp"
 #include "planner/search/draws.hpp"
@@ -46,8 +47,11 @@ Coordinator::Coordinator(Traffic& traffic, const DrivableArea& area,
     const auto driven = driven_.find(id);
     return driven == driven_.end() ? nullptr : plan_.find(driven->second.key);
   };
-  humans_.emplace(traffic, graph_, corridors_, predictor_, coordinated_, *heads_, grid_, plan_of);
+  humans_ = std::make_unique<HumanDrivers>(traffic, graph_, corridors_, predictor_, coordinated_,
+                                           *heads_, grid_, options.intent, plan_of);
 }
+
+Coordinator::~Coordinator() = default;
 
 /// Where a plan has a vehicle at step k; at its end it stays.
 InertialState Coordinator::state_at(const PathTrajectory& t, std::int64_t k) {

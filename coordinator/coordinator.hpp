@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <deque>
 #include <map>
+#include <memory>
 #include <optional>
 #include <set>
 #include <string>
@@ -16,15 +17,18 @@
 #include "coordinator/faults/fault_model.hpp"
 #include "coordinator/gate.hpp"
 #include "coordinator/green_lanes.hpp"
-#include "coordinator/human_drivers.hpp"
+#include "coordinator/known_intent.hpp"
 #include "coordinator/path_approach.hpp"
 #include "coordinator/people.hpp"
 #include "coordinator/prediction.hpp"
 #include "coordinator/priority.hpp"
 #include "coordinator/referee.hpp"
+#include "coordinator/signal_heads.hpp"
 #include "planner/road/road_escot.hpp"
 
 namespace mvtp {
+
+class HumanDrivers;
 
 struct CoordinatorOptions {
   RoadEscotOptions escot;
@@ -44,7 +48,8 @@ struct CoordinatorOptions {
   /// Signals run their own programs, and this is the ground of drivers with green; none: signals
   /// are the coordinator's, where there are human drivers.
   std::optional<GreenGround> greens = {};
-  SignalTiming signals;  ///< where human-driven vehicles get their greens from us
+  SignalTiming signals;      ///< where human-driven vehicles get their greens from us
+  KnownIntent intent = KnownIntent::kRoute;  ///< of those
 };
 
 /// A vehicle under control.
@@ -73,6 +78,8 @@ class Coordinator : public Controller {
   /// @throws InputError if one of the junctions is not in the network.
   Coordinator(Traffic& traffic, const DrivableArea& area, const CoordinatorOptions& options);
 
+  ~Coordinator() override;
+
   void decide() override;
   void act() override;
 
@@ -90,7 +97,7 @@ class Coordinator : public Controller {
   [[nodiscard]] const std::vector<FaultEvent>& losses() const { return losses_; }
   [[nodiscard]] const CorridorMap& corridors() const { return corridors_; }
   /// Drivers at signals that are ours; none if everybody is automated.
-  [[nodiscard]] const HumanDrivers* humans() const { return humans_ ? &*humans_ : nullptr; }
+  [[nodiscard]] const HumanDrivers* humans() const { return humans_.get(); }
 
   /// Who walks over crossings; none if the network has none.
   [[nodiscard]] const People* people() const { return people_ ? &*people_ : nullptr; }
@@ -256,8 +263,8 @@ class Coordinator : public Controller {
   Predictor predictor_;
   Gate gate_;
   std::optional<SignalHeads> heads_;
-  std::optional<HumanDrivers> humans_;
   std::optional<GreenLanes> greens_;
+  std::unique_ptr<HumanDrivers> humans_;
   std::optional<People> people_;
   DecisionGrid grid_;
   std::int64_t step_ = 0;

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "coordinator/coordinator.hpp"
+#include "coordinator/human_drivers.hpp"
 #include "coordinator/referee.hpp"
 
 namespace mvtp {

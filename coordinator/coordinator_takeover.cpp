@@ -10,6 +10,7 @@
 
 #include "coordinator/audit.hpp"
 #include "coordinator/coordinator.hpp"
+#include "coordinator/human_drivers.hpp"
 
 namespace mvtp {
 namespace {

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "coordinator/coordinator.hpp"
+#include "coordinator/human_drivers.hpp"
 #include "coordinator/referee.hpp"
 
 namespace mvtp {
@@ -268,9 +269,8 @@ std::vector<Forecast> Coordinator::predict_others(
 std::vector<Forecast> Coordinator::predict_one(const VehicleState& v,
                                                const std::vector<std::string>& guests) {
   const bool is_let_pass = std::ranges::count(guests, v.id) > 0;
-  if (const Forecast* passage = humans_ ? humans_->passage(v.id) : nullptr;
-      passage != nullptr && (is_let_pass || humans_->passes(v.id))) {
-    return {*passage};
+  if (humans_ && humans_->knows(v.id) && (is_let_pass || humans_->passes(v.id))) {
+    return humans_->passages(v.id);
   }
   const std::vector<int> route = route_of(v);
   const CourseQuery query = query_for(v, route);

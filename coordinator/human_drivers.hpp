@@ -3,21 +3,26 @@
 #include <cstdint>
 #include <functional>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "coordinator/corridor.hpp"
+#include "coordinator/known_intent.hpp"
 #include "coordinator/prediction.hpp"
 #include "coordinator/signal_heads.hpp"
 #include "coordinator/tube.hpp"
 
 namespace mvtp {
 
+class PhaseChoice;
+
 /// Human-driven vehicles at signals that the coordinator owns. Each is an agent of the planner
 /// whose only decision is when it gets green: its passage is planned first, then the light is
-/// shown, as late as it does not brake for red. A green that is shown is never taken back, but
-/// where the vehicle leaves the lane.
+/// shown, as late as it does not brake for red. Where changes cost time, greens are those of one
+/// phase of the signal at a time (PhaseChoice), and last until it ends. A green that is shown is
+/// taken back only from one who leaves the lane, or who can still stop when his light turns yellow.
 ///
 /// Safety: as long as a driver is inside his tube, those under control keep clear of him, and so do
 /// other drivers. Liveness: one at red waits before the line, where it is in nobody's way across.
@@ -28,7 +33,9 @@ class HumanDrivers {
 
   HumanDrivers(Traffic& traffic, const LaneGraph& graph, CorridorMap& corridors,
                Predictor& predictor, const std::vector<bool>& coordinated, SignalHeads& heads,
-               const DecisionGrid& grid, PlanOf plan_of);
+               const DecisionGrid& grid, KnownIntent intent, PlanOf plan_of);
+  HumanDrivers(HumanDrivers&&) = delete;
+  ~HumanDrivers();
 
   /// Is the next coordinated line on its route one with an owned light?
   [[nodiscard]] bool decides_for(const CourseQuery& query) const;
@@ -43,8 +50,8 @@ class HumanDrivers {
   [[nodiscard]] bool knows(const std::string& id) const { return agents_.contains(id); }
   /// Has it green, or is it behind its line?
   [[nodiscard]] bool passes(const std::string& id) const;
-  /// What it does if it passes; nullptr if it is not known.
-  [[nodiscard]] const Forecast* passage(const std::string& id) const;
+  /// What it may do if it passes, one forecast for each movement; none if it is not known.
+  [[nodiscard]] std::vector<Forecast> passages(const std::string& id) const;
 
   /// Groups of drivers that may get green now, the longest waiting first: each group wholly or not
   /// at all, and any of them beside each other. Nobody of a group meets a driver who has green.
@@ -73,10 +80,19 @@ class HumanDrivers {
   [[nodiscard]] std::int64_t unplanned_passages() const { return unplanned_; }
 
  private:
+  /// One movement that it may drive.
+  struct Way {
+    std::vector<int> links;
+    int corridor = 0;
+    TubeDriver driver;
+    double s_clear = 0.0;  ///< station behind the junction where its tail is clear of it [m]
+    Forecast forecast;     ///< its tube from this decision on, with green
+  };
   struct Agent {
     std::string id;
     std::string lane;
     std::vector<int> links;  ///< connections by which it may go on; one light each
+    std::vector<Way> ways;   ///< one if it is known where it goes, else one for each movement
     double to_line = 0.0;    ///< [m]
     double position = 0.0;   ///< on its lane [m]
     double speed = 0.0;
@@ -87,34 +103,55 @@ class HumanDrivers {
     bool seen = false;
     std::int64_t came = 0;  ///< step
     double waited = 0.0;    ///< [s] lost before the line so far
-    int corridor = 0;
-    TubeDriver driver;
-    double s_clear = 0.0;  ///< station behind the junction where its tail is clear of it [m]
-    Forecast forecast;     ///< its tube from this decision on, with green
+    /// Behind the movements, what does not depend on them: its line, how it brakes and speeds up.
+    [[nodiscard]] const TubeDriver& driver() const { return ways.front().driver; }
     /// How far it may have come at the next decision, at least and at most [m].
     std::optional<std::pair<double, double>> expected;
   };
 
-  [[nodiscard]] static TubeView tube_of(const Agent& agent) {
-    return {agent.forecast.trajectory, *agent.forecast.latest};
+  [[nodiscard]] static TubeView tube_of(const Way& way) {
+    return {way.forecast.trajectory, *way.forecast.latest};
   }
   [[nodiscard]] std::vector<int> links_of(const CourseQuery& query) const;
+  [[nodiscard]] std::vector<int> links_to(int lane, int edge) const;
+  [[nodiscard]] std::vector<int> edges_in_question(const CourseQuery& query, double to_line) const;
+  [[nodiscard]] std::vector<Way> ways_of(const VehicleState& v, const CourseQuery& query,
+                                         double to_line, const VehicleType& type) const;
   void check_tube(Agent& agent, const Pose& pose);
-  void set_driver(Agent& agent, const RoadVehicle& road, double speed_factor,
+  void set_driver(Way& way, const RoadVehicle& road, double to_line, double speed_factor,
                   const VehicleType& type) const;
   void remember_lanes();
   [[nodiscard]] std::vector<std::string> who_waits_for(const Agent& agent) const;
   void predict_all();
   void predict(Agent& agent);
-  [[nodiscard]] std::optional<double> lead_of(const Agent& agent, const VehicleState& v) const;
-  [[nodiscard]] std::vector<TubeLeader> leaders_of(const Agent& agent) const;
+  [[nodiscard]] const PathTrajectory& fastest(const Agent& agent) const;
+  [[nodiscard]] const PathTrajectory& slowest(const Agent& agent) const;
+  [[nodiscard]] bool yields_to(const std::vector<int>& links, const std::vector<int>& others) const;
+  [[nodiscard]] bool let_each_other_pass(const Agent& a, const Agent& b) const;
+  [[nodiscard]] std::int64_t yields_until(const Agent& agent, const Way& way) const;
+  [[nodiscard]] bool turns_elsewhere(const Agent& agent, const VehicleState& leader) const;
+  [[nodiscard]] std::optional<double> lead_of(const Agent& agent, const Way& way,
+                                              const VehicleState& v) const;
+  [[nodiscard]] std::vector<TubeLeader> leaders_of(const Agent& agent, const Way& way) const;
   [[nodiscard]] bool is_due(const Agent& agent) const;
   [[nodiscard]] bool is_first(const Agent& agent) const;
   [[nodiscard]] bool may_have_green(const Agent& agent) const;
-  [[nodiscard]] bool has_room_behind(const Agent& agent) const;
+  [[nodiscard]] bool has_room_behind(const Agent& agent, const Way& way) const;
   [[nodiscard]] std::vector<const Agent*> with_followers(const Agent& first) const;
   [[nodiscard]] bool must_end(int link) const;
   [[nodiscard]] double latest_at_line(const Agent& agent) const;
+  [[nodiscard]] double green_left(const Agent& first) const;
+  [[nodiscard]] bool may_turn_green(int link) const;
+  [[nodiscard]] bool is_shown_green(const Agent& agent) const;
+  [[nodiscard]] bool is_in_phase(const Agent& agent) const;
+  [[nodiscard]] bool goes_on_ahead(const VehicleState& v) const;
+  [[nodiscard]] bool is_behind_one_who_waits(const Agent& agent) const;
+  [[nodiscard]] bool may_end(int link) const;
+  [[nodiscard]] bool will_stop_at_yellow(const Agent& agent) const;
+  [[nodiscard]] bool will_pass_at_yellow(const Agent& agent) const;
+  void take_back_greens();
+  void complete_phases();
+  [[nodiscard]] bool go_together(const Agent& a, const Agent& b) const;
   [[nodiscard]] bool cross(const Agent& a, const Agent& b) const;
   [[nodiscard]] bool can_stop_after(const Agent& agent, double seconds) const;
   [[nodiscard]] bool may_meet(const Agent& a, const Agent& b) const;
@@ -131,7 +168,9 @@ class HumanDrivers {
   const std::vector<bool>& coordinated_;
   DecisionGrid grid_;
   SignalHeads& heads_;
+  KnownIntent intent_;
   PlanOf plan_of_;
+  std::unique_ptr<PhaseChoice> phases_;  ///< none: each light goes alone
   std::int64_t step_ = 0;
   std::map<std::string, Agent> agents_;
   std::map<std::string, std::string> origins_;     ///< the last lane before a junction, by vehicle

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <nlohmann/json.hpp>
 
 #include "coordinator/measures/measures_json.hpp"
@@ -54,6 +55,9 @@ Json delay_by_driver(const RunReport& report, bool coordinated) {
     if (v.coordinated == coordinated && v.departure) delays.push_back(delay_of(v, report.end));
   }
   Json delay = delay_json(delays);
+  if (delays.empty()) {
+    for (auto& value : delay) value = nullptr;
+  }
   delay["vehicles"] = delays.size();
   return delay;
 }
@@ -115,6 +119,20 @@ Json faults_json(const RunReport& report) {
           {"contacts", contacts_json(report, f.step_length)}};
 }
 
+/// By SUMO's vehicle class: "passenger", "bus", "bicycle", ...
+Json delay_by_class(const RunReport& report) {
+  std::map<std::string, std::vector<double>> delays;
+  for (const VehicleRecord& v : report.vehicles) {
+    if (v.departure) delays[v.vehicle_class].push_back(delay_of(v, report.end));
+  }
+  Json classes = Json::object();
+  for (const auto& [name, values] : delays) {
+    classes[name] = delay_json(values);
+    classes[name]["vehicles"] = values.size();
+  }
+  return classes;
+}
+
 Json audit_json(const AuditFigures& a) {
   return {{"between_steps", a.between_steps},
           {"overlap_pairs", a.overlap_pairs},
@@ -136,6 +154,28 @@ Json people_json(const RunReport& report) {
           {"wait_p95_s", report.people.wait_p95},
           {"wait_max_s", report.people.wait_max},
           {"greens", report.people_greens}};
+}
+
+Json human_faults_json(const HumanFaultFigures& figures) {
+  Json faults = Json::array();
+  for (const HumanFault& f : figures.faults) {
+    faults.push_back({{"time_s", f.begin}, {"vehicle", f.vehicle}, {"kind", to_string(f.kind)}});
+  }
+  Json overlaps = Json::array();
+  std::int64_t avoidable = 0;
+  for (const HumanOverlap& o : figures.overlaps) {
+    avoidable += o.avoidable ? 1 : 0;
+    overlaps.push_back({{"time_s", o.time},
+                        {"controlled", o.controlled},
+                        {"human", o.human},
+                        {"fault", o.fault},
+                        {"seen_since_s", o.sight},
+                        {"braking_could_avoid_it", o.avoidable}});
+  }
+  return {{"rate", figures.rate},
+          {"faults", std::move(faults)},
+          {"overlaps", std::move(overlaps)},
+          {"avoidable_overlaps", avoidable}};
 }
 
 Json zones_json(const RunReport& report) {
@@ -213,6 +253,8 @@ std::string summary_json(const RunReport& r) {
     j["tube_misses"] = r.humans->tube_misses;
     j["unplanned_passages"] = r.humans->unplanned_passages;
   }
+  j["delay_by_class_s"] = delay_by_class(r);
+  if (r.human_faults) j["human_faults"] = human_faults_json(*r.human_faults);
   j["people"] = people_json(r);
   j["time_loss_s"] = field_mean([](const VehicleRecord& v) { return v.time_loss; });
   j["depart_delay_s"] = field_mean([&](const VehicleRecord& v) { return depart_delay(v, r.end); });

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "coordinator/audit.hpp"
+#include "coordinator/braking_analysis.hpp"
 #include "coordinator/coordinator.hpp"
 #include "coordinator/lot_report.hpp"
 #include "coordinator/measures/driving_style.hpp"
@@ -27,10 +28,11 @@ struct VehicleRecord {
   double time_loss = 0.0;           ///< as SUMO says
   double waiting_time = 0.0;        ///< as SUMO says
   double speed_factor = 1.0;
-  double stopped = 0.0;       ///< at scheduled stops
-  bool coordinated = false;   ///< was it ever under control
+  double stopped = 0.0;      ///< at scheduled stops
+  bool coordinated = false;  ///< was it ever under control
   Priority::Kind priority = Priority::Kind::kNone;
-  std::string movement = {};  ///< "FROM>TO", the first and the last edge of its route
+  std::string vehicle_class = {};  ///< SUMO's vClass
+  std::string movement = {};       ///< "FROM>TO", the first and the last edge of its route
   DrivingFigures driving = {};
   std::optional<Emissions> emissions = {};  ///< none: the traffic does not tell
   std::optional<double> min_clearance;      ///< [m] to any other vehicle; none: never within 3 m
@@ -57,6 +59,13 @@ struct FaultReport {
   std::vector<FaultEvent> given_up;  ///< vehicles that did not obey
 };
 
+/// What came of human drivers who misbehaved.
+struct HumanFaultFigures {
+  double rate = 0.0;  ///< as asked for
+  std::vector<HumanFault> faults;
+  std::vector<HumanOverlap> overlaps;  ///< of vehicles under control with human drivers
+};
+
 /// Everything that a run leaves behind.
 struct RunReport {
   std::vector<VehicleRecord> vehicles;
@@ -67,9 +76,10 @@ struct RunReport {
   ConflictFigures pet;  ///< post-encroachment times
   ConflictFigures ttc;  ///< times to collision
   std::int64_t sumo_collisions = 0;
-  double penetration = 1.0;            ///< as asked for
-  std::optional<HumanFigures> humans;  ///< none: no signal was ours
-  std::optional<FaultReport> faults;   ///< none: nothing was simulated nor assumed
+  double penetration = 1.0;                       ///< as asked for
+  std::optional<HumanFigures> humans;             ///< none: no signal was ours
+  std::optional<FaultReport> faults;              ///< none: nothing was simulated nor assumed
+  std::optional<HumanFaultFigures> human_faults;  ///< none: nobody was asked to misbehave
   PeopleFigures people;
   std::int64_t people_greens = 0;           ///< shown at crossings
   std::int64_t left_to_sumo_sightings = 0;  ///< vehicles near a stop line, over the decisions

@@ -154,9 +154,10 @@ bool SignalHeads::cross(int link, int other) const {
   return std::ranges::count(heads_[std::size_t(link)].crossing, other) > 0;
 }
 
-bool SignalHeads::may_turn_green(int link) const {
+bool SignalHeads::may_turn_green(int link, const std::function<bool(int)>& beside) const {
   const std::vector<int>& crossing = heads_[std::size_t(link)].crossing;
   return std::ranges::all_of(crossing, [&](int other) {
+    if (beside(other)) return true;
     const Head& head = heads_[std::size_t(other)];
     return head.light == Light::kRed && !head.reserved &&
            shown_for(other) >= head.clearance - kInstant;
@@ -171,10 +172,10 @@ void SignalHeads::own() {
   }
 }
 
-void SignalHeads::turn_green(int link) {
+void SignalHeads::turn_green(int link, bool yields) {
   if (light(link) == Light::kGreen) return;
   if (link < graph_.links()) ++greens_;
-  show(link, Light::kGreen);
+  show(link, yields ? kYieldingGreen : Light::kGreen);
 }
 
 void SignalHeads::end_green(int link) {
@@ -203,7 +204,8 @@ void SignalHeads::free() {
 
 void SignalHeads::show(int link, Light light) {
   Head& head = heads_[std::size_t(link)];
-  head.light = light;
+  head.light = light == kYieldingGreen ? Light::kGreen : light;
+  if (head.light == Light::kGreen) head.yields = light == kYieldingGreen;
   head.since = traffic_.time();
   if (link < graph_.links()) {
     return traffic_.show(graph_.link(link).signal, graph_.link(link).signal_index, light);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <set>
 #include <string>
@@ -27,6 +28,9 @@ struct SignalTiming {
   [[nodiscard]] double yellow(double speed_limit) const;
 };
 
+/// Green for those who give way to others with green: SUMO's 'g'.
+inline constexpr Light kYieldingGreen{'g'};
+
 /// The traffic signals that the coordinator owns: one light per connection and per crossing, red
 /// unless it says otherwise. A signal is owned if all its lights are those of connections and
 /// crossings at coordinated junctions.
@@ -43,12 +47,16 @@ class SignalHeads {
   [[nodiscard]] bool owns(int light) const { return heads_[std::size_t(light)].owned; }
   [[nodiscard]] bool owns_any() const { return !signals_.empty(); }
   [[nodiscard]] Light light(int link) const { return heads_[std::size_t(link)].light; }
+  /// Was it shown last as green for those who give way?
+  [[nodiscard]] bool yields(int link) const { return heads_[std::size_t(link)].yields; }
   /// For how long it has shown that [s].
   [[nodiscard]] double shown_for(int link) const;
   /// Do those meet who have these two lights? Not vehicles that come from one lane, nor people.
   [[nodiscard]] bool cross(int link, int other) const;
   /// Has every light that crosses it been red for long enough, and is no green of theirs due?
-  [[nodiscard]] bool may_turn_green(int link) const;
+  /// @param beside  lights that may be green beside it though they cross.
+  [[nodiscard]] bool may_turn_green(
+      int link, const std::function<bool(int)>& beside = [](int) { return false; }) const;
   /// How long people need to the other side at 1.2 m/s [RiLSA]: so long after their green everybody
   /// who crosses them is red, and at real timing their green is no shorter [s].
   [[nodiscard]] double crossing_time(int crossing) const {
@@ -64,7 +72,8 @@ class SignalHeads {
 
   /// Every light red; and again after free().
   void own();
-  void turn_green(int link);
+  /// @param yields  whoever has it gives way to others with green.
+  void turn_green(int link, bool yields = false);
   /// Yellow, then red.
   void end_green(int link);
   /// Yellow lights turn red when it is time.
@@ -85,6 +94,7 @@ class SignalHeads {
     bool reserved = false;
     std::int64_t called = kNever;  ///< step
     Light light = Light::kRed;
+    bool yields = false;    ///< of its last green
     double since = -1e300;  ///< [s]
     std::vector<int> crossing;
     double clearance = 0.0;  ///< [s] of red until lights that cross it may be green

@@ -33,6 +33,8 @@ struct TubeDriver {
   double max_accel = 2.6;      ///< [m/s^2] of the vehicle
   double max_decel = 4.5;      ///< [m/s^2]
   double line = 0.0;           ///< station of his stop line [m]
+  /// Until this step he may stand there, or inside where he is, since he yields; < 0: to nobody.
+  std::int64_t yields_until = -1;
 };
 
 /// Whoever is ahead of him in his lane: he follows it.
@@ -49,7 +51,8 @@ struct TubeLeader {
 /// The tube of a driver who has green, from `step` on, to the end of his path.
 ///
 /// The latest motion behind a leader is Newell's: the leader's own, later by the driver's headway
-/// and shorter by the distance at rest [Newell 2002].
+/// and shorter by the distance at rest [Newell 2002], at no more than the speed at which he could
+/// stop if the leader braked [Krauss 1998].
 [[nodiscard]] Tube predict_tube(const TubeDriver& driver, const std::vector<TubeLeader>& leaders,
                                 const DecisionGrid& grid, std::int64_t step);
 

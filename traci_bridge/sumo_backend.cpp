@@ -41,6 +41,7 @@ constexpr int kHeedNobody = 39;
 constexpr int kOwnSpeedMode = 31;
 // No lane change but those that avoid a collision, which are none where nobody changes.
 constexpr int kKeepLane = 512;
+constexpr double kSwerve = 1.0;  ///< [s] for which a swerving driver stays on his new lane
 /// A vehicle that was just handed back first finds its place in its lane [s]; SUMO changes lanes at
 /// once, 3 m aside, where its sublane model is off.
 constexpr double kNoLaneChange = 1.0;
@@ -240,6 +241,23 @@ class Backend final : public SumoTraffic {
         api::Vehicle::setLaneChangeMode(id, lane_keepers_.extract(id).mapped());
       }
     });
+  }
+
+  void swerve(const std::string& id) override {
+    if (controlled_.contains(id) || !is_here(id)) return;
+    ask([&] {
+      const int lane = api::Vehicle::getLaneIndex(id);
+      const int lanes = api::Edge::getLaneNumber(api::Vehicle::getRoadID(id));
+      const int beside = lane + 1 < lanes ? lane + 1 : lane - 1;
+      if (beside < 0) return;
+      api::Vehicle::setLaneChangeMode(id, kObey);
+      api::Vehicle::changeLane(id, beside, kSwerve);
+    });
+  }
+
+  void react_late(const std::string& id, double seconds) override {
+    if (controlled_.contains(id) || !is_here(id)) return;
+    ask([&] { api::Vehicle::setActionStepLength(id, std::max(seconds, step_length())); });
   }
 
   void show(const std::string& signal, int index, Light light) override {

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "coordinator/human_fault_port.hpp"
 #include "coordinator/traffic.hpp"
 
 namespace mvtp {
@@ -47,7 +48,7 @@ struct SumoWarnings {
 ///
 /// @note libsumo holds one simulation per process, is not thread-safe, and may abort the process
 /// where SUMO has a bug; whoever needs to survive that runs it in a child process.
-class SumoTraffic : public Traffic {
+class SumoTraffic : public Traffic, public HumanFaultPort {
  public:
   /// Vehicles that entered and left the network in the last step, ordered by id.
   [[nodiscard]] virtual const std::vector<std::string>& departed() const = 0;

@@ -1,6 +1,7 @@
 #include "traci_bridge/trips.hpp"
 
 #include <optional>
+#include <string>
 
 #include "traci_bridge/xml.hpp"
 
@@ -23,9 +24,16 @@ std::optional<Emissions> read_emissions(const XmlFile& file, const tinyxml2::XML
                    .nox = file.number(*element, "NOx_abs") * kMilligram};
 }
 
+/// SUMO gives a vehicle whose parameters were changed a type of its own, TYPE@VEHICLE.
+std::string declared_type(std::string type, const std::string& vehicle) {
+  if (type.ends_with('@' + vehicle)) type.resize(type.size() - vehicle.size() - 1);
+  return type;
+}
+
 Trip read_trip(const XmlFile& file, const tinyxml2::XMLElement& element) {
-  return {.id = file.text(element, "id"),
-          .type = file.text(element, "vType"),
+  const std::string id = file.text(element, "id");
+  return {.id = id,
+          .type = declared_type(file.text(element, "vType"), id),
           .depart = reached(file.number(element, "depart")),
           .depart_delay = file.number(element, "departDelay"),
           .depart_lane = attribute(element, "departLane"),

@@ -123,7 +123,7 @@ std::vector<FakeTrip> random_trips(const NetworkShape& shape, const Demand& dema
 
 ClosedLoop::ClosedLoop(const NetworkShape& shape, std::vector<FakeTrip> trips, double step_length,
                        const CoordinatorOptions& options)
-    : traffic(shape.network, trips, step_length),
+    : traffic(shape.network, trips, step_length, shape.programs),
       area(traffic.network()),
       coordinator(traffic, area, options),
       audit(area, step_length),

@@ -6,6 +6,8 @@
 #include <tuple>
 #include <utility>
 
+#include "coordinator/signal_heads.hpp"
+
 namespace mvtp {
 namespace {
 
@@ -121,8 +123,12 @@ std::vector<std::string> shortest_route(const RoadNetwork& network, const std::s
   return route;
 }
 
-FakeTraffic::FakeTraffic(RoadNetwork network, std::vector<FakeTrip> trips, double step_length)
-    : network_(std::move(network)), graph_(network_), step_length_(step_length) {
+FakeTraffic::FakeTraffic(RoadNetwork network, std::vector<FakeTrip> trips, double step_length,
+                         std::map<std::string, std::vector<SignalPhase>> programs)
+    : network_(std::move(network)),
+      graph_(network_),
+      step_length_(step_length),
+      programs_(std::move(programs)) {
   for (FakeTrip& trip : trips) add(std::move(trip));
 }
 
@@ -446,7 +452,9 @@ bool FakeTraffic::may_enter(Car& car, int k, double distance) {
   const double braking = stopping(car.speed, car.type.body.max_decel);
   if (car.held_on == link.from) return distance + 0.1 < kLineGap;
   if (const auto light = lights_.find({link.signal, link.signal_index}); light != lights_.end()) {
-    return light->second == Light::kGreen || distance < braking;
+    if (light->second == kYieldingGreen && must_yield(car, k)) return distance < braking;
+    const bool green = light->second == Light::kGreen || light->second == kYieldingGreen;
+    return green || distance < braking;
   }
   if (car.passes || !graph_.junction(link.junction).has_conflicts) return true;
   if (car.granted == link.junction) return true;
@@ -454,6 +462,29 @@ bool FakeTraffic::may_enter(Car& car, int k, double distance) {
   if (distance > braking + car.speed * step_length_ + 10.0 || !is_clear(car, k)) return false;
   car.granted = link.junction;
   return true;
+}
+
+/// Does somebody with green come from the other side, or stand across the way? Drivers wait for
+/// those at their line.
+bool FakeTraffic::must_yield(const Car& car, int k) const {
+  const LaneGraph::Link& link = graph_.link(k);
+  return std::ranges::any_of(cars_, [&](const auto& entry) {
+    const Car& other = entry.second;
+    if (&other == &car || car.waiting.contains(entry.first)) return false;
+    const bool inside = !is_normal(other.lane);
+    const int lane = inside ? (other.trail.empty() ? kNone : other.trail.back()) : other.lane;
+    if (lane == kNone || lane == link.from) return false;
+    const int theirs = inside ? graph_.links_over(other.lane).front()
+                              : link_from(other, other.lane, other.edge);
+    if (theirs == kNone || graph_.link(theirs).junction != link.junction) return false;
+    const auto light = lights_.find({graph_.link(theirs).signal, graph_.link(theirs).signal_index});
+    const bool is_first = std::ranges::none_of(cars_, [&](const auto& ahead) {
+      return ahead.second.lane == other.lane && ahead.second.position > other.position;
+    });
+    const bool comes = is_first && light != lights_.end() && light->second == Light::kGreen &&
+                       graph_.lane(other.lane).length - other.position < kClear;
+    return inside || comes;
+  });
 }
 
 /// Is nobody from elsewhere on the junction or near it, and room behind it?

@@ -50,7 +50,9 @@ struct FakeTrip {
 /// from elsewhere is on it or near it. Like those of SUMO they move both bumpers along the lanes.
 class FakeTraffic : public Traffic {
  public:
-  FakeTraffic(RoadNetwork network, std::vector<FakeTrip> trips, double step_length = 0.1);
+  /// @param programs  of its signals; without one nobody knows its phases.
+  FakeTraffic(RoadNetwork network, std::vector<FakeTrip> trips, double step_length = 0.1,
+              std::map<std::string, std::vector<SignalPhase>> programs = {});
   FakeTraffic(const FakeTraffic&) = delete;
   FakeTraffic& operator=(const FakeTraffic&) = delete;
 
@@ -77,6 +79,10 @@ class FakeTraffic : public Traffic {
   }
   void free_signal(const std::string& signal) override {
     std::erase_if(lights_, [&](const auto& shown) { return shown.first.first == signal; });
+  }
+  [[nodiscard]] std::vector<SignalPhase> signal_phases(const std::string& signal) const override {
+    const auto known = programs_.find(signal);
+    return known == programs_.end() ? std::vector<SignalPhase>() : known->second;
   }
   void limit_speed(const std::string& lane, double speed) override {
     network_.lanes.at(lane).speed_limit = speed;
@@ -147,6 +153,7 @@ class FakeTraffic : public Traffic {
   [[nodiscard]] double room_to_bodies(const Car& car, double reach, double& speed) const;
   [[nodiscard]] bool may_enter(Car& car, int link, double distance);
   [[nodiscard]] bool is_clear(const Car& car, int link) const;
+  [[nodiscard]] bool must_yield(const Car& car, int link) const;
   void change_lane(Car& car);
   void drive(Car& car);
   void locate(Car& car, const Pose& before);
@@ -167,6 +174,7 @@ class FakeTraffic : public Traffic {
   std::map<int, std::vector<Span>> occupants_;  ///< of lanes
   std::set<std::string> frozen_;
   std::map<std::pair<std::string, int>, Light> lights_;  ///< of signals that are shown
+  std::map<std::string, std::vector<SignalPhase>> programs_;
   std::map<std::string, int> passages_;
   std::vector<VehicleState> states_;
 };

@@ -53,6 +53,21 @@ TEST_P(MixedTraffic, ArrivesWithoutContact) {
   EXPECT_EQ(run.coordinator.humans()->unplanned_passages(), 0);
 }
 
+/// The same at a signal whose program is known: its phases are shown.
+class PhasedTraffic : public testing::TestWithParam<std::tuple<double, unsigned>> {};
+
+TEST_P(PhasedTraffic, ArrivesWithoutContact) {
+  const auto& [penetration, seed] = GetParam();
+  ClosedLoop run(crossroads_with_phases(), cars(seed), 0.1, share(penetration));
+  run.run_until(600.0);
+  EXPECT_THAT(run.broken, IsEmpty());
+  EXPECT_EQ(run.audit.figures().overlap_pairs, 0);
+  EXPECT_EQ(run.traffic.arrived(), run.number_of_trips);
+  EXPECT_EQ(run.coordinator.humans()->unplanned_passages(), 0);
+}
+
+INSTANTIATE_TEST_SUITE_P(Seeds, PhasedTraffic, Combine(Values(0.0, 0.3, 0.7), Range(1U, 4U)));
+
 std::string name_of(const testing::TestParamInfo<Mix>& info) {
   const bool instant = std::get<1>(info.param);
   return fmt::format("p{}_{}_seed_{}", int(100 * std::get<0>(info.param)),

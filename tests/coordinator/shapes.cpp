@@ -505,6 +505,23 @@ NetworkShape with_signals(NetworkShape shape) {
   return shape;
 }
 
+NetworkShape crossroads_with_phases() {
+  NetworkShape shape = with_signals(crossroads_shape());
+  const std::string left_of = "WNESW";  // where a left-turner from each arm goes
+  for (const std::string arms : {"WE", "SN"}) {
+    SignalPhase phase{.duration = 30.0, .least = 5.0, .most = 50.0, .lights = {}};
+    for (const Connection& c : shape.network.junctions.at("C").connections) {
+      const char from = c.from_lane.front();
+      const char to = c.to_lane[c.to_lane.find('-') + 1];
+      const bool left = left_of[left_of.find(from) + 1] == to;
+      const bool green = arms.find(from) != std::string::npos;
+      phase.lights += !green ? 'r' : left ? 'g' : 'G';
+    }
+    shape.programs["C"].push_back(std::move(phase));
+  }
+  return shape;
+}
+
 NetworkShape with_crossings(NetworkShape shape) {
   constexpr double kWidth = 4.0;  // [m]
   for (auto& [id, junction] : shape.network.junctions) {

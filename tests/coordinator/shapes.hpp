@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "coordinator/road_network.hpp"
+#include "coordinator/traffic.hpp"
 
 namespace mvtp {
 
@@ -72,6 +73,8 @@ struct NetworkShape {
   RoadNetwork network;
   std::vector<std::string> sources;
   std::vector<std::string> sinks;
+  /// Of its signals, as far as they are known.
+  std::map<std::string, std::vector<SignalPhase>> programs = {};
 };
 
 [[nodiscard]] NetworkShape crossroads_shape(double arm = 120.0, double radius = 7.2);
@@ -95,6 +98,9 @@ struct NetworkShape {
 
 /// The same with a traffic signal at every junction with conflicts, named as that.
 [[nodiscard]] NetworkShape with_signals(NetworkShape shape);
+/// The crossroads with a signal whose two green phases are known: west and east, then south and
+/// north; left-turners yield.
+[[nodiscard]] NetworkShape crossroads_with_phases();
 
 /// The same with a crossing over every road that leads both ways into a junction with conflicts,
 /// right behind its stop line; under the signal where there is one.

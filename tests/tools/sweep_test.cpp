@@ -119,6 +119,27 @@ TEST(SweepFigures, ShowMeansOverTheSeeds) {
   EXPECT_THAT(sweep_to_markdown(rows), HasSubstr("| 1 | 0.2 | aim | 2/2 | 2.00 ± 1.41 |"));
 }
 
+TEST(SweepFigures, ShowThoseUnderControlBesideTheHumanDrivenOnes) {
+  std::vector<SweepRow> rows;
+  for (const double share : {0.0, 0.5, 1.0}) {
+    SweepRow row = example();
+    row.penetration = share;
+    row.figures["delay_mean_s"] = 3.0 - share;
+    if (share > 0.0) row.figures["delay_controlled_s"] = 2.0 - share;
+    if (share < 1.0) row.figures["delay_human_s"] = 4.0 - share;
+    rows.push_back(row);
+  }
+  const json lines = json::parse(sweep_to_json(rows))["figures"][1]["panels"][0]["lines"];
+  ASSERT_EQ(lines.size(), 3U);
+  EXPECT_EQ(lines[0]["label"], "aim");
+  EXPECT_EQ(lines[1]["label"], "aim, under control");
+  EXPECT_EQ(lines[1]["x"], json({0.5, 1.0}));
+  EXPECT_EQ(lines[1]["y"], json({1.5, 1.0}));
+  EXPECT_EQ(lines[2]["label"], "aim, human-driven");
+  EXPECT_EQ(lines[2]["x"], json({0.0, 0.5}));
+  EXPECT_EQ(lines[2]["y"], json({4.0, 3.5}));
+}
+
 class SweepCommand : public Program {
  protected:
   [[nodiscard]] static std::string sweep(const std::string& more) {

@@ -45,6 +45,14 @@ TEST(ReadTrips, AnArrivalHasAllItsFigures) {
   EXPECT_EQ(trip.vaporized, "");
 }
 
+TEST(ReadTrips, ATypeOfItsOwnIsTheDeclaredOne) {
+  const Trip trip = parse(R"(<tripinfos><tripinfo id="a@b" depart="1" departDelay="0" arrival="2"
+      duration="1" routeLength="1" waitingTime="0" timeLoss="0" vType="car@a@b"
+      speedFactor="1"/></tripinfos>)")
+                        .at(0);
+  EXPECT_EQ(trip.type, "car");
+}
+
 TEST(ReadTrips, MinusOneMeansNotYet) {
   const Trip trip = parse(R"(<tripinfos><tripinfo id="a" depart="-1" departDelay="20.5"
       arrival="-1.00" duration="0" routeLength="0" waitingTime="0" timeLoss="0" vType="car"

@@ -23,6 +23,8 @@ constexpr std::array kFigures = {
     ComparedFigure{"delay_p50_s", "/delay_s/p50"},
     ComparedFigure{"delay_p95_s", "/delay_s/p95"},
     ComparedFigure{"delay_max_s", "/delay_s/max"},
+    ComparedFigure{"delay_controlled_s", "/delay_controlled_s/mean"},
+    ComparedFigure{"delay_human_s", "/delay_human_s/mean"},
     ComparedFigure{"delay_emergency_s", "/delay_priority_s/emergency/mean"},
     ComparedFigure{"delay_bus_s", "/delay_priority_s/bus/mean"},
     ComparedFigure{"throughput_veh_h", "/throughput_veh_h"},

@@ -7,6 +7,7 @@
 #include <ranges>
 
 #include "coordinator/faults/tolerate.hpp"
+#include "coordinator/human_drivers.hpp"
 #include "planner/problem/input_error.hpp"
 #include "tools/coordinate/fault_options.hpp"
 #include "tools/coordinate/lot_options.hpp"
@@ -89,12 +90,15 @@ CoordinatorOptions coordinator_options(const CoordinateOptions& options,
   coordinator.junctions.assign(junctions.begin(), junctions.end());
   coordinator.escot.seed = options.seed;
   coordinator.share = controlled_share(options);
+  coordinator.intent = options.intent == "known"  ? KnownIntent::kRoute
+                       : options.intent == "lane" ? KnownIntent::kLane
+                                                  : KnownIntent::kNone;
   coordinator.signals =
       options.signal_timing == "instant" ? SignalTiming::instant() : SignalTiming::real();
   coordinator.escot.crossing.tries = options.tries;
   coordinator.escot.threads = options.threads;
-  coordinator.replan_budget_ms = options.replan_budget_ms >= 0.0 ? options.replan_budget_ms
-                                                                 : 1000.0 * coordinator.decision;
+  coordinator.replan_budget_ms =
+      options.replan_budget_ms >= 0.0 ? options.replan_budget_ms : 1000.0 * coordinator.decision;
   coordinator.budget_from = options.replan_budget_from;
   return coordinator;
 }

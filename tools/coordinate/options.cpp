@@ -40,6 +40,20 @@ void declare_share(CLI::App& app, CoordinateOptions& o) {
       ->check(one_of({"real", "instant"}))
       ->capture_default_str()
       ->group("Control");
+  app.add_option("--intent", o.intent,
+                 "What is known of where human drivers turn: their routes (known), any movement\n"
+                 "of their lane until they are behind its line (lane), or of their road until they\n"
+                 "may not change lanes any more (none)")
+      ->type_name("known|lane|none")
+      ->check(one_of({"known", "lane", "none"}))
+      ->capture_default_str()
+      ->group("Control");
+  app.add_option("--human-faults", o.human_faults,
+                 "Share of the human drivers who misbehave once before a junction, by seed: run a\n"
+                 "red light, stop dead, change lanes at once, or react late")
+      ->check(number_between(0.0, 1.0))
+      ->capture_default_str()
+      ->group("Control");
 }
 
 /// What goes wrong, and what is reckoned with.

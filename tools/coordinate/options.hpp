@@ -19,6 +19,8 @@ struct CoordinateOptions {
   std::vector<std::string> coordinate_types;  ///< ids; none: all
   std::vector<std::string> human_types;       ///< ids
   std::string signal_timing = "real";         ///< or "instant"
+  std::string intent = "known";               ///< or "lane", "none"
+  double human_faults = 0.0;                  ///< share of human drivers who misbehave
   std::string controller = "escot";           ///< one of controller_kinds()
   std::string parking = "any";                ///< or "forward", "reverse"
   std::vector<std::string> breakdowns;        ///< VEHICLE@SECONDS

@@ -20,6 +20,7 @@
 #include "tools/compare/report.hpp"
 #include "tools/coordinate/drivers.hpp"
 #include "tools/coordinate/fault_options.hpp"
+#include "tools/coordinate/misbehaviour.hpp"
 #include "tools/coordinate/run_recorder.hpp"
 #include "tools/coordinate/scenario.hpp"
 #include "tools/program.hpp"
@@ -82,6 +83,7 @@ class SumoRun::Impl {
         safety_(traffic_->network(), traffic_->step_length()),
         faulty_(make_faulty(options, *traffic_)),
         drivers_(options, seen_by_drivers(), area_, junctions_, lots_),
+        misbehaviour_(make_misbehaviour(options, *traffic_, junctions_)),
         simulation_(*traffic_),
         priority_{{options.priority_types.begin(), options.priority_types.end()}} {
     report_.controller = options.controller;
@@ -195,6 +197,7 @@ class SumoRun::Impl {
   /// Who looks at every step.
   void watch() {
     drivers_.join(simulation_);
+    if (misbehaviour_) misbehaviour_->join(simulation_);
     if (faulty_) simulation_.add(faulty_->radio());
     progress_.emplace("coordinate", options_.quiet);
     simulation_.add([this](const Snapshot& now) {
@@ -205,6 +208,7 @@ class SumoRun::Impl {
       safety_.observe(now.time, now.vehicles);
       people_.observe(now);
       audit_.observe(now.time, now.vehicles, now.people);
+      if (misbehaviour_) misbehaviour_->observe(now, audit_);
       if (recorder_) recorder_->observe(now, audit_);
       if (now.time >= next_checkpoint_) checkpoint();
       tell_progress(now);
@@ -257,6 +261,7 @@ class SumoRun::Impl {
     report_.people = people_.figures();
     if (faulty_) report_.faults->figures = faulty_->figures();
     drivers_.report_to(report_);
+    if (misbehaviour_) report_.human_faults = misbehaviour_->figures();
     report_.vehicles = log_.records(
         trips, free_flow_, report_.end,
         [this](const std::string& type) { return simulation_.type_of(type).body.max_speed; },
@@ -264,7 +269,9 @@ class SumoRun::Impl {
     const std::map<std::string, DrivingFigures> driving = style_.figures();
     for (VehicleRecord& v : report_.vehicles) {
       if (const auto known = driving.find(v.id); known != driving.end()) v.driving = known->second;
-      if (simulation_.knows(v.type)) v.priority = priority_.kind_of(simulation_.type_of(v.type));
+      if (!simulation_.knows(v.type)) continue;
+      v.vehicle_class = simulation_.type_of(v.type).vehicle_class;
+      v.priority = priority_.kind_of(simulation_.type_of(v.type));
     }
     drivers_.report_lots(report_, log_, trips, free_flow_, simulation_);
   }
@@ -352,6 +359,7 @@ class SumoRun::Impl {
   SurrogateSafety safety_;
   std::unique_ptr<FaultyTraffic> faulty_;  ///< none: nothing goes wrong
   Drivers drivers_;
+  std::unique_ptr<Misbehaviour> misbehaviour_;  ///< none: every human driver keeps to the rules
   Simulation simulation_;
   Priority priority_;
   RunReport report_;

@@ -81,15 +81,16 @@ double scale_of(const SweepRow& row) { return row.scale; }
 double penetration_of(const SweepRow& row) { return row.penetration; }
 
 /// A line of delays over what `x` says of the rows.
+/// @param figure  whose delays.
 Json delay_line(const std::string& label, std::span<const SweepRow> rows,
-                double (*x)(const SweepRow&)) {
+                double (*x)(const SweepRow&), const std::string& figure = "delay_mean_s") {
   Json line = {{"label", label}, {"x", Json::array()}, {"y", Json::array()}, {"sd", Json::array()}};
   for (const double at : values_of(rows, x)) {
     std::vector<const SweepRow*> there;
     for (const SweepRow& row : rows) {
       if (x(row) == at) there.push_back(&row);
     }
-    const auto delay = mean_of(there, "delay_mean_s");
+    const auto delay = mean_of(there, figure);
     if (!delay) continue;
     line["x"].push_back(at);
     line["y"].push_back(delay->mean);
@@ -128,7 +129,8 @@ Json delay_over_demand(std::span<const SweepRow> rows) {
           {"panels", std::move(panels)}};
 }
 
-/// A controller that drives nobody is the same at every penetration.
+/// A controller that drives nobody is the same at every penetration. One that drives some has a
+/// line for all vehicles, one for those under control and one for the human-driven ones.
 Json delay_over_penetration(std::span<const SweepRow> rows) {
   Json panels = Json::array();
   const std::set<double> all = values_of(rows, penetration_of);
@@ -145,7 +147,15 @@ Json delay_over_penetration(std::span<const SweepRow> rows) {
           line["y"] = {line["y"][0], line["y"][0]};
           line["sd"] = {line["sd"][0], line["sd"][0]};
         }
+        const bool mixed =
+            line["x"].size() > 1 && values_of(std::span(own), penetration_of).size() > 1;
         add_line(std::move(line), lines);
+        if (!mixed) continue;
+        add_line(
+            delay_line(controller + ", under control", own, penetration_of, "delay_controlled_s"),
+            lines);
+        add_line(delay_line(controller + ", human-driven", own, penetration_of, "delay_human_s"),
+                 lines);
       }
       if (lines.empty()) continue;
       panels.push_back({{"title", fmt::format("{}, demand x {:g}", scenario, scale)},

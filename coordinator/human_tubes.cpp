@@ -1,0 +1,200 @@
+// What human drivers at signals may do: their tubes.
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "coordinator/human_drivers.hpp"
+#include "coordinator/phase_choice.hpp"
+#include "planner/road/whole_trajectory.hpp"
+
+namespace mvtp {
+namespace {
+
+constexpr double kMiss = 0.2;      ///< [m] outside its tube that count
+constexpr double kLeaders = 80.0;  ///< [m] ahead in which others are followed
+/// [s] that new plans keep ahead of a driver: two decisions, since one surprise must not break a
+/// plan before the next is made.
+constexpr double kSlackBefore = 1.0;
+constexpr double kSlackBehind = 0.5;  ///< [s] and behind him: one decision
+constexpr double kWhile = 5.0;        ///< [s] in which movements are compared
+constexpr double kLateYield = 1.0;    ///< [s] until one who has yielded goes on
+constexpr double kSorting = 4.0;      ///< [s] that two need who yield to each other
+
+double way(const PathTrajectory& t, std::int64_t k) {
+  return std::min(t.at(k).s, t.states.back().s) - t.states.front().s;
+}
+
+}  // namespace
+
+/// Did it stay inside what was expected of it at the last decision?
+void HumanDrivers::check_tube(Agent& agent, const Pose& pose) {
+  if (!agent.expected || !agent.granted) return;
+  const double moved = std::hypot(pose.x - agent.pose.x, pose.y - agent.pose.y);
+  const auto [least, most] = *agent.expected;
+  if (moved < least - kMiss || moved > most + kMiss) ++tube_misses_;
+  agent.expected.reset();
+}
+
+/// Those ahead first: whoever follows is bounded by what they do.
+void HumanDrivers::predict_all() {
+  std::vector<Agent*> order;
+  for (auto& [id, agent] : agents_) order.push_back(&agent);
+  std::ranges::stable_sort(
+      order, {}, [](const Agent* a) { return a->inside ? -1e3 - a->position : a->to_line; });
+  for (Agent* agent : order) {
+    for (Way& way : agent->ways) way.forecast = {};
+  }
+  for (Agent* agent : order) predict(*agent);
+  if (!phases_) return;
+  std::vector<std::int64_t> until;
+  for (const Agent* agent : order) {
+    for (const Way& way : agent->ways) until.push_back(yields_until(*agent, way));
+  }
+  auto next = until.begin();
+  for (Agent* agent : order) {
+    for (Way& way : agent->ways) way.driver.yields_until = *next++;
+  }
+  for (Agent* agent : order) predict(*agent);
+}
+
+bool HumanDrivers::yields_to(const std::vector<int>& links, const std::vector<int>& others) const {
+  return phases_ && std::ranges::any_of(links, [&](int k) {
+           return std::ranges::any_of(others,
+                                      [&](int l) { return phases_->phases().yields_to(k, l); });
+         });
+}
+
+bool HumanDrivers::let_each_other_pass(const Agent& a, const Agent& b) const {
+  return yields_to(a.links, b.links) || yields_to(b.links, a.links);
+}
+
+/// The step until which it may have to yield to drivers who have green, or come to one; -1: to
+/// nobody.
+std::int64_t HumanDrivers::yields_until(const Agent& agent, const Way& way) const {
+  std::int64_t until = -1;
+  const double here = way.driver.road.now.s;
+  if (here >= way.s_clear) return until;
+  for (const auto& [id, other] : agents_) {
+    const bool comes = other.granted || is_shown_green(other);
+    if (id == agent.id || !comes) continue;
+    for (const Way& theirs : other.ways) {
+      const double there = theirs.driver.road.now.s;
+      if (there >= theirs.s_clear || !yields_to(way.links, theirs.links)) continue;
+      const ContactTable& contacts =
+          corridors_.library().contacts(way.driver.road.path, theirs.driver.road.path);
+      if (contacts.empty() || !contacts.meets(here, way.s_clear, there, theirs.s_clear)) continue;
+      const double late = kLateYield + (yields_to(theirs.links, way.links) ? kSorting : 0.0);
+      until = std::max(until, arrival_step(*theirs.forecast.latest, theirs.s_clear) +
+                                  std::int64_t(std::lround(late / grid_.dt)));
+    }
+  }
+  return until;
+}
+
+void HumanDrivers::predict(Agent& agent) {
+  const std::int64_t next = step_ + grid_.steps_per_decision;
+  agent.expected.reset();
+  for (Way& w : agent.ways) {
+    Tube tube = predict_tube(w.driver, leaders_of(agent, w), grid_, step_);
+    const auto [least, most] =
+        agent.expected.value_or(std::pair(std::numeric_limits<double>::infinity(), 0.0));
+    agent.expected = {std::min(least, way(tube.latest, next)),
+                      std::max(most, way(tube.earliest, next))};
+    w.forecast = {.vehicle = w.driver.road,
+                  .trajectory = std::move(tube.earliest),
+                  .latest = std::move(tube.latest),
+                  .yields = false,
+                  .relies = true,
+                  .slack_before = slack_before(),
+                  .slack_behind = slack_behind()};
+  }
+}
+
+/// Of the movements that it may drive, the motion that comes furthest in a while,
+const PathTrajectory& HumanDrivers::fastest(const Agent& agent) const {
+  const std::int64_t then = step_ + std::int64_t(kWhile / grid_.dt);
+  const auto best = std::ranges::max_element(
+      agent.ways, {}, [&](const Way& w) { return way(w.forecast.trajectory, then); });
+  return best->forecast.trajectory;
+}
+
+/// and the one that comes least far.
+const PathTrajectory& HumanDrivers::slowest(const Agent& agent) const {
+  const std::int64_t then = step_ + std::int64_t(kWhile / grid_.dt);
+  const auto best = std::ranges::min_element(
+      agent.ways, {}, [&](const Way& w) { return way(*w.forecast.latest, then); });
+  return *best->forecast.latest;
+}
+
+int HumanDrivers::slack_before() const { return int(std::lround(kSlackBefore / grid_.dt)); }
+int HumanDrivers::slack_behind() const { return int(std::lround(kSlackBehind / grid_.dt)); }
+
+/// How far the front bumper of another vehicle is ahead of that of a driver, if he follows it [m]:
+/// on the lanes that he drives, or beside them on another way from his lane.
+std::optional<double> HumanDrivers::lead_of(const Agent& agent, const Way& way,
+                                            const VehicleState& v) const {
+  const int lane = graph_.find_lane(v.lane);
+  if (lane == LaneGraph::kNone) return std::nullopt;
+  const double front = way.driver.road.now.s;  // stations are those of its rear axle
+  if (const auto s = corridors_[way.corridor].station(lane, v.lane_position, front)) {
+    return *s > front ? std::optional(*s - front) : std::nullopt;
+  }
+  const auto origin = origins_.find(v.id);
+  const bool turned = !agent.inside && graph_.edge_of(lane) == LaneGraph::kNone &&
+                      origin != origins_.end() && origin->second == agent.lane;
+  if (!turned) return std::nullopt;
+  double behind_line = v.lane_position;
+  const LaneGraph::Link& link = graph_.link(graph_.links_over(lane).front());
+  for (const int via : link.via) {
+    if (via == lane) break;
+    behind_line += graph_.lane(via).length;
+  }
+  const bool is_clear = behind_line > length_of(v.type) + agent.driver().road.min_gap;
+  return is_clear ? std::nullopt : std::optional(agent.to_line + behind_line);
+}
+
+/// Does a vehicle ahead, under control, go on by another edge?
+bool HumanDrivers::turns_elsewhere(const Agent& agent, const VehicleState& leader) const {
+  const std::span<const std::string> route = traffic_.route_edges(leader.id);
+  return route.size() > 1 && !agent.links.empty() &&
+         graph_.lane(graph_.link(agent.links.front()).to).edge != route[1];
+}
+
+std::vector<TubeLeader> HumanDrivers::leaders_of(const Agent& agent, const Way& way) const {
+  std::vector<TubeLeader> leaders;
+  for (const VehicleState& v : traffic_.vehicles()) {
+    if (v.id == agent.id || distance(v.pose, agent.pose) > kLeaders) continue;
+    const std::optional<double> lead = lead_of(agent, way, v);
+    if (!lead) continue;
+    const double length = length_of(v.type);
+    TubeLeader leader{.gap = *lead - length, .speed = v.speed};
+    // Where it turns elsewhere it is followed until its tail has left the common lane.
+    const int lane = graph_.find_lane(v.lane);
+    const bool inside = graph_.edge_of(lane) == LaneGraph::kNone;
+    const double to_clear = agent.to_line + length + agent.driver().road.min_gap - *lead;
+    const auto other = agents_.find(v.id);
+    const bool parts = other != agents_.end()
+                           ? other->second.links != agent.links || other->second.ways.size() > 1 ||
+                                 agent.ways.size() > 1
+                           : turns_elsewhere(agent, v);
+    if (parts && (!inside || !agent.inside)) leader.until = std::max(0.0, to_clear);
+    if (other != agents_.end()) {
+      if (!other->second.ways.back().forecast.latest) continue;
+      leader.earliest = &fastest(other->second);
+      leader.latest = &slowest(other->second);
+    } else if (const PathTrajectory* plan = plan_of_(v.id)) {
+      leader.latest = plan;  // a new plan may be faster
+    }
+    leaders.push_back(leader);
+  }
+  return leaders;
+}
+
+double HumanDrivers::length_of(const std::string& type) const {
+  const auto known = lengths_.find(type);
+  if (known != lengths_.end()) return known->second;
+  return lengths_[type] = traffic_.type(type).body.length();
+}
+
+}  // namespace mvtp

@@ -1,0 +1,144 @@
+#include "coordinator/phase_choice.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "coordinator/corridor_course.hpp"
+#include "coordinator/partition.hpp"
+#include "tests/coordinator/fake_traffic.hpp"
+
+namespace mvtp {
+namespace {
+
+/// Crossroads whose signal has two phases; vehicles stand where they are put.
+class Phases : public testing::Test {
+ protected:
+  void open(std::vector<FakeTrip> trips) {
+    const NetworkShape shape = crossroads_with_phases();
+    traffic = std::make_unique<FakeTraffic>(shape.network, std::move(trips), 0.1, shape.programs);
+    graph = std::make_unique<LaneGraph>(traffic->network());
+    heads = std::make_unique<SignalHeads>(*traffic, *graph, select_junctions(*graph, {}, 50.0),
+                                          SignalTiming::real());
+    heads->own();
+    choice = std::make_unique<PhaseChoice>(
+        *traffic, *graph, *heads, [this](const std::string& id) { return id.starts_with("ours"); });
+  }
+  void wait(double seconds) {
+    for (int i = 0; i < int(seconds * 10.0 + 0.5); ++i) {
+      traffic->step();
+      if (i % 5 == 0) choice->decide();
+    }
+  }
+  [[nodiscard]] int link(const std::string& from, const std::string& to) const {
+    for (int k = 0; k < graph->links(); ++k) {
+      const LaneGraph::Link& l = graph->link(k);
+      if (graph->lane(l.from).edge == from && graph->lane(l.to).edge == to) return k;
+    }
+    return LaneGraph::kNone;
+  }
+
+  std::unique_ptr<FakeTraffic> traffic;
+  std::unique_ptr<LaneGraph> graph;
+  std::unique_ptr<SignalHeads> heads;
+  std::unique_ptr<PhaseChoice> choice;
+};
+
+TEST_F(Phases, MovementsGoTogetherThatDoInTheProgram) {
+  open({});
+  const SignalPhases& phases = choice->phases();
+  ASSERT_EQ(phases.signals().size(), 1U);
+  EXPECT_EQ(phases.signals().front().phases.size(), 2U);
+  const int left = link("W-C", "C-N");
+  const int oncoming = link("E-C", "C-W");
+  EXPECT_TRUE(phases.yields_to(left, oncoming));
+  EXPECT_FALSE(phases.yields_to(oncoming, left));
+  EXPECT_TRUE(phases.permits(oncoming, left));
+  EXPECT_FALSE(phases.permits(left, link("S-C", "C-N")));  // they merge, in different phases
+}
+
+FakeTrip near_its_line(const std::string& id, const std::string& from, const std::string& to) {
+  FakeTrip trip{id, 0.0, from, to};
+  trip.at = std::pair(90.0, 13.0);
+  return trip;
+}
+
+TEST_F(Phases, BeginForTwoWhoNeedLightsThatCross) {
+  open({near_its_line("a", "S-C", "C-N"), near_its_line("b", "W-C", "C-E")});
+  traffic->insert_now();
+  choice->decide();
+  EXPECT_NE(choice->allows(link("S-C", "C-N")), choice->allows(link("W-C", "C-E")));
+  EXPECT_EQ(choice->is_on(link("S-C", "C-N")), choice->is_on(link("N-C", "C-S")));
+}
+
+TEST_F(Phases, AreNotOnForOneAloneNorBesideAVehicleUnderControl) {
+  open({near_its_line("a", "S-C", "C-N"), near_its_line("ours", "W-C", "C-E")});
+  traffic->insert_now();
+  choice->decide();
+  EXPECT_TRUE(choice->allows(link("S-C", "C-N")));
+  EXPECT_TRUE(choice->allows(link("W-C", "C-E")));
+  EXPECT_FALSE(choice->is_on(link("S-C", "C-N")));
+  EXPECT_FALSE(choice->go_together(link("W-C", "C-N"), link("E-C", "C-W")));
+}
+
+TEST_F(Phases, GiveNoGreenBesideOneWhoseLightDoesNotTellHimToYield) {
+  open({near_its_line("a", "S-C", "C-N"), near_its_line("b", "W-C", "C-N"),
+        near_its_line("c", "E-C", "C-W")});
+  traffic->insert_now();
+  const int left = link("W-C", "C-N");
+  heads->turn_green(left);
+  choice->decide();
+  ASSERT_TRUE(choice->is_on(left));
+  EXPECT_FALSE(choice->go_together(link("E-C", "C-W"), left));
+  heads->end_green(left);
+  EXPECT_TRUE(choice->go_together(link("E-C", "C-W"), left));
+}
+
+TEST_F(Phases, GoOnWhileAPlatoonComes) {
+  std::vector<FakeTrip> trips = {{"waits", 0.0, "S-C", "C-N"}};
+  for (int i = 0; i < 6; ++i) {
+    FakeTrip trip{"w" + std::to_string(i), 0.0, "W-C", "C-E"};
+    trip.at = std::pair(95.0 - 15.0 * i, 13.0);
+    trips.push_back(trip);
+  }
+  trips.front().at = std::pair(100.0, 0.0);
+  open(trips);
+  traffic->insert_now();
+  choice->decide();
+  EXPECT_TRUE(choice->allows(link("W-C", "C-E")));
+}
+
+/// Two lanes that cross, a phase for each.
+QueuePhases two_phases() {
+  return {.phases = 2,
+          .present = 0,
+          .ready = -10.0,
+          .least_end = -5.0,
+          .has_green = [](int phase, int link) { return phase == link; },
+          .yields_to = [](int, int) { return false; }};
+}
+
+TEST(QueueModel, CountsWhatThoseLoseWhoWaitForTheChange) {
+  const Queues queues = {{}, {{.link = 1, .arrival = 0.0, .stands = true}}};
+  EXPECT_NEAR(queue_delay(queues, two_phases(), 0.0, 1), 5.0, 0.6);  // 4 s of change, 1 s to start
+  EXPECT_NEAR(queue_delay(queues, two_phases(), 6.0, 1), 11.0, 0.6);
+}
+
+TEST(QueueModel, ToCutAPlatoonCostsMoreThanToLetItPass) {
+  Queues queues(2);
+  for (int i = 0; i < 6; ++i) queues[0].push_back({.link = 0, .arrival = 1.0 + 2.0 * i});
+  queues[1].push_back({.link = 1, .arrival = 0.0, .stands = true});
+  EXPECT_GT(queue_delay(queues, two_phases(), 0.0, 1), queue_delay(queues, two_phases(), 12.0, 1));
+}
+
+TEST(QueueModel, WhoYieldsPassesInAGapOrAtTheEnd) {
+  QueuePhases phases = two_phases();
+  phases.has_green = [](int phase, int) { return phase == 0; };
+  phases.yields_to = [](int link, int other) { return link == 1 && other == 0; };
+  Queues queues = {{{.link = 0, .arrival = 2.0}}, {{.link = 1, .arrival = 1.0}}};
+  const double in_gap = queue_delay(queues, phases, 100.0, 1);
+  EXPECT_GT(in_gap, 0.5);
+  EXPECT_LT(in_gap, 3.0);
+}
+
+}  // namespace
+}  // namespace mvtp
