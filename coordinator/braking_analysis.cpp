@@ -64,24 +64,24 @@ void BrakingAnalysis::judge(double time, const std::string& controlled, const st
   HumanOverlap found{.time = time, .controlled = controlled, .human = human};
   const Track& ours = tracks_.at(controlled);
   const Track& theirs = tracks_.at(human);
-  found.sight = std::max(ours.moments.front().time, theirs.moments.front().time);
+  found.seen_since = std::max(ours.moments.front().time, theirs.moments.front().time);
   const auto fault = std::ranges::find(faults, human, &HumanFault::vehicle);
   if (fault != faults.end() && fault->begin < time) {
     found.fault = to_string(fault->kind);
-    found.sight = std::max(found.sight, fault->begin + dt_);  // after a step it shows
+    found.seen_since = std::max(found.seen_since, fault->begin + dt_);  // after a step it shows
   }
-  found.avoidable = could_stop(ours, theirs, found.sight);
+  found.avoidable = could_stop(ours, theirs, found.seen_since);
   overlaps_.push_back(std::move(found));
 }
 
-/// Full braking from `sight` on to rest, with the human where he was, and then going on straight at
+/// Full braking from `seen_since` on to rest, with the human where he was, and then going on straight at
 /// his speed: no overlap at or between the steps?
-bool BrakingAnalysis::could_stop(const Track& ours, const Track& human, double sight) const {
+bool BrakingAnalysis::could_stop(const Track& ours, const Track& human, double seen_since) const {
   DrivenPath path;
   double speed = -1.0;
   double driven = 0.0;
   for (const Moment& m : ours.moments) {
-    if (m.time < sight - dt_ / 2.0) continue;
+    if (m.time < seen_since - dt_ / 2.0) continue;
     path.add(m.pose);
     if (speed < 0.0) speed = m.speed;
   }
@@ -102,7 +102,7 @@ bool BrakingAnalysis::could_stop(const Track& ours, const Track& human, double s
     return nearest.gap >= -Audit::kTolerance;
   };
   for (const Moment& m : human.moments) {
-    if (m.time >= sight - dt_ / 2.0 && !brakes_clear_of(m.pose, m.speed)) return false;
+    if (m.time >= seen_since - dt_ / 2.0 && !brakes_clear_of(m.pose, m.speed)) return false;
   }
   const Moment& last = human.moments.back();
   for (double way = last.speed * dt_; speed > 0.0; way += last.speed * dt_) {

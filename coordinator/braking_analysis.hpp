@@ -18,7 +18,7 @@ struct HumanOverlap {
   std::string controlled;
   std::string human;
   std::string fault;       ///< of the human driver; empty: he kept to the rules
-  double sight = 0.0;      ///< [s] simulated: since when the fault, or the vehicle, could be seen
+  double seen_since = 0.0;  ///< [s] simulated: since when the fault, or the vehicle, could be seen
   bool avoidable = false;  ///< by full braking from then on
 };
 
@@ -52,7 +52,7 @@ class BrakingAnalysis {
   void remember(double time, std::span<const Sighting> sightings);
   void judge(double time, const std::string& controlled, const std::string& human,
              std::span<const HumanFault> faults);
-  [[nodiscard]] bool could_stop(const Track& ours, const Track& human, double sight) const;
+  [[nodiscard]] bool could_stop(const Track& ours, const Track& human, double seen_since) const;
 
   double dt_;
   std::map<std::string, Track> tracks_;

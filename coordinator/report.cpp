@@ -169,7 +169,7 @@ Json human_faults_json(const HumanFaultFigures& figures) {
                         {"controlled", o.controlled},
                         {"human", o.human},
                         {"fault", o.fault},
-                        {"seen_since_s", o.sight},
+                        {"seen_since_s", o.seen_since},
                         {"braking_could_avoid_it", o.avoidable}});
   }
   return {{"rate", figures.rate},

@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kStep = 0.1;  ///< [s]
 
-///  ours ---->        | where a human driver stands across the way from `human_comes` [s] on
+///  ours ---->        | where a human driver stands across its path from `human_comes` [s] on
 class OursAndAHuman : public testing::Test {
  protected:
   /// Drives ours at `speed` towards x = 60 m until the two overlap.
@@ -38,7 +38,7 @@ TEST_F(OursAndAHuman, WhoCouldHaveStoppedCouldHaveAvoidedIt) {
   EXPECT_EQ(overlap.controlled, "ours");
   EXPECT_EQ(overlap.human, "human");
   EXPECT_EQ(overlap.fault, "dead stop");
-  EXPECT_NEAR(overlap.sight, 1.1, 1e-9);
+  EXPECT_NEAR(overlap.seen_since, 1.1, 1e-9);
   EXPECT_NEAR(overlap.time, 5.6, 0.3);
   EXPECT_TRUE(overlap.avoidable);
 }
@@ -49,7 +49,7 @@ TEST_F(OursAndAHuman, WhoWasTooNearWhenTheFaultShowedCouldNot) {
   EXPECT_FALSE(overlap.avoidable);
 }
 
-/// A human who crosses the way at 60 m/s is across it at no step.
+/// A human who crosses the path at 60 m/s is across it at no step.
 TEST(TwoThatMeet, BetweenTheStepsAreJudgedToo) {
   VehicleType type;
   type.body.max_decel = 4.5;

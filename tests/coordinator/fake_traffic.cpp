@@ -464,7 +464,7 @@ bool FakeTraffic::may_enter(Car& car, int k, double distance) {
   return true;
 }
 
-/// Does somebody with green come from the other side, or stand across the way? Drivers wait for
+/// Does somebody with green come from the other side, or stand across its path? Drivers wait for
 /// those at their line.
 bool FakeTraffic::must_yield(const Car& car, int k) const {
   const LaneGraph::Link& link = graph_.link(k);

@@ -46,6 +46,7 @@ TEST(Report, TheDocsNameEveryKeyOfTheSummaryAndNoOther) {
   report.lots.resize(2);
   report.humans.emplace();
   report.faults.emplace();
+  report.human_faults.emplace();
   const nlohmann::json summary = nlohmann::json::parse(summary_json(report));
   EXPECT_THAT(documented("### `summary.json`"), ContainerEq(keys_of(summary)));
   EXPECT_THAT(documented("`audit`:"), ContainerEq(keys_of(summary["audit"])));

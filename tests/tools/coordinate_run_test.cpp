@@ -117,7 +117,7 @@ TEST_F(CoordinateRun, WhoCannotDepartDoesNotEndTheRun) {
   EXPECT_EQ(summary()["never_departed"], 1);
 }
 
-// SUMO's trips name the type of who never departed, and SUMO is gone when they are read.
+// SUMO's trips name the type of who never departed, and SUMO has ended when they are read.
 TEST_F(CoordinateRun, TypesOfThoseWhoNeverDepartedAreKnown) {
   write("<vType id=\"rare\" length=\"6\"/>" + vehicle("a", 0, "Wi Eo") +
             "<vehicle id=\"b\" type=\"rare\" depart=\"0\"><route edges=\"Wi Eo\"/></vehicle>",

@@ -176,6 +176,8 @@ class _Options(TypedDict, total=False):
     human_types: str | Sequence[str]
     priority_types: str | Sequence[str]
     signal_timing: str
+    intent: str
+    human_faults: float
     tries: int
     threads: int
     parking: str
