@@ -1,7 +1,6 @@
 #include "planner/road/road_contact.hpp"
 
 #include "planner/geometry/oriented_box.hpp"
-#include "planner/road/drives_ahead.hpp"
 
 namespace mvtp {
 namespace {
@@ -104,19 +103,23 @@ double RoadContact::gap(double s_a, double s_b) const {
   return (b_ahead_ ? 1.0 : -1.0) * way_along(a, b) - a.half_length - half_depth(a, b);
 }
 
-bool drives_ahead(const RoadScene& scene, const RoadVehicle& a, double s, const RoadVehicle& b) {
+namespace {
+
+/// Is vehicle `a` ahead of `b` on the path of `b`, along it?
+bool drives_ahead(const RoadScene& scene, const RoadVehicle& a, const RoadVehicle& b) {
   constexpr double kAhead = 100.0;  // [m]
   constexpr double kAside = 1.2;    // [m]
   constexpr double kTurned = 0.5;   // [rad]
-  const Pose pose = scene.library->path(a.path).at(s);
+  const Pose pose = scene.library->path(a.path).at(a.now.s);
   const GuidePath& path = scene.library->path(b.path);
   const Pose near = path.at(path.project({pose.x, pose.y}, b.now.s, b.now.s + kAhead));
   return distance(near, pose) < kAside && std::abs(wrap_to_pi(near.theta - pose.theta)) < kTurned;
 }
 
+}  // namespace
+
 bool RoadPairs::is_behind(std::size_t i, std::size_t f) const {
-  const RoadVehicle& driver = scene_->forecasts[f].vehicle;
-  return drives_ahead(*scene_, driver, driver.now.s, scene_->vehicles[i]);
+  return drives_ahead(*scene_, scene_->forecasts[f].vehicle, scene_->vehicles[i]);
 }
 
 RoadPairs::RoadPairs(const RoadScene& scene)
@@ -146,7 +149,7 @@ RoadPairs::RoadPairs(const RoadScene& scene)
       if (contact.never()) continue;
       follows_[i * scene.forecasts.size() + f] =
           contact.is_ahead(a.now, b.now) &&
-          (scene.forecasts[f].yields || drives_ahead(scene, a, a.now.s, b));
+          (scene.forecasts[f].yields || drives_ahead(scene, a, b));
     }
   }
 }

@@ -1,32 +1,8 @@
 #include "planner/road/surroundings.hpp"
 
 #include <algorithm>
-#include <utility>
-
-#include "planner/road/drives_ahead.hpp"
 
 namespace mvtp {
-namespace {
-
-/// Where a vehicle, going on, is in the way of a driver who follows it now, but no longer along his
-/// path: if it stood there he would not see it. From and to [m], the nearest; none within 30 m: the
-/// second before the first.
-std::pair<double, double> out_of_sight(const RoadScene& scene, const RoadVehicle& vehicle,
-                                       const RoadVehicle& driver, const ContactTable& contacts) {
-  constexpr double kLook = 30.0;    // [m]
-  constexpr double kSpacing = 0.5;  // [m]
-  std::pair<double, double> stretch = {1.0, 0.0};
-  if (vehicle.path == driver.path) return stretch;
-  for (double s = vehicle.now.s; s < vehicle.now.s + kLook; s += kSpacing) {
-    if (!contacts.blocks(s, driver.now.s, driver.s_end)) break;
-    if (drives_ahead(scene, vehicle, s, driver)) continue;
-    if (stretch.second < stretch.first) stretch.first = s - kSpacing;
-    stretch.second = s + kSpacing;
-  }
-  return stretch;
-}
-
-}  // namespace
 
 Surroundings::Surroundings(const RoadPairs& pairs, const RoadVehicle& vehicle,
                            std::span<const JointPlan::Entry> before,
@@ -42,14 +18,8 @@ Surroundings::Surroundings(const RoadPairs& pairs, const RoadVehicle& vehicle,
   const bool count = forecasts != Forecasts::kIgnore;
   if (count) closed_ = vehicle.closed;
   for (std::size_t f = 0; count && f < scene.forecasts.size(); ++f) {
+    if (pairs.follows(f, self)) continue;
     const Forecast& forecast = scene.forecasts[f];
-    if (pairs.follows(f, self)) {
-      if (forecast.relies) {
-        const ContactTable& contacts = pairs.towards_forecast(self, f).table();
-        out_of_sight_.push_back(out_of_sight(scene, vehicle, forecast.vehicle, contacts));
-      }
-      continue;
-    }
     const ContactView contact = pairs.towards_forecast(self, f);
     const bool stays = forecast.held && !contact.contact->never() && !pairs.is_behind(self, f);
     add({contact, stays ? &*forecast.held : &forecast.trajectory,
@@ -95,11 +65,9 @@ bool Surroundings::step_is_clear(std::int64_t k, const InertialState& from, doub
 }
 
 bool Surroundings::may_stand_at(double s) const {
-  const auto is_within = [s](const auto& stretch) {
+  return std::ranges::none_of(vehicle_.no_waiting, [s](const auto& stretch) {
     return s > stretch.first && s < stretch.second;
-  };
-  return std::ranges::none_of(vehicle_.no_waiting, is_within) &&
-         std::ranges::none_of(out_of_sight_, is_within);
+  });
 }
 
 bool Surroundings::can_wait(std::int64_t k, const InertialState& state) const {

@@ -3,7 +3,6 @@
 #include <cstdint>
 #include <optional>
 #include <span>
-#include <utility>
 #include <vector>
 
 #include "planner/road/whole_trajectory.hpp"
@@ -138,9 +137,7 @@ class Surroundings {
   const WholeTrajectoryOptions& options_;
   std::span<const ClosedStretch> closed_;
   std::vector<Other> others_;
-  std::vector<Stretch> stretches_;  ///< of each of the others
-  /// Where those who follow this vehicle would not see it stand, from and to [m].
-  std::vector<std::pair<double, double>> out_of_sight_;
+  std::vector<Stretch> stretches_;    ///< of each of the others
   std::vector<std::size_t> on_exit_;  ///< those of the others that use this vehicle's exit lane
   mutable std::size_t last_blocker_ = 0;
   mutable std::int64_t work_ = 0;

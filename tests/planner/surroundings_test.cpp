@@ -65,39 +65,6 @@ TEST_F(NoWaiting, KeepsAStretchFree) {
   EXPECT_FALSE(rests_within(80.0, 110.0));
 }
 
-//         4 |     Path 4 leaves path 0 at the origin. A driver on path 0 comes from behind.
-//   0 -----´----->
-class BeforeAFollower : public Crossing {
- protected:
-  BeforeAFollower() {
-    library.add(GuidePath(smooth(
-                    resample(std::vector<Point>{{-100, 0}, {0, 0}, {8, 8}, {8, 100}}, 0.25), 3.0)),
-                kCar);
-  }
-
-  [[nodiscard]] bool may_stand_at(double s, bool relies) {
-    scene.vehicles.clear();
-    Forecast driver{.vehicle = add(0, 70.0, 10.0), .trajectory = {}, .yields = false};
-    scene.vehicles.clear();
-    driver.vehicle.key = -1;
-    driver.relies = relies;
-    for (int k = 0; k < 100; ++k) driver.trajectory.states.push_back({70.0 + k, 10.0});
-    driver.latest = driver.trajectory;
-    scene.forecasts = {driver};
-    add(4, 97.0, 5.0);
-    const RoadPairs pairs(scene);
-    const WholeTrajectoryOptions options;
-    return Surroundings(pairs, scene.vehicles.front(), {}, options).may_stand_at(s);
-  }
-};
-
-TEST_F(BeforeAFollower, ItStandsWhereHeSeesItOrNotInHisWay) {
-  EXPECT_TRUE(may_stand_at(98.0, true));
-  EXPECT_FALSE(may_stand_at(102.5, true));
-  EXPECT_TRUE(may_stand_at(102.5, false)) << "who yields looks around";
-  EXPECT_TRUE(may_stand_at(112.0, true));
-}
-
 //   4 ----.        Path 4 comes over into the lane of path 0 from 60 m to 40 m before the origin,
 //   0 -----`---->  where a driver comes from behind at 13 m/s.
 class BesideADriver : public Crossing {
