@@ -44,23 +44,6 @@ double room_behind(const std::vector<TubeLeader>& leaders, double k, double dt, 
   return room;
 }
 
-/// How fast he drives at most behind his leaders [m/s]: so that he could still stop if they braked
-/// [Krauss 1998], as SUMO's drivers keep it.
-double safe_speed(const TubeDriver& driver, const std::vector<TubeLeader>& leaders, double k,
-                  double dt, double driven) {
-  const double b = driver.max_decel;
-  const double tau = driver.road.tau;
-  double safe = 1e9;
-  for (const TubeLeader& leader : leaders) {
-    const double way = travelled(leader, leader.latest, true, k, dt);
-    if (way >= leader.until) continue;
-    const double speed = (travelled(leader, leader.latest, true, k + 1.0, dt) - way) / dt;
-    const double gap = std::max(0.0, leader.gap - driver.road.min_gap + way - driven);
-    safe = std::min(safe, std::sqrt(b * b * tau * tau + speed * speed + 2.0 * b * gap) - b * tau);
-  }
-  return safe;
-}
-
 }  // namespace
 
 Tube predict_tube(const TubeDriver& driver, const std::vector<TubeLeader>& leaders,
@@ -77,11 +60,7 @@ Tube predict_tube(const TubeDriver& driver, const std::vector<TubeLeader>& leade
     const auto longest = std::size_t(kHorizon / grid.dt);
     while (t.states.back().s < road.s_end && t.states.size() < longest) {
       const InertialState last = t.states.back();
-      double wanted = (latest ? slow : fast).at(last.s + last.v * grid.dt);
-      if (latest) {
-        wanted = std::min(wanted, safe_speed(driver, leaders, double(t.states.size()), grid.dt,
-                                             last.s - road.now.s));
-      }
+      const double wanted = (latest ? slow : fast).at(last.s + last.v * grid.dt);
       double a = std::clamp((wanted - last.v) / grid.dt, -driver.max_decel, most);
       if (int(t.states.size()) <= waits) a = 0.0;
       InertialState next = advance(last, a, grid.dt);
