@@ -51,8 +51,7 @@ struct TubeLeader {
 /// The tube of a driver who has green, from `step` on, to the end of his path.
 ///
 /// The latest motion behind a leader is Newell's: the leader's own, later by the driver's headway
-/// and shorter by the distance at rest [Newell 2002], at no more than the speed at which he could
-/// stop if the leader braked [Krauss 1998].
+/// and shorter by the distance at rest [Newell 2002].
 [[nodiscard]] Tube predict_tube(const TubeDriver& driver, const std::vector<TubeLeader>& leaders,
                                 const DecisionGrid& grid, std::int64_t step);
 

@@ -65,17 +65,6 @@ TEST(Tube, NobodyDrivesThroughHisLeader) {
   EXPECT_LE(t.latest.states.back().s, 90.0);
 }
 
-TEST(Tube, MayKeepTheSafeSpeedBehindALeaderWhoLeaves) {
-  PathTrajectory slow{.begin = 7, .states = {}};
-  for (int k = 0; k < 100; ++k) slow.states.push_back({0.5 * k, 5.0});
-  const TubeLeader leaves{
-      .gap = 15.0, .speed = 5.0, .earliest = &slow, .latest = &slow, .until = 6.0};
-  const Tube t = predict(driver(50.0, 12.0), {leaves});
-  // Krauss: with 12.5 m of room behind 5 m/s he drives at most 8 m/s, and 4.5 m/s^2 gets him there.
-  EXPECT_LT(t.latest.at(7 + 10).v, 9.0);
-  EXPECT_GT(t.earliest.at(7 + 10).v, 12.0);
-}
-
 TEST(Tube, AFollowerStartsAfterHisLeader) {
   const Tube leader = predict(driver(99.0, 0.0));
   const Tube t =
