@@ -5,10 +5,15 @@
 namespace mvtp {
 namespace {
 
-constexpr double kBareGap = 0.2;  ///< [m] between two that are stuck
-constexpr double kClose = 1.0;    ///< [m]: longer than any margin, shorter than any vehicle
-constexpr double kGraze = 0.5;    ///< [m] by which two in one lane may overlap at their sides
-constexpr double kNotice = 2.0;   ///< [s] until a driver answers to who has come into his lane
+constexpr double kBareGap = 0.2;   ///< [m] between two that are stuck
+constexpr double kClose = 1.0;     ///< [m]: longer than any margin, shorter than any vehicle
+constexpr double kGraze = 0.5;     ///< [m] by which two in one lane may overlap at their sides
+constexpr double kNotice = 2.0;    ///< [s] until a driver answers to who has come into his lane
+constexpr double kAhead = 100.0;   ///< [m] along a path within which others are ahead on it,
+constexpr double kBehind = 30.0;   ///< [m] or beside it or behind,
+constexpr double kAside = 1.2;     ///< [m] if they are no further from it
+constexpr double kNextLane = 6.0;  ///< [m]: no further aside is who comes over from the next lane
+constexpr double kTurned = 0.5;    ///< [rad] and drive the same way
 
 /// Half of what `b` covers along the axis of `a` [m].
 double half_depth(const OrientedBox& a, const OrientedBox& b) {
@@ -33,6 +38,22 @@ bool follow_each_other(const OrientedBox& a, const OrientedBox& b) {
   constexpr double kAligned = 0.7;  // cosine
   const double along = std::abs(way_along(a, b)) - a.half_length - half_depth(a, b);
   return a.ux * b.ux + a.uy * b.uy > kAligned && along >= gap_across(a, b);
+}
+
+/// Where a vehicle is beside the path of another one that drives the same way.
+struct BesidePath {
+  double along;   ///< [m] ahead of that one
+  double aside;   ///< [m] from the path
+  double turned;  ///< [rad] away from its direction
+  double off;     ///< [m] ahead of or behind the part of the path that was looked at
+};
+
+BesidePath beside_path(const PathLibrary& library, int path_a, double s_a, int path_b, double s_b) {
+  const Pose pose = library.path(path_a).at(s_a);
+  const GuidePath& path = library.path(path_b);
+  const double foot = path.project({pose.x, pose.y}, s_b - kBehind, s_b + kAhead);
+  const Pose local = relative(path.at(foot), pose);
+  return {foot - s_b, std::abs(local.y), std::abs(local.theta), std::abs(local.x)};
 }
 
 }  // namespace
@@ -84,6 +105,11 @@ bool RoadContact::b_blocks(const InertialState& a, const InertialState& b) const
   return ba_->blocks(b.s, a.s + kClose, std::max(a.s + kClose, a_->s_end));
 }
 
+bool RoadContact::a_is_beside(const InertialState& a, const InertialState& b) const {
+  const BesidePath at = beside_path(*library_, a_->path, a.s, b_->path, b.s);
+  return at.off < kAside && at.aside >= kAside && at.aside < kNextLane && at.turned < kTurned;
+}
+
 bool RoadContact::cuts_off(const InertialState& a, const InertialState& b) const {
   const BrakingMotion stop_a{a, library_->body(a_->path).max_decel, 0.0};
   const BrakingMotion stop_b{b, library_->body(b_->path).max_decel, kNotice};
@@ -107,13 +133,8 @@ namespace {
 
 /// Is vehicle `a` ahead of `b` on the path of `b`, along it?
 bool drives_ahead(const RoadScene& scene, const RoadVehicle& a, const RoadVehicle& b) {
-  constexpr double kAhead = 100.0;  // [m]
-  constexpr double kAside = 1.2;    // [m]
-  constexpr double kTurned = 0.5;   // [rad]
-  const Pose pose = scene.library->path(a.path).at(a.now.s);
-  const GuidePath& path = scene.library->path(b.path);
-  const Pose near = path.at(path.project({pose.x, pose.y}, b.now.s, b.now.s + kAhead));
-  return distance(near, pose) < kAside && std::abs(wrap_to_pi(near.theta - pose.theta)) < kTurned;
+  const BesidePath at = beside_path(*scene.library, a.path, a.now.s, b.path, b.now.s);
+  return at.along > 0.0 && at.off < kAside && at.aside < kAside && at.turned < kTurned;
 }
 
 }  // namespace

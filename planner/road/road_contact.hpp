@@ -69,6 +69,9 @@ class RoadContact {
   [[nodiscard]] bool is_behind(const InertialState& a, const InertialState& b) const {
     return b_blocks(a, b) && !a_blocks(a, b);
   }
+  /// Is `a` not in the lane of `b` yet, although they drive the same way? Its driver does not see
+  /// it there.
+  [[nodiscard]] bool a_is_beside(const InertialState& a, const InertialState& b) const;
   /// If `a` brakes now, does the driver of `b` run into it, who takes his time to notice?
   [[nodiscard]] bool cuts_off(const InertialState& a, const InertialState& b) const;
 

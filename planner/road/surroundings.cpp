@@ -12,7 +12,8 @@ Surroundings::Surroundings(const RoadPairs& pairs, const RoadVehicle& vehicle,
       reaction_(pairs.scene().reaction),
       vehicle_(vehicle),
       body_(pairs.scene().body(vehicle)),
-      options_(options) {
+      options_(options),
+      is_new_(forecasts == Forecasts::kWithSlack) {
   const RoadScene& scene = pairs.scene();
   const std::size_t self = pairs.index(vehicle.key);
   const bool count = forecasts != Forecasts::kIgnore;
@@ -47,11 +48,11 @@ bool Surroundings::step_is_clear(std::int64_t k, const InertialState& from, doub
   const bool stays = to.s == vehicle_.now.s;
   const auto is_clear_of = [&](const Other& other) {
     const bool yields_in_time = other.latest == nullptr || k == now_ || stays;
-    const bool may_brake = other.forecast && brakes_fully && yields_in_time &&
-                           !(k > now_ && cuts_in(other, k, from, to));
     const bool helps =
         !other.relies || other.contact.contact->is_behind(from, other.hindmost_state(k));
-    return (may_brake && helps) || !meets(other, k, from, a, to, reach);
+    const bool may_brake = other.forecast && brakes_fully && yields_in_time && helps;
+    if (may_brake && (k == now_ || stays)) return true;
+    return !meets(other, k, from, a, to, reach) || (may_brake && !cuts_in(other, k, from, to));
   };
   // Whoever stood in the way the last time will mostly do so again.
   if (last_blocker_ < others_.size() && !is_clear_of(others_[last_blocker_])) return false;
@@ -290,15 +291,23 @@ bool Surroundings::meets_anywhere(const Other& other, std::int64_t k, const Iner
          other.contact.touch_braking(to, hindmost, /*lenient=*/false);
 }
 
+bool Surroundings::comes_over(const Other& other, const InertialState& state,
+                              const InertialState& other_state) const {
+  return is_new_ && other.contact.contact->a_is_beside(state, other_state);
+}
+
 bool Surroundings::is_followed_by(const Other& other, const InertialState& state,
                                   const InertialState& other_state) const {
-  return other.yields && other.contact.contact->is_ahead(state, other_state);
+  return other.yields && other.contact.contact->is_ahead(state, other_state) &&
+         !comes_over(other, state, other_state);
 }
 
 bool Surroundings::cuts_in(const Other& other, std::int64_t k, const InertialState& from,
                            const InertialState& to) const {
   const InertialState other_to = other.trajectory->at(k + grid_.steps_per_decision);
-  return other_to.s < PathTrajectory::kGone && is_followed_by(other, to, other_to) &&
+  if (other_to.s >= PathTrajectory::kGone) return false;
+  if (comes_over(other, to, other_to)) return true;
+  return is_followed_by(other, to, other_to) &&
          !is_followed_by(other, from, other.trajectory->at(k)) &&
          other.contact.contact->cuts_off(to, other_to);
 }

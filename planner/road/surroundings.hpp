@@ -109,6 +109,11 @@ class Surroundings {
   [[nodiscard]] bool meets_anywhere(const Other& other, std::int64_t k, const InertialState& from,
                                     double a, const InertialState& to) const;
 
+  /// Is this vehicle beside the lane of a driver who goes the same way? He does not see it there: a
+  /// new plan neither counts on him to make room, nor on braking as a way out. One that is kept
+  /// has no choice any more.
+  [[nodiscard]] bool comes_over(const Other& other, const InertialState& state,
+                                const InertialState& other_state) const;
   /// Has the driver of a forecast this vehicle in his way, and not the other way round? Then he
   /// keeps clear of it.
   [[nodiscard]] bool is_followed_by(const Other& other, const InertialState& state,
@@ -121,8 +126,8 @@ class Surroundings {
     const RoadVehicle* vehicle = nullptr;
     const Vehicle* body = nullptr;
   };
-  /// Does the vehicle come before a driver in this decision who could not stop behind it? Between
-  /// lanes its own braking is no way out, but what brings that about.
+  /// Does the vehicle come over beside a driver in this decision, or before one who could not stop
+  /// behind it? Between lanes its own braking is no way out, but what brings that about.
   [[nodiscard]] bool cuts_in(const Other& other, std::int64_t k, const InertialState& from,
                              const InertialState& to) const;
   /// Is the gap between the two what it has to be there? It builds up along the exit lane, until
@@ -139,6 +144,7 @@ class Surroundings {
   std::vector<Other> others_;
   std::vector<Stretch> stretches_;    ///< of each of the others
   std::vector<std::size_t> on_exit_;  ///< those of the others that use this vehicle's exit lane
+  bool is_new_;                       ///< the plan, not one that is kept
   mutable std::size_t last_blocker_ = 0;
   mutable std::int64_t work_ = 0;
 };

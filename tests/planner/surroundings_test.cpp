@@ -70,10 +70,10 @@ TEST_F(NoWaiting, KeepsAStretchFree) {
 class BesideADriver : public Crossing {
  protected:
   BesideADriver() {
-    library.add(GuidePath(smooth(
-                    resample(std::vector<Point>{{-100, 3.4}, {-60, 3.4}, {-40, 0}, {100, 0}}, 0.25),
-                    3.0)),
-                kCar);
+    library.add(
+        GuidePath(smooth(
+            resample(std::vector<Point>{{-100, 3.4}, {-60, 3.4}, {-40, 0}, {100, 0}}, 0.25), 3.0)),
+        kCar);
   }
 
   /// May the vehicle come over with full braking, one decision from now, `ahead` of the driver?
@@ -103,6 +103,28 @@ class BesideADriver : public Crossing {
 TEST_F(BesideADriver, BrakingDoesNotMakeItRightToCutIn) { EXPECT_FALSE(may_cut_in(12.0)); }
 
 TEST_F(BesideADriver, FarBeforeHimItMayComeOverAndBrake) { EXPECT_TRUE(may_cut_in(55.0)); }
+
+// He drives on at the same speed beside it, somewhere along its side: whatever it does, it does not
+// come over onto him on the assumption that he makes room.
+TEST_F(BesideADriver, ANewPlanDoesNotComeOverOntoHim) {
+  int plans = 0;
+  for (double ahead = -6.0; ahead <= 6.0; ahead += 0.5) {
+    scene.vehicles.clear();
+    const RoadVehicle vehicle = add(4, 30.0, 10.0);
+    RoadVehicle driver = add(0, 30.0 - ahead, 10.0);
+    scene.vehicles.pop_back();
+    driver.key = -1;
+    PathTrajectory t{.states = {}};
+    for (double s = driver.now.s; s < 190.0; s += 1.0) t.states.push_back({s, 10.0});
+    scene.forecasts = {{.vehicle = driver, .trajectory = t}};
+    const RoadPairs pairs(scene);
+    const auto plan = plan_vehicle(pairs, scene.vehicles.front(), {}, {});
+    if (!plan) continue;
+    ++plans;
+    EXPECT_FALSE(ever_touch(vehicle, *plan, driver, t)) << ahead << " m ahead of him";
+  }
+  EXPECT_GT(plans, 10);
+}
 
 //   A driver stands on the crossing, as if for 10 s. He is held there until others have passed.
 class HeldDriver : public Crossing {
