@@ -152,7 +152,7 @@ class Runner:
                    folder, "--no-view", "--quiet", "--seed", str(self.options.seed),
                    "--controller", controller, *self.options.mvtp_option]
         command += ["--end", f"{end:g}"] if end is not None else []
-        command += ["--", "--precision", "6"]
+        command += ["--", "--precision", "6", *self.options.sumo_option]
         key = self.key(command, scenario)
         record = os.path.join(folder, "result.json")
         if os.path.exists(record) and not self.options.again:
@@ -379,6 +379,8 @@ def parse_options():
     parser.add_argument("--mvtp", help="the program (default: the release build, else from PATH)")
     parser.add_argument("--mvtp-option", action="append", default=[], metavar="OPTION",
                         help="given to mvtp as it is, e.g. --mvtp-option=--tries=5; repeatable")
+    parser.add_argument("--sumo-option", action="append", default=[], metavar="OPTION",
+                        help="given to SUMO as it is, e.g. --sumo-option=--scale=1.5; repeatable")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--end", type=float, help="simulated time after the begin [s] "
                         f"(default: the scenario's, else {FOREIGN_END}; 0: until all have arrived)")
