@@ -8,8 +8,7 @@ namespace {
 
 constexpr double kHold = 3.0;           ///< [s] for which a driver keeps his speed
 constexpr double kAcceleration = 1.0;   ///< [m/s^2] after that
-constexpr double kPassing = 2.0;        ///< [m/s^2] of a driver who is let through,
-constexpr double kHesitant = 0.5;       ///< and of one who takes his time,
+constexpr double kHesitant = 0.5;       ///< [m/s^2] of a driver let through who takes his time,
 constexpr double kEasing = 1.0;         ///< [m/s^2] or slows down
 constexpr double kCrawl = 4.0;          ///< [m/s] to no less than this
 constexpr double kBraking = 3.0;        ///< [m/s^2] before a line
@@ -37,7 +36,8 @@ void drive_on(PathTrajectory& t, const RoadVehicle& v, const DecisionGrid& grid,
   }
 }
 
-/// What it does until it stands at its line, and there it stays; nullopt if it does not stand there.
+/// What it does until it stands at its line, and there it stays; nullopt if it does not stand
+/// there.
 std::optional<PathTrajectory> held_at_line(const PathTrajectory& t, const DecisionGrid& grid) {
   const auto stand = std::ptrdiff_t(0.9 * kStand / grid.dt);
   const auto rest = std::ranges::search_n(t.states, stand, 0.0, {}, &InertialState::v);
@@ -169,7 +169,7 @@ std::vector<Forecast> Predictor::predict(const VehicleState& v, const CourseQuer
   std::optional<double> stop = dead_end(*placed);
   if (intent == Intent::kPasses && !stop && (at_line || is_inside)) {
     // How quickly it goes nobody knows: it may speed up as it can, or slow down to a crawl.
-    forecast.trajectory = predict_passage(road, std::min(kPassing, body.max_accel), grid, step);
+    forecast.trajectory = predict_passage(road, body.max_accel, grid, step);
     forecast.latest = predict_crawl(road, grid, step);
     forecast.yields = false;
     return {forecast};
@@ -225,7 +225,13 @@ PathTrajectory predict_crawl(const RoadVehicle& v, const DecisionGrid& grid, std
 PathTrajectory predict_passage(const RoadVehicle& v, double acceleration, const DecisionGrid& grid,
                                std::int64_t step) {
   PathTrajectory t{.begin = step, .states = {v.now}};
-  drive_on(t, v, grid, 0, acceleration);
+  while (t.states.back().s < v.s_end && t.states.size() < kLongest) {
+    const InertialState last = t.states.back();
+    const double speed =
+        std::max(last.v, std::min(last.v + acceleration * grid.dt, v.cruise_speed));
+    // SUMO drives a whole step at the speed that it has at the step's end (Euler).
+    t.states.push_back({last.s + speed * grid.dt, speed});
+  }
   return t;
 }
 

@@ -83,7 +83,8 @@ class Predictor {
 [[nodiscard]] PathTrajectory predict_stop(const RoadVehicle& vehicle, double stands,
                                           const DecisionGrid& grid, std::int64_t step);
 
-/// A driver who is let over a junction: he speeds up at once with `acceleration`.
+/// The quickest that a driver may be who is let over a junction: he speeds up at once with
+/// `acceleration` [m/s^2].
 [[nodiscard]] PathTrajectory predict_passage(const RoadVehicle& vehicle, double acceleration,
                                              const DecisionGrid& grid, std::int64_t step);
 

@@ -110,6 +110,22 @@ TEST(Predictor, WhoPassesGoesQuicklyOrSlowlyAndYieldsToNobody) {
   EXPECT_GT(forecast.trajectory.at(60).s, forecast.latest->at(60).s + 3.0);
 }
 
+// Motorcycles start three times as fast as cars.
+TEST(Predictor, WhoPassesMaySpeedUpAsItsTypeCan) {
+  Prediction p(crossroads_shape());
+  for (const double accel : {1.0, 2.6, 6.0}) {
+    p.car.max_accel = accel;
+    const auto forecasts = p.predict("W-C_0", 105.0, 2.0, {"W-C", "C-E"}, Intent::kPasses);
+    ASSERT_THAT(forecasts, SizeIs(1));
+    InertialState driver = forecasts[0].vehicle.now;
+    for (std::int64_t k = 7; k < 17; ++k) {
+      EXPECT_NEAR(forecasts[0].trajectory.at(k).s, driver.s, 1e-9) << accel << " m/s^2";
+      driver.v += accel * p.grid.dt;
+      driver.s += driver.v * p.grid.dt;
+    }
+  }
+}
+
 // However far its next line is.
 TEST(Predictor, WhoIsInsideAJunctionIsPredictedThere) {
   Prediction p(chain_shape(7.2, 250.0));
