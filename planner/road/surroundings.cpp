@@ -109,13 +109,17 @@ bool Surroundings::stands_in_the_way(const Other& other, const ContactTable& con
 
 bool Surroundings::leaves_passages_free(std::int64_t k, const InertialState& state) const {
   count_work();
+  return std::ranges::none_of(
+      others_, [&](const Other& other) { return rests_in_passage(other, k, state); });
+}
+
+bool Surroundings::rests_in_passage(const Other& other, std::int64_t k,
+                                    const InertialState& state) const {
+  if (!other.forecast || other.yields) return false;
   const double rest = state.s + stopping_distance(state.v, body_.max_decel);
-  return std::ranges::none_of(others_, [&](const Other& other) {
-    if (!other.forecast || other.yields) return false;
-    const double from = other.hindmost(k);
-    const double end = other.trajectory->states.back().s;
-    return from <= end && other.contact.table().blocks(rest, from, end);
-  });
+  const double from = other.hindmost(k);
+  const double end = other.trajectory->states.back().s;
+  return from <= end && other.contact.table().blocks(rest, from, end);
 }
 
 std::optional<double> Surroundings::place_on_exit(const Other& other,
@@ -183,6 +187,7 @@ void Surroundings::add(Other other) {
     if (idle) other.reserved = nullptr;
   }
   if (other.contact.contact->never() && !same_exit && !other.reserved) return;
+  other.no_way_back = other.latest != nullptr && rests_in_passage(other, now_, vehicle_.now);
   if (same_exit) on_exit_.push_back(others_.size());
   others_.push_back(other);
   const ContactTable& contacts = other.contact.table();
@@ -278,17 +283,26 @@ bool Surroundings::meets_anywhere(const Other& other, std::int64_t k, const Iner
     const double s_end = advance(from, a, (i + 1) * grid_.dt).s;
     if (is_there(s, s_end, k + i, k + i + 1)) return true;
   }
-  const int steps = braking_steps(to.v, body_.max_decel, grid_.dt);
-  for (int i = 0; i < steps; ++i) {
-    const double s = braked_position(to, body_.max_decel, i * grid_.dt);
-    const double s_end = braked_position(to, body_.max_decel, (i + 1) * grid_.dt);
-    if (is_there(s, s_end, k + n + i, k + n + i + 1)) return true;
-  }
+  const bool goes_on = other.no_way_back && a >= 0.0;
+  if (!goes_on && brakes_into(other, k + n, to)) return true;
   // Who follows it on its lane must be able to stop should it brake; later on, that is seen later.
   const InertialState hindmost = other.hindmost_state(k + n);
   return k == now_ && hindmost.s < PathTrajectory::kGone &&
          other.contact.contact->is_behind(to, hindmost) &&
          other.contact.touch_braking(to, hindmost, /*lenient=*/false);
+}
+
+bool Surroundings::brakes_into(const Other& other, std::int64_t k,
+                               const InertialState& state) const {
+  const ContactTable& contacts = other.contact.table();
+  const int steps = braking_steps(state.v, body_.max_decel, grid_.dt);
+  for (int i = 0; i < steps; ++i) {
+    const double s = braked_position(state, body_.max_decel, i * grid_.dt);
+    const double s_end = braked_position(state, body_.max_decel, (i + 1) * grid_.dt);
+    const double last = other.trajectory->at(k + i + 1 + other.before).s;
+    if (contacts.meets(s, s_end, other.hindmost(k + i - other.behind), last)) return true;
+  }
+  return false;
 }
 
 bool Surroundings::comes_over(const Other& other, const InertialState& state,

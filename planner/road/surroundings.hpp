@@ -58,6 +58,9 @@ class Surroundings {
     const ContactTable* reserved = nullptr;
     int before = 0;  ///< steps of slack; see Forecast
     int behind = 0;
+    /// This vehicle comes to rest in its passage even if it brakes now. Then to go on may be the
+    /// way out: as long as it does not slow down, only where it drives counts.
+    bool no_way_back = false;
 
     /// Where it is at least at step k, and how fast then.
     [[nodiscard]] InertialState hindmost_state(std::int64_t k) const {
@@ -83,6 +86,10 @@ class Surroundings {
   /// or as the lane on which its path begins.
   [[nodiscard]] std::optional<double> place_on_next(const Other& other,
                                                     const InertialState& state) const;
+  /// Where it stands after braking from `state`, will the driver of a forecast pass who does not
+  /// yield? From step k on.
+  [[nodiscard]] bool rests_in_passage(const Other& other, std::int64_t k,
+                                      const InertialState& state) const;
   void add(Other other);
   void add_slack(const Forecast& forecast);
 
@@ -105,7 +112,11 @@ class Surroundings {
   [[nodiscard]] bool stands_in_the_way(const Other& other, const ContactTable& contacts,
                                        std::int64_t k, const InertialState& state) const;
 
-  /// The same for somebody who may be anywhere between two trajectories, and who does not brake.
+  /// Is the other one, who may be anywhere between two trajectories and does not brake, met by
+  /// braking from `state` at step k?
+  [[nodiscard]] bool brakes_into(const Other& other, std::int64_t k,
+                                 const InertialState& state) const;
+  /// The same as meets() for such a one.
   [[nodiscard]] bool meets_anywhere(const Other& other, std::int64_t k, const InertialState& from,
                                     double a, const InertialState& to) const;
 

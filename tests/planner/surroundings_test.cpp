@@ -40,6 +40,34 @@ TEST_F(BeforeADriver, BrakingIsAWayOutIfHeBrakesToo) { EXPECT_TRUE(may_brake_ful
 
 TEST_F(BeforeADriver, BrakingIsNoneIfHeReliesOnHisSignal) { EXPECT_FALSE(may_brake_fully(true)); }
 
+//   It is on the crossing already, where it would come to rest; a driver who does not yield comes
+//   from `before` metres before his path meets this one, so fast that driving on is the only way
+//   out.
+class OnTheCrossing : public Crossing {
+ protected:
+  [[nodiscard]] bool may_drive_on(double before) {
+    scene.vehicles.clear();
+    const RoadVehicle vehicle = add(0, 100.0, 2.0);
+    Forecast driver{.vehicle = add(1, 100.0 - before, 12.0), .trajectory = {}, .yields = false};
+    scene.vehicles.pop_back();
+    driver.vehicle.key = -1;
+    for (int k = 0; k < 60; ++k) driver.trajectory.states.push_back({100 - before + 1.2 * k, 12.0});
+    driver.latest = driver.trajectory;
+    scene.forecasts = {driver};
+    const RoadPairs pairs(scene);
+    const WholeTrajectoryOptions options;
+    const Surroundings around(pairs, scene.vehicles.front(), {}, options);
+    const double a = kCar.max_accel;
+    return around.step_is_clear(0, vehicle.now, a, advance(vehicle.now, a, 0.5));
+  }
+};
+
+TEST_F(OnTheCrossing, WhereBrakingIsNoWayOutDrivingOnIs) {
+  for (const double before : {13.0, 14.0, 15.0, 30.0}) EXPECT_TRUE(may_drive_on(before)) << before;
+}
+
+TEST_F(OnTheCrossing, DrivingOnIsNoneIfItIsMetMeanwhile) { EXPECT_FALSE(may_drive_on(9.0)); }
+
 using NoWaiting = Crossing;
 
 // Another one stands on the crossing for 20 s, and drives on. Who waits for it does so right before
