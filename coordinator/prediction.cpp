@@ -15,25 +15,39 @@ constexpr double kBraking = 3.0;        ///< [m/s^2] before a line
 constexpr double kStand = 60.0;         ///< [s] that he stands there
 constexpr std::size_t kLongest = 3000;  ///< steps that are predicted
 
-/// Appends states until the end of the path: held speed until step `hold`, then gentle
-/// acceleration; on the way, a stand at `line`.
-void drive_on(PathTrajectory& t, const RoadVehicle& v, const DecisionGrid& grid, std::size_t hold,
-              double acceleration, std::optional<double> line = std::nullopt) {
+/// The acceleration of a driver who would take `a` but is to stop before a line [m/s^2].
+double before_line(const InertialState& now, double a, double line, double dt) {
   constexpr double kShort = 1.0;  // [m] before the line
+  const auto stays_short = [&](double acceleration) {
+    const InertialState next = advance(now, acceleration, dt);
+    return next.s + stopping_distance(next.v, kBraking) <= line - kShort;
+  };
+  if (stays_short(a)) return a;
+  return stays_short(0.0) ? 0.0 : -kBraking;
+}
+
+/// Appends states until the end of the path, each with the acceleration that `wish` asks for; on
+/// the way, a stand at `line`.
+template <class Wish>
+void drive_on(PathTrajectory& t, const RoadVehicle& v, const DecisionGrid& grid,
+              std::optional<double> line, const Wish& wish) {
   double stood = 0.0;
   while (t.states.back().s < v.s_end && t.states.size() < kLongest) {
     const InertialState last = t.states.back();
-    const bool waits = line && stood < kStand;
-    const auto stays_short = [&](double a) {
-      const InertialState next = advance(last, a, grid.dt);
-      return next.s + stopping_distance(next.v, kBraking) <= *line - kShort;
-    };
-    const bool holds = t.states.size() <= hold || last.v >= v.cruise_speed;
-    double a = holds ? 0.0 : acceleration;
-    if (waits && !stays_short(a)) a = stays_short(0.0) ? 0.0 : -kBraking;
+    double a = wish(last);
+    if (line && stood < kStand) a = before_line(last, a, *line, grid.dt);
     t.states.push_back(advance(last, a, grid.dt));
-    if (waits && t.states.back().v == 0.0) stood += grid.dt;
+    if (line && t.states.back().v == 0.0) stood += grid.dt;
   }
+}
+
+/// Held speed until step `hold`, then gentle acceleration.
+void drive_on(PathTrajectory& t, const RoadVehicle& v, const DecisionGrid& grid, std::size_t hold,
+              std::optional<double> line = std::nullopt) {
+  drive_on(t, v, grid, line, [&](const InertialState& last) {
+    const bool holds = t.states.size() <= hold || last.v >= v.cruise_speed;
+    return holds ? 0.0 : kAcceleration;
+  });
 }
 
 /// What it does until it stands at its line, and there it stays; nullopt if it does not stand
@@ -167,10 +181,12 @@ std::vector<Forecast> Predictor::predict(const VehicleState& v, const CourseQuer
   }
   const bool at_line = to_line && *to_line <= takeover_ && s + *to_line < road.s_end;
   std::optional<double> stop = dead_end(*placed);
-  if (intent == Intent::kPasses && !stop && (at_line || is_inside)) {
-    // How quickly it goes nobody knows: it may speed up as it can, or slow down to a crawl.
+  const bool ends_before_line = stop && at_line && *stop < s + *to_line + 1.0;
+  if (intent == Intent::kPasses && !ends_before_line && (at_line || is_inside)) {
+    // How quickly it goes nobody knows: it may speed up as it can, or slow down to a crawl, and
+    // wait where its lane ends.
     forecast.trajectory = predict_passage(road, body.max_accel, grid, step);
-    forecast.latest = predict_crawl(road, grid, step);
+    forecast.latest = predict_crawl(road, stop, grid, step);
     forecast.yields = false;
     return {forecast};
   }
@@ -190,7 +206,7 @@ std::vector<Forecast> Predictor::predict(const VehicleState& v, const CourseQuer
 PathTrajectory predict_leader(const RoadVehicle& v, std::optional<double> line,
                               const DecisionGrid& grid, std::int64_t step) {
   PathTrajectory t{.begin = step, .states = {v.now}};
-  drive_on(t, v, grid, std::size_t(kHold / grid.dt), kAcceleration, line);
+  drive_on(t, v, grid, std::size_t(kHold / grid.dt), line);
   return t;
 }
 
@@ -199,7 +215,7 @@ PathTrajectory predict_stop(const RoadVehicle& v, double stands, const DecisionG
   PathTrajectory t{.begin = step, .states = {{v.now.s, 0.0}}};
   const double steps = std::min(stands / grid.dt, double(kLongest));
   t.states.resize(std::size_t(steps) + 1, t.states.front());
-  drive_on(t, v, grid, 0, kAcceleration);
+  drive_on(t, v, grid, 0);
   return t;
 }
 
@@ -208,17 +224,17 @@ PathTrajectory predict_breakdown(const RoadVehicle& v, double decel, const Decis
   PathTrajectory t{.begin = step, .states = {v.now}};
   while (t.states.back().v > 0.0) t.states.push_back(advance(t.states.back(), -decel, grid.dt));
   t.states.resize(t.states.size() + std::size_t(kStand / grid.dt), t.states.back());
-  drive_on(t, v, grid, 0, kAcceleration);
+  drive_on(t, v, grid, 0);
   return t;
 }
 
-PathTrajectory predict_crawl(const RoadVehicle& v, const DecisionGrid& grid, std::int64_t step) {
+PathTrajectory predict_crawl(const RoadVehicle& v, std::optional<double> line,
+                             const DecisionGrid& grid, std::int64_t step) {
   PathTrajectory t{.begin = step, .states = {v.now}};
-  while (t.states.back().s < v.s_end && t.states.size() < kLongest) {
-    const InertialState last = t.states.back();
+  drive_on(t, v, grid, line, [&](const InertialState& last) {
     const double wanted = (std::min(kCrawl, v.cruise_speed) - last.v) / grid.dt;
-    t.states.push_back(advance(last, std::clamp(wanted, -kEasing, kHesitant), grid.dt));
-  }
+    return std::clamp(wanted, -kEasing, kHesitant);
+  });
   return t;
 }
 

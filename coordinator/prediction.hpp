@@ -92,8 +92,9 @@ class Predictor {
 [[nodiscard]] PathTrajectory predict_breakdown(const RoadVehicle& vehicle, double decel,
                                                const DecisionGrid& grid, std::int64_t step);
 
-/// The slowest way over a junction to be expected of him: at a crawl in the end.
-[[nodiscard]] PathTrajectory predict_crawl(const RoadVehicle& vehicle, const DecisionGrid& grid,
-                                           std::int64_t step);
+/// The slowest passage to be expected of him: at a crawl in the end.
+/// @param line  where he may have to wait behind the junction: the station of his lane's end [m].
+[[nodiscard]] PathTrajectory predict_crawl(const RoadVehicle& vehicle, std::optional<double> line,
+                                           const DecisionGrid& grid, std::int64_t step);
 
 }  // namespace mvtp

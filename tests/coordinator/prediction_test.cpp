@@ -82,6 +82,48 @@ TEST(Predictor, WhoIsInAWrongLaneHaltsAtItsEndEvenIfItMayPass) {
   }
 }
 
+/// W ---- C ====(2 lanes)==== D ---- E, with roads to the south at C and D. The right lane between
+/// C and D leads on to E only, the left one to the south.
+NetworkShape wrong_lane_behind_shape() {
+  NetworkShape shape{.name = "wrong_lane_behind"};
+  NetworkMaker maker;
+  maker.node("W", {-120, 0}, 0.0);
+  maker.node("C", {0, 0});
+  maker.node("D", {60, 0});
+  maker.node("E", {180, 0}, 0.0);
+  maker.node("SC", {0, -120}, 0.0);
+  maker.node("SD", {60, -120}, 0.0);
+  maker.road("C", "W");
+  maker.one_way("C", "D", 2);
+  maker.road("D", "E");
+  maker.road("C", "SC");
+  maker.road("D", "SD");
+  maker.connect("W-C_0", "C-D_0");
+  maker.connect("SC-C_0", "C-W_0");
+  maker.connect("C-D_0", "D-E_0");
+  maker.connect("C-D_1", "D-SD_0");
+  maker.connect("SD-D_0", "D-E_0");
+  shape.network = maker.make();
+  return shape;
+}
+
+// It is let over the junction before, and goes. Behind it, it may have to wait for a gap.
+TEST(Predictor, WhoPassesMayWaitWhereItsLaneEndsBehindTheJunction) {
+  Prediction p(wrong_lane_behind_shape());
+  const std::vector<std::string> route = {"W-C", "C-D", "D-SD"};
+  const auto forecasts = p.predict("W-C_0", 105.0, 2.0, route, Intent::kPasses);
+  ASSERT_THAT(forecasts, SizeIs(1));
+  const Forecast& forecast = forecasts[0];
+  EXPECT_FALSE(forecast.yields);
+  EXPECT_GT(forecast.trajectory.at(7 + 60).s, forecast.vehicle.now.s + 20.0) << "it goes at once";
+  ASSERT_TRUE(forecast.latest);
+  const InertialState later = forecast.latest->at(7 + 400);
+  EXPECT_EQ(later.v, 0.0);
+  const double front = p.map.library().path(forecast.vehicle.path).at(later.s).x + p.car.front;
+  EXPECT_GT(front, 45.0);
+  EXPECT_LT(front, 60.0 - 7.2);
+}
+
 // He comes nearer still, and it is at the line that he is held.
 TEST(Predictor, WhoStandsBeforeHisLineIsNotHeldThere) {
   Prediction p(crossroads_shape());
