@@ -12,6 +12,7 @@ namespace {
 constexpr double kNear = 12.0;     ///< [m] before its line a vehicle waits for its turn,
 constexpr double kCrawl = 5.0;     ///< [m/s] at no more than this;
 constexpr double kStands = 0.5;    ///< [m/s] or it stands where it was held
+constexpr double kInside = 5.0;    ///< [m] before the end of its lane: it is as good as inside
 constexpr double kApart = 50.0;    ///< [m] to the next line: there it is held again
 constexpr double kReaction = 0.5;  ///< [s] until a driver who is to stop brakes
 constexpr int kPatience = 4;       ///< decisions for which one that was let through may stand:
@@ -41,12 +42,15 @@ void Gate::see(const VehicleState& v, double to_line, double to_hold, bool is_fi
   // It stands before its line although it may go: somebody blocking its path may be waiting for it.
   const bool in_vain = guest.passes && guest.stands >= kPatience && to_hold > 0.0;
   if (in_vain) guest.asked = decisions_;
-  if (guest.held || (!came && !anew && !in_vain)) return;
-  if (to_hold > room) {
-    hold(v.id);
-  } else {
-    let_through(v.id);
+  if (!guest.held && (came || anew || in_vain)) {
+    if (to_hold > room) {
+      hold(v.id);
+    } else {
+      let_through(v.id);
+    }
   }
+  // Drivers of SUMO change lanes inside junctions, too, onto ground that is not theirs.
+  traffic_.keep_lane(v.id, guest.passes && to_hold <= kInside);
 }
 
 void Gate::keep(const std::string& id) {
@@ -124,6 +128,7 @@ void Gate::release(const std::string& id) {
   if (visitor == visitors_.end()) return;
   if (visitor->second.held) traffic_.hold(id, false);
   if (visitor->second.passes) traffic_.let_through(id, false);
+  traffic_.keep_lane(id, false);
   visitors_.erase(visitor);
 }
 

@@ -25,7 +25,10 @@ class NotedTraffic : public FakeTraffic {
   void let_through(const std::string& id, bool pass) override {
     pass ? (void)passing.insert(id) : (void)passing.erase(id);
   }
-  std::set<std::string> held, passing;
+  void keep_lane(const std::string& id, bool keep) override {
+    keep ? (void)in_lane.insert(id) : (void)in_lane.erase(id);
+  }
+  std::set<std::string> held, passing, in_lane;
 };
 
 class GateTest : public testing::Test {
@@ -135,6 +138,26 @@ TEST_F(GateTest, DoesNotHoldWhoStandsInsideTheJunction) {
     gate.end();
   }
   EXPECT_TRUE(gate.passes("a"));
+}
+
+TEST_F(GateTest, KeepsWhoPassesInItsLaneInsideTheJunction) {
+  decide({"a"});
+  EXPECT_THAT(traffic.in_lane, IsEmpty()) << "before the line it may look for a better one";
+  gate.let_through("a");
+  const auto see_at = [&](double to_line) {
+    gate.begin();
+    see("a", to_line, 8.0);
+    gate.end();
+  };
+  see_at(30.0);
+  EXPECT_THAT(traffic.in_lane, IsEmpty());
+  see_at(0.0);
+  EXPECT_THAT(traffic.in_lane, UnorderedElementsAre("a"));
+  see_at(30.0);
+  EXPECT_THAT(traffic.in_lane, IsEmpty()) << "between two junctions";
+  see_at(0.0);
+  gate.release("a");
+  EXPECT_THAT(traffic.in_lane, IsEmpty());
 }
 
 TEST_F(GateTest, ReleasesWhoHasGoneUnheld) {
