@@ -56,7 +56,7 @@ class Controller {
 };
 
 /// Leaves all vehicles to human drivers.
-class OwnDrivers : public Controller {
+class HumanDriversOnly : public Controller {
  public:
   void decide() override {}
   void act() override {}

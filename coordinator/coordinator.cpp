@@ -43,7 +43,7 @@ Coordinator::Coordinator(Traffic& traffic, const DrivableArea& area,
     people_.emplace(traffic, graph_, corridors_.library(), *heads_, grid_);
   }
   if (!owns_lights) return;
-  const auto plan_of = [this](const std::string& id) -> const PathTrajectory* {
+  const auto plan_of = [this](const std::string& id) -> const SpeedProfile* {
     const auto driven = driven_.find(id);
     return driven == driven_.end() ? nullptr : plan_.find(driven->second.key);
   };
@@ -54,7 +54,7 @@ Coordinator::Coordinator(Traffic& traffic, const DrivableArea& area,
 Coordinator::~Coordinator() = default;
 
 /// Where a plan has a vehicle at step k; at its end it stays.
-InertialState Coordinator::state_at(const PathTrajectory& t, std::int64_t k) {
+InertialState Coordinator::state_at(const SpeedProfile& t, std::int64_t k) {
   return k < t.end() ? t.at(k) : t.states.back();
 }
 
@@ -380,7 +380,7 @@ void Coordinator::brake_for(const VehicleState& v) {
     const RoadVehicle& braking = now.vehicle(key);
     const double b = now.body(braking).max_decel;
     const auto entry = std::ranges::find(plan_.entries, key, &JointPlan::Entry::key);
-    entry->trajectory = std::make_shared<PathTrajectory>(stop_after(now, braking.now, -b, b));
+    entry->trajectory = std::make_shared<SpeedProfile>(stop_after(now, braking.now, -b, b));
   }
   commit({});
 }
@@ -402,7 +402,7 @@ PlannedPose Coordinator::planned_pose(const Driven& driven, const InertialState&
           state.v / corridor.ratios[corridor.piece_at(state.s)]};
 }
 
-const GuidePath& Coordinator::path_of(const Driven& driven) const {
+const ReferencePath& Coordinator::path_of(const Driven& driven) const {
   return corridors_.library().path(corridors_[driven.corridor].path);
 }
 

@@ -132,7 +132,7 @@ class Coordinator : public Controller {
   static constexpr double kPatience = 5.0;
 
   // The loop.
-  [[nodiscard]] static InertialState state_at(const PathTrajectory& t, std::int64_t k);
+  [[nodiscard]] static InertialState state_at(const SpeedProfile& t, std::int64_t k);
   void replan();
   void follow_plans();
   /// The step from which on what is decided now is executed.
@@ -176,7 +176,7 @@ class Coordinator : public Controller {
   void continue_on(Driven& arrival, const Driven& before) const;
   void look_ahead(std::vector<Forecast>& forecasts) const;
 
-  [[nodiscard]] const GuidePath& path_of(const Driven& driven) const;
+  [[nodiscard]] const ReferencePath& path_of(const Driven& driven) const;
   [[nodiscard]] const VehicleState* find_state(const std::string& id) const;
 
   // Taking over and handing back: coordinator_takeover.cpp
@@ -283,9 +283,9 @@ class Coordinator : public Controller {
   std::set<std::string> lost_;              ///< under control, but they do not obey
   std::vector<FaultEvent> losses_;
   std::map<std::string, VehicleState> believed_;  ///< vehicles that go on into other corridors
-  std::map<std::string, std::shared_ptr<const PathTrajectory>> announced_;  ///< to the traffic
+  std::map<std::string, std::shared_ptr<const SpeedProfile>> announced_;  ///< to the traffic
   /// By key; kept only where plans take effect later.
-  std::map<std::int64_t, std::shared_ptr<const PathTrajectory>> executed_;
+  std::map<std::int64_t, std::shared_ptr<const SpeedProfile>> executed_;
   std::set<std::int64_t> blocking_guests_;  ///< keys, at the last decision
   std::vector<Replan> replans_;
   std::vector<std::string> taken_over_;

@@ -19,7 +19,7 @@ std::vector<double> lines_beside_people(const std::vector<double>& stops) {
   constexpr double kInside = 15.0;  // [m] of junction
   std::vector<double> lines;
   for (const double stop : stops) {
-    for (double s = stop - kBeforeCrossing; s < stop + kInside; s += GuidePath::kSpacing) {
+    for (double s = stop - kBeforeCrossing; s < stop + kInside; s += ReferencePath::kSpacing) {
       if (lines.empty() || s > lines.back()) lines.push_back(s);
     }
   }
@@ -47,7 +47,7 @@ std::vector<std::pair<double, double>> inside_junctions(const Corridor& corridor
 PathApproach Coordinator::approach_to(const Corridor& corridor, const VehicleState& v,
                                       double station) const {
   constexpr double kNear = 3.0;  // [m]
-  const GuidePath& path = corridors_.library().path(corridor.path);
+  const ReferencePath& path = corridors_.library().path(corridor.path);
   return {path, v.pose, path.project({v.pose.x, v.pose.y}, station - kNear, station + kNear)};
 }
 

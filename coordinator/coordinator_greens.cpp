@@ -16,7 +16,7 @@ std::optional<double> Coordinator::over_line(const std::string& id) const {
   const std::vector<double>& lines = corridors_[driven.corridor].lines;
   const auto line = std::ranges::upper_bound(lines, driven.road.now.s);
   if (line == lines.end()) return std::nullopt;
-  const PathTrajectory* plan = plan_.find(driven.key);
+  const SpeedProfile* plan = plan_.find(driven.key);
   if (plan == nullptr || !plan->complete) return std::numeric_limits<double>::infinity();
   return double(arrival_step(*plan, *line) - effective_step()) * grid_.dt;
 }

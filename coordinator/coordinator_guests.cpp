@@ -38,7 +38,7 @@ bool Coordinator::waits_inside(const Trial& trial) const {
     const RoadVehicle& v = entry.second.road;
     const double out = v.s_exit_lane + corridors_.library().body(v.path).length();
     if (v.stop_lines.empty() || v.now.s <= v.stop_lines.front() || v.now.s >= out) return false;
-    const PathTrajectory* plan = trial.decision.plan.find(v.key);
+    const SpeedProfile* plan = trial.decision.plan.find(v.key);
     if (plan == nullptr) return false;
     const InertialState then = state_at(*plan, a_while);
     return then.v == 0.0 && then.s < out;
@@ -53,7 +53,7 @@ bool Coordinator::is_clear_of(const std::vector<std::string>& guests, const Tria
   std::erase_if(people, [&](const People::Expected& person) {
     return std::ranges::count(guests, people_->id_of(person.crossing)) == 0;
   });
-  constexpr double kWhole = PathTrajectory::kGone / 2.0;
+  constexpr double kWhole = SpeedProfile::kDeparted / 2.0;
   for (const JointPlan::Entry& e : trial.decision.plan.entries) {
     const auto path = trial.paths.find(e.key);
     if (path == trial.paths.end()) continue;
@@ -83,7 +83,7 @@ bool Coordinator::may_meet_people(const std::vector<std::string>& guests) {
   const auto tube = [](const Forecast& f) {
     return TubeView(f.trajectory, f.latest ? *f.latest : f.trajectory);
   };
-  constexpr double kWhole = PathTrajectory::kGone / 2.0;
+  constexpr double kWhole = SpeedProfile::kDeparted / 2.0;
   return std::ranges::any_of(people_->expect(guests), [&](const People::Expected& person) {
     const bool walks_now = is_new(people_->id_of(person.crossing));
     const Forecast& p = person.forecast;

@@ -37,7 +37,7 @@ bool Coordinator::can_wait(double speed, const Vehicle& body, double to_line) {
 /// takes over.
 void Coordinator::stay(const std::string& id) {
   const Driven& driven = driven_.at(id);
-  const PathTrajectory* plan = plan_.find(driven.key);
+  const SpeedProfile* plan = plan_.find(driven.key);
   const bool ends =
       plan == nullptr || (plan->complete && plan->end() <= step_ + grid_.steps_per_decision);
   if (ends) hand_back(id);

@@ -50,7 +50,7 @@ const VehicleState& Coordinator::believed(const std::string& id, const Driven& d
 /// Who goes on into another corridor does there what its plan has said so far.
 void Coordinator::continue_on(Driven& arrival, const Driven& before) const {
   if (options_.tolerance.exact) return;
-  const PathTrajectory& plan = *plan_.find(before.key);
+  const SpeedProfile& plan = *plan_.find(before.key);
   const double shift = arrival.approach.begin() - here(before).s;
   arrival.since = before.since;
   arrival.past = before.past;
@@ -69,11 +69,11 @@ void Coordinator::commit(const std::map<std::string, Driven>& arrivals) {
   for (const auto& [id, driven] : driven_) {
     const auto entry = std::ranges::find(plan_.entries, driven.key, &JointPlan::Entry::key);
     if (entry->trajectory->begin <= step_) continue;
-    auto whole = std::make_shared<PathTrajectory>(*entry->trajectory);
+    auto whole = std::make_shared<SpeedProfile>(*entry->trajectory);
     const bool arrives = arrivals.contains(id) && !driven.committed.empty();
     std::vector<InertialState> states = driven.committed;
     if (!arrives) {
-      const PathTrajectory& before = *executed_.at(driven.key);
+      const SpeedProfile& before = *executed_.at(driven.key);
       states.clear();
       for (std::int64_t k = step_; k < whole->begin; ++k) states.push_back(state_at(before, k));
     }
@@ -89,7 +89,7 @@ void Coordinator::commit(const std::map<std::string, Driven>& arrivals) {
 
 /// Tells the traffic the plans that are new.
 void Coordinator::announce_plans() {
-  std::map<std::string, std::shared_ptr<const PathTrajectory>> announced;
+  std::map<std::string, std::shared_ptr<const SpeedProfile>> announced;
   for (const auto& [id, driven] : driven_) {
     const auto entry = std::ranges::find(plan_.entries, driven.key, &JointPlan::Entry::key);
     const auto known = announced_.find(id);
@@ -148,9 +148,9 @@ void Coordinator::look_ahead(std::vector<Forecast>& forecasts) const {
   std::erase_if(forecasts, [&](Forecast& f) {
     if (f.trajectory.begin >= effective_step()) return false;
     InertialState then = f.trajectory.at(effective_step());
-    if (then.s >= PathTrajectory::kGone && f.latest) then = f.latest->at(effective_step());
+    if (then.s >= SpeedProfile::kDeparted && f.latest) then = f.latest->at(effective_step());
     f.vehicle.now = then;
-    return then.s >= PathTrajectory::kGone;
+    return then.s >= SpeedProfile::kDeparted;
   });
 }
 

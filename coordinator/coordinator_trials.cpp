@@ -218,7 +218,7 @@ void Coordinator::prepare_tables(const RoadScene& now) {
   std::vector<int> others;
   for (const RoadVehicle& v : now.vehicles) paths.push_back(v.path);
   for (const Forecast& f : now.forecasts) others.push_back(f.vehicle.path);
-  corridors_.library().prepare(paths, others);
+  corridors_.library().build_tables(paths, others);
 }
 
 /// Keys of the vehicles without an incumbent, the first of them first: those of stagnating groups,

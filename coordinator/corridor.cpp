@@ -194,7 +194,7 @@ int CorridorMap::corridor_for(const CorridorCourse& course, const Vehicle& body)
 
 /// How the traffic itself moves a body: its front is on the line, and it points there from where
 /// its rear would be on the line. In bends its tail sticks out behind.
-GuidePath drivers_path(std::span<const Point> line, const Vehicle& body) {
+ReferencePath drivers_path(std::span<const Point> line, const Vehicle& body) {
   constexpr double kStep = 0.5;  // [m]
   const double length = length_of(line);
   std::vector<Pose> poses;
@@ -209,8 +209,8 @@ GuidePath drivers_path(std::span<const Point> line, const Vehicle& body) {
   for (double s = body.length(); s <= length; s += kStep) {
     add(point_at(line, s - body.length()), point_at(line, s));
   }
-  if (poses.size() < 2) return GuidePath(line);
-  return GuidePath(std::span<const Pose>(poses));
+  if (poses.size() < 2) return ReferencePath(line);
+  return ReferencePath(std::span<const Pose>(poses));
 }
 
 /// Appends a lane of which the other half is another lane.
@@ -284,9 +284,9 @@ Corridor CorridorMap::build(const CorridorCourse& course, const Vehicle& body) {
   const bool begins = course.start <= 0.0 && course.lead_in.empty();
   const double from = body.rear + (begins ? line.begins.front() : 0.0);
   const double to = length_of(line.points) - body.front - 1.0;
-  GuidePath path = course.own_driver ? drivers_path(line.points, body)
-                                     : make_reference_path(line.points, from, to, body,
-                                                           road_along(course), area_);
+  ReferencePath path = course.own_driver ? drivers_path(line.points, body)
+                                         : make_reference_path(line.points, from, to, body,
+                                                               road_along(course), area_);
   Corridor corridor{.course = course};
   set_stations(line, path, body, corridor);
   set_limits(path, body, corridor);
@@ -313,7 +313,7 @@ std::vector<JunctionStretch> CorridorMap::stretches_of(const Corridor& corridor,
   return stretches;
 }
 
-void CorridorMap::set_stations(const Line& line, const GuidePath& path, const Vehicle& body,
+void CorridorMap::set_stations(const Line& line, const ReferencePath& path, const Vehicle& body,
                                Corridor& corridor) const {
   constexpr double kDrift = 8.0;  // [m] that smoothing shifts a place along the path at most
   const CorridorCourse& course = corridor.course;
@@ -356,7 +356,8 @@ void CorridorMap::set_stations(const Line& line, const GuidePath& path, const Ve
 }
 
 /// How far the ends of the body are off the lanes' centre line [m].
-double CorridorMap::aside(const Line& line, const GuidePath& path, const Vehicle& body, double s) {
+double CorridorMap::aside(const Line& line, const ReferencePath& path, const Vehicle& body,
+                          double s) {
   const Pose pose = path.at(s);
   return std::max(distance_to(line.points, compose(pose, {body.front, 0.0, 0.0})),
                   distance_to(line.points, compose(pose, {-body.rear, 0.0, 0.0})));
@@ -366,7 +367,7 @@ constexpr double kAside = 0.05;  ///< [m] of either end of a body that lies alon
 
 /// The first place from `from` on, or else the last before it, where the body lies along its lane;
 /// else the one where it does so best.
-double CorridorMap::straight_near(const Line& line, const GuidePath& path, const Vehicle& body,
+double CorridorMap::straight_near(const Line& line, const ReferencePath& path, const Vehicle& body,
                                   double from, std::pair<double, double> within) {
   double best = from;
   double least = aside(line, path, body, from);
@@ -382,7 +383,7 @@ double CorridorMap::straight_near(const Line& line, const GuidePath& path, const
 }
 
 /// How far on from `from` the body goes on lying along its lane, or no worse than there.
-double CorridorMap::straight_until(const Line& line, const GuidePath& path, const Vehicle& body,
+double CorridorMap::straight_until(const Line& line, const ReferencePath& path, const Vehicle& body,
                                    double from, double to) {
   constexpr double kStep = 0.5;  // [m]
   const double most = std::max(kAside, aside(line, path, body, from));
@@ -392,7 +393,7 @@ double CorridorMap::straight_until(const Line& line, const GuidePath& path, cons
 }
 
 /// Where a body that swings aside before a turn, ahead of `to`, is still in its lane.
-double CorridorMap::last_in_lane(const Line& line, const GuidePath& path, const Vehicle& body,
+double CorridorMap::last_in_lane(const Line& line, const ReferencePath& path, const Vehicle& body,
                                  double from, double to) {
   constexpr double kInLane = 0.5;  // [m] of either end
   double s = to;
@@ -408,23 +409,24 @@ double CorridorMap::metres_per_metre(int lane) const {
 
 /// The speed at s that keeps to the limit [m/s]. Speeds are looked up at a few places of each
 /// decision only: the sharpest bend nearby counts, with a little to spare.
-double CorridorMap::lateral_limit(const GuidePath& path, double s, bool changes_lane) const {
+double CorridorMap::lateral_limit(const ReferencePath& path, double s, bool changes_lane) const {
   constexpr double kNearby = 0.75;  // [m]
   constexpr double kSpare = 0.97;
   double most = limits_.max_lateral_accel > 0.0 ? limits_.max_lateral_accel
                                                 : std::numeric_limits<double>::infinity();
   if (changes_lane) most = std::min(most, kChangeLateralAccel);
   double sharpest = 1e-9;
-  for (double d = -kNearby; d <= kNearby; d += GuidePath::kSpacing) {
+  for (double d = -kNearby; d <= kNearby; d += ReferencePath::kSpacing) {
     sharpest = std::max(sharpest, std::abs(path.curvature(s + d)));
   }
   return std::sqrt(kSpare * most / sharpest);
 }
 
-void CorridorMap::set_limits(const GuidePath& path, const Vehicle& body, Corridor& corridor) const {
+void CorridorMap::set_limits(const ReferencePath& path, const Vehicle& body,
+                             Corridor& corridor) const {
   const std::vector<CorridorPiece>& pieces = corridor.course.pieces;
   for (std::size_t i = 0; i < path.samples(); ++i) {
-    const double s = double(i) * GuidePath::kSpacing;
+    const double s = double(i) * ReferencePath::kSpacing;
     const std::size_t p = corridor.piece_at(s);
     const CorridorPiece& piece = pieces[p];
     const double limit = corridor.ratios[p] * std::min(graph_.lane(piece.lane).speed_limit,
@@ -442,7 +444,7 @@ void CorridorMap::set_limits(const GuidePath& path, const Vehicle& body, Corrido
 
 /// A turn that lies well before the first stop line is left to its driver: it is
 /// taken over behind it. Anything later makes the corridor undriven.
-void CorridorMap::set_drivable(const GuidePath& path, const Vehicle& body,
+void CorridorMap::set_drivable(const ReferencePath& path, const Vehicle& body,
                                Corridor& corridor) const {
   constexpr double kStep = 0.5;   // [m]
   constexpr double kRoom = 20.0;  // [m] that are left before the first line
@@ -459,7 +461,7 @@ void CorridorMap::set_drivable(const GuidePath& path, const Vehicle& body,
   }
 }
 
-std::string CorridorMap::why_not(const GuidePath& path, const Vehicle& body, double s) const {
+std::string CorridorMap::why_not(const ReferencePath& path, const Vehicle& body, double s) const {
   if (std::abs(path.curvature(s)) > body.max_curvature()) {
     return fmt::format("it turns on {:.1f} m, the body needs {:.1f} m",
                        1.0 / std::abs(path.curvature(s)), body.min_turning_radius);

@@ -23,7 +23,7 @@ struct Corridor {
   std::vector<double> stations;        ///< when the front bumper enters each piece
   std::vector<double> scales;          ///< metres of path per metre of lane, per piece
   std::vector<double> ratios;          ///< metres on the ground per metre of lane, per piece
-  std::vector<double> lane_limits;     ///< [m/s] per GuidePath::kSpacing of the path
+  std::vector<double> lane_limits;     ///< [m/s] per ReferencePath::kSpacing of the path
   std::vector<double> lateral_limits;  ///< [m/s] likewise, from the curvature
   int exit_lane = LaneGraph::kNone;    ///< the first behind the last coordinated junction
   std::vector<double> lines;           ///< when the front bumper is at each coordinated stop line
@@ -72,23 +72,23 @@ class CorridorMap {
   [[nodiscard]] Line centre_line(const CorridorCourse& course) const;
   [[nodiscard]] DrivableArea road_along(const CorridorCourse& course) const;
   [[nodiscard]] Corridor build(const CorridorCourse& course, const Vehicle& body);
-  void set_stations(const Line& line, const GuidePath& path, const Vehicle& body,
+  void set_stations(const Line& line, const ReferencePath& path, const Vehicle& body,
                     Corridor& corridor) const;
   [[nodiscard]] std::vector<JunctionStretch> stretches_of(const Corridor& corridor,
                                                           const Vehicle& body) const;
-  [[nodiscard]] static double aside(const Line& line, const GuidePath& path, const Vehicle& body,
-                                    double s);
-  [[nodiscard]] static double last_in_lane(const Line& line, const GuidePath& path,
+  [[nodiscard]] static double aside(const Line& line, const ReferencePath& path,
+                                    const Vehicle& body, double s);
+  [[nodiscard]] static double last_in_lane(const Line& line, const ReferencePath& path,
                                            const Vehicle& body, double from, double to);
-  [[nodiscard]] static double straight_near(const Line& line, const GuidePath& path,
+  [[nodiscard]] static double straight_near(const Line& line, const ReferencePath& path,
                                             const Vehicle& body, double from,
                                             std::pair<double, double> within);
-  [[nodiscard]] static double straight_until(const Line& line, const GuidePath& path,
+  [[nodiscard]] static double straight_until(const Line& line, const ReferencePath& path,
                                              const Vehicle& body, double from, double to);
-  void set_limits(const GuidePath& path, const Vehicle& body, Corridor& corridor) const;
-  [[nodiscard]] double lateral_limit(const GuidePath& path, double s, bool changes_lane) const;
-  void set_drivable(const GuidePath& path, const Vehicle& body, Corridor& corridor) const;
-  [[nodiscard]] std::string why_not(const GuidePath& path, const Vehicle& body, double s) const;
+  void set_limits(const ReferencePath& path, const Vehicle& body, Corridor& corridor) const;
+  [[nodiscard]] double lateral_limit(const ReferencePath& path, double s, bool changes_lane) const;
+  void set_drivable(const ReferencePath& path, const Vehicle& body, Corridor& corridor) const;
+  [[nodiscard]] std::string why_not(const ReferencePath& path, const Vehicle& body, double s) const;
 
   const LaneGraph& graph_;
   const DrivableArea& area_;

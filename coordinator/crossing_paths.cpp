@@ -30,7 +30,7 @@ Vehicle body(double along, double across) {
 
 }  // namespace
 
-GuidePath CrossingPaths::line(int crossing, bool forward, double aside) const {
+ReferencePath CrossingPaths::line(int crossing, bool forward, double aside) const {
   std::vector<Point> points = graph_.crossing(crossing).crossing->shape;
   if (!forward) std::ranges::reverse(points);
   const auto away = [](const Point& from, const Point& to, double d) {
@@ -38,7 +38,7 @@ GuidePath CrossingPaths::line(int crossing, bool forward, double aside) const {
     return Point{to.x + (to.x - from.x) / length * d, to.y + (to.y - from.y) / length * d};
   };
   const double length = graph_.crossing(crossing).length;
-  const double whole = std::ceil(length / GuidePath::kSpacing) * GuidePath::kSpacing;
+  const double whole = std::ceil(length / ReferencePath::kSpacing) * ReferencePath::kSpacing;
   const Point begin = away(points[1], points[0], kKerb);
   const Point end = away(points[points.size() - 2], points.back(), kBehind + whole - length);
   points.insert(points.begin(), begin);
@@ -48,7 +48,7 @@ GuidePath CrossingPaths::line(int crossing, bool forward, double aside) const {
     p.x -= aside * std::sin(theta);
     p.y += aside * std::cos(theta);
   }
-  return GuidePath(points);
+  return ReferencePath(points);
 }
 
 int CrossingPaths::path(int crossing, bool forward, Room room, double aside) {
@@ -68,7 +68,7 @@ double CrossingPaths::end(int crossing, bool forward) {
 
 CrossingPaths::Place CrossingPaths::place(int crossing, bool forward, bool is_on_it,
                                           const Point& p) {
-  const GuidePath& along = library_.path(path(crossing, forward, Room::kWalks));
+  const ReferencePath& along = library_.path(path(crossing, forward, Room::kWalks));
   Place place;
   if (is_on_it) {
     place.s = along.project(p, 0.0, along.length());

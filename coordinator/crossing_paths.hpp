@@ -46,7 +46,7 @@ class CrossingPaths {
   [[nodiscard]] double end(int crossing, bool forward);
 
  private:
-  [[nodiscard]] GuidePath line(int crossing, bool forward, double aside) const;
+  [[nodiscard]] ReferencePath line(int crossing, bool forward, double aside) const;
 
   const LaneGraph& graph_;
   PathLibrary& library_;

@@ -171,7 +171,7 @@ Forecast GreenLanes::waits_at(const RoadVehicle& road, double stop, std::int64_t
   Forecast forecast{.vehicle = road,
                     .trajectory = predict_leader(road, std::nullopt, grid_, step),
                     .latest = std::nullopt};
-  PathTrajectory held = predict_leader(road, stop, grid_, step);
+  SpeedProfile held = predict_leader(road, stop, grid_, step);
   const auto rest = std::ranges::find(held.states, 0.0, &InertialState::v);
   if (rest == held.states.end()) return forecast;
   held.states.erase(rest + 1, held.states.end());
@@ -327,7 +327,7 @@ std::pair<double, double> GreenLanes::common_ground(int path, int link) {
     if (is_new) {
       const int other = path_over(link, type);
       const std::array<int, 2> both = {path, other};
-      corridors_.library().prepare(both);
+      corridors_.library().build_tables(both);
       const ContactTable& tiles = corridors_.library().reserved(path, other);
       if (!tiles.empty()) known->second = {tiles.first(), tiles.last()};
     }

@@ -29,7 +29,7 @@ class PhaseChoice;
 class HumanDrivers {
  public:
   /// The plan that a vehicle under control follows; nullptr if it is not under control.
-  using PlanOf = std::function<const PathTrajectory*(const std::string&)>;
+  using PlanOf = std::function<const SpeedProfile*(const std::string&)>;
 
   HumanDrivers(Traffic& traffic, const LaneGraph& graph, CorridorMap& corridors,
                Predictor& predictor, const std::vector<bool>& coordinated, SignalHeads& heads,
@@ -66,7 +66,7 @@ class HumanDrivers {
   [[nodiscard]] bool is_crossed_by(const std::string& id, int light) const;
   /// Would one of them meet a vehicle under control that follows this plan on its path?
   [[nodiscard]] bool may_meet(const std::vector<std::string>& ids, int path,
-                              const PathTrajectory& plan) const;
+                              const SpeedProfile& plan) const;
 
   /// Everything is decided: ends greens that nobody needs any more.
   void settle();
@@ -124,8 +124,8 @@ class HumanDrivers {
   [[nodiscard]] std::vector<std::string> who_waits_for(const Agent& agent) const;
   void predict_all();
   void predict(Agent& agent);
-  [[nodiscard]] const PathTrajectory& fastest(const Agent& agent) const;
-  [[nodiscard]] const PathTrajectory& slowest(const Agent& agent) const;
+  [[nodiscard]] const SpeedProfile& fastest(const Agent& agent) const;
+  [[nodiscard]] const SpeedProfile& slowest(const Agent& agent) const;
   [[nodiscard]] bool yields_to(const std::vector<int>& links, const std::vector<int>& others) const;
   [[nodiscard]] bool let_each_other_pass(const Agent& a, const Agent& b) const;
   [[nodiscard]] std::int64_t yields_until(const Agent& agent, const Way& way) const;

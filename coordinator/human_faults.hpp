@@ -37,7 +37,7 @@ struct HumanFaultOptions {
 
 /// Has some of the human drivers misbehave, drawn by a hash of id and seed. Nobody who controls
 /// others is told: what they do about it is what is measured.
-class HumanFaults : public OwnDrivers {
+class HumanFaults : public HumanDriversOnly {
  public:
   /// @param port  of the same traffic.
   HumanFaults(Traffic& traffic, HumanFaultPort& port, HumanFaultOptions options);

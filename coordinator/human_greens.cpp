@@ -38,7 +38,7 @@ bool HumanDrivers::is_first(const Agent& agent) const {
 
 /// Does a vehicle under control drive over its line soon?
 bool HumanDrivers::goes_on_ahead(const VehicleState& v) const {
-  const PathTrajectory* plan = plan_of_(v.id);
+  const SpeedProfile* plan = plan_of_(v.id);
   const int lane = graph_.find_lane(v.lane);
   if (plan == nullptr || !plan->complete || lane == LaneGraph::kNone) return false;
   const std::int64_t soon = step_ + std::int64_t(std::lround(kSoon / grid_.dt));
@@ -241,7 +241,7 @@ double HumanDrivers::worth(const std::vector<std::string>& ids) const {
 }
 
 bool HumanDrivers::may_meet(const std::vector<std::string>& ids, int path,
-                            const PathTrajectory& plan) const {
+                            const SpeedProfile& plan) const {
   return std::ranges::any_of(ids, [&](const std::string& id) {
     const auto found = agents_.find(id);
     if (found == agents_.end()) return false;
@@ -249,7 +249,7 @@ bool HumanDrivers::may_meet(const std::vector<std::string>& ids, int path,
     return std::ranges::any_of(agent.ways, [&](const Way& way) {
       const ContactTable& contacts = corridors_.library().contacts(way.forecast.vehicle.path, path);
       return mvtp::may_meet(contacts, tube_of(way), way.s_clear, {plan, plan},
-                            PathTrajectory::kGone / 2.0, step_, slack_before(), slack_behind());
+                            SpeedProfile::kDeparted / 2.0, step_, slack_before(), slack_behind());
     });
   });
 }

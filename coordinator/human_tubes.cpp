@@ -21,7 +21,7 @@ constexpr double kWhile = 5.0;        ///< [s] in which movements are compared
 constexpr double kLateYield = 1.0;    ///< [s] until one who has yielded goes on
 constexpr double kSorting = 4.0;      ///< [s] that two need who yield to each other
 
-double way(const PathTrajectory& t, std::int64_t k) {
+double way(const SpeedProfile& t, std::int64_t k) {
   return std::min(t.at(k).s, t.states.back().s) - t.states.front().s;
 }
 
@@ -112,7 +112,7 @@ void HumanDrivers::predict(Agent& agent) {
 }
 
 /// Of the movements that it may drive, the motion that comes furthest in a while,
-const PathTrajectory& HumanDrivers::fastest(const Agent& agent) const {
+const SpeedProfile& HumanDrivers::fastest(const Agent& agent) const {
   const std::int64_t then = step_ + std::int64_t(kWhile / grid_.dt);
   const auto best = std::ranges::max_element(
       agent.ways, {}, [&](const Way& w) { return way(w.forecast.trajectory, then); });
@@ -120,7 +120,7 @@ const PathTrajectory& HumanDrivers::fastest(const Agent& agent) const {
 }
 
 /// and the one that comes least far.
-const PathTrajectory& HumanDrivers::slowest(const Agent& agent) const {
+const SpeedProfile& HumanDrivers::slowest(const Agent& agent) const {
   const std::int64_t then = step_ + std::int64_t(kWhile / grid_.dt);
   const auto best = std::ranges::min_element(
       agent.ways, {}, [&](const Way& w) { return way(*w.forecast.latest, then); });
@@ -183,7 +183,7 @@ std::vector<TubeLeader> HumanDrivers::leaders_of(const Agent& agent, const Way& 
       if (!other->second.ways.back().forecast.latest) continue;
       leader.earliest = &fastest(other->second);
       leader.latest = &slowest(other->second);
-    } else if (const PathTrajectory* plan = plan_of_(v.id)) {
+    } else if (const SpeedProfile* plan = plan_of_(v.id)) {
       leader.latest = plan;  // a new plan may be faster
     }
     leaders.push_back(leader);

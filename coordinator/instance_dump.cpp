@@ -54,7 +54,7 @@ class Course {
  private:
   std::string id_;
   const Driven& driven_;
-  const GuidePath& path_;
+  const ReferencePath& path_;
   const Vehicle& body_;
   double from_;
   double to_;
@@ -84,12 +84,12 @@ void part_goals(std::vector<Course>& courses) {
   }
 }
 
-/// Calls `visit` with the rear-axle poses of a course, close to each other, both ends included.
-template <class Visit>
-void for_each_pose(const Course& course, Visit visit) {
-  const int steps = int(std::ceil((course.to() - course.from()) / GuidePath::kSpacing));
+/// Calls `visitor` with the rear-axle poses of a course, close to each other, both ends included.
+template <class Visitor>
+void for_each_pose(const Course& course, Visitor visitor) {
+  const int steps = int(std::ceil((course.to() - course.from()) / ReferencePath::kSpacing));
   for (int i = 0; i <= steps; ++i) {
-    visit(course.at(std::min(course.to(), course.from() + i * GuidePath::kSpacing)));
+    visitor(course.at(std::min(course.to(), course.from() + i * ReferencePath::kSpacing)));
   }
 }
 

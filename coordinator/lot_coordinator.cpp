@@ -221,7 +221,7 @@ void LotCoordinator::watch_the_gates() {
     const double room = lane.offset + lane.length - front[e]->lane_position - kBeforeLaneEnd;
     if (guest.speed > 0.0 && planner_.prefix_length(guest.speed) > room) continue;
     guest.entry = int(e);
-    LotVisit& visit = visits_[front[e]->id];
+    ParkingEvent& visit = visits_[front[e]->id];
     if (!visit.asked_in) visit.asked_in = traffic_.time();
   }
 }
@@ -446,7 +446,7 @@ std::optional<LotAdmission> LotCoordinator::ask(const std::string& id, Guest& gu
   const std::optional<LotAdmission> admission =
       planner_.admit(motion_, request, standing(true, id));
   if (!admission) return admission;
-  LotVisit& visit = visits_[id];
+  ParkingEvent& visit = visits_[id];
   if (guest.wants_out) {
     if (!visit.admitted_out) visit.alone_out = admission->alone;
     if (!visit.admitted_out) visit.admitted_out = traffic_.time();
@@ -490,7 +490,7 @@ void LotCoordinator::advance() {
   motion_.step(traffic_.step_length(), halts());
   for (std::size_t i = 0; i < motion_.cars().size(); ++i) {
     const LotCar& car = motion_.cars()[i];
-    LotVisit& visit = visits_[ids_.at(car.key)];
+    ParkingEvent& visit = visits_[ids_.at(car.key)];
     visit.distance += car.s - before[i];
     leave_slot(guests_.at(ids_.at(car.key)), car);
     if (car.v <= kStanding) visit.waited += traffic_.step_length();
@@ -536,7 +536,7 @@ void LotCoordinator::arrive() {
     const std::string id = ids_.at(key);
     const LotCar& car = motion_.cars()[std::size_t(motion_.find(key))];
     Guest& guest = guests_.at(id);
-    LotVisit& visit = visits_[id];
+    ParkingEvent& visit = visits_[id];
     const bool leaves = !car.stops();
     guest.phase = car.stranded ? Phase::kStranded : Phase::kParked;
     motion_.remove(key);

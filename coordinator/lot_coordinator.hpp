@@ -47,7 +47,7 @@ struct LotOptions {
 };
 
 /// One vehicle's stay; all times simulated [s].
-struct LotVisit {
+struct ParkingEvent {
   std::string id;
   bool there_at_start = false;        ///< it was parked when the run began
   std::string slot;                   ///< its id; empty before it has one
@@ -100,7 +100,7 @@ class LotCoordinator : public Controller {
   [[nodiscard]] bool drives(const std::string& id) const override;
   [[nodiscard]] bool rests(const std::string& id) const override;
   [[nodiscard]] const std::vector<Replan>& replans() const override { return replans_; }
-  [[nodiscard]] const std::map<std::string, LotVisit>& visits() const { return visits_; }
+  [[nodiscard]] const std::map<std::string, ParkingEvent>& visits() const { return visits_; }
   [[nodiscard]] const LotMotion& motion() const { return motion_; }
   [[nodiscard]] const ParkingLot& lot() const { return original_; }
   /// How many are where now.
@@ -175,7 +175,7 @@ class LotCoordinator : public Controller {
   std::set<std::string> seen_;
   std::map<std::string, Guest> guests_;
   std::map<std::int64_t, std::string> ids_;
-  std::map<std::string, LotVisit> visits_;
+  std::map<std::string, ParkingEvent> visits_;
   std::map<std::string, VehicleType> types_;
   std::vector<Replan> replans_;
 };

@@ -35,7 +35,7 @@ Json ways_json(const Ways& ways) {
 template <class Value>
 double mean_of(const LotReport& report, Value value) {
   std::vector<double> values;
-  for (const VisitRecord& r : report.visits) {
+  for (const ParkingRecord& r : report.visits) {
     if (r.visit.distance > 0.0) values.push_back(value(r.visit));
   }
   return mean(values);
@@ -47,12 +47,12 @@ std::string cell(const std::optional<double>& value) {
 
 }  // namespace
 
-std::optional<double> time_in(const VisitRecord& record, double end) {
+std::optional<double> time_in(const ParkingRecord& record, double end) {
   if (!record.at_gate || *record.at_gate > end) return std::nullopt;
   return record.visit.parked.value_or(end) - *record.at_gate;
 }
 
-std::optional<double> time_out(const VisitRecord& record, double end) {
+std::optional<double> time_out(const ParkingRecord& record, double end) {
   if (!record.visit.wished_out) return std::nullopt;
   return record.visit.handed_back.value_or(end) - *record.visit.wished_out;
 }
@@ -64,7 +64,7 @@ Json lot_json(const LotReport& report, double end) {
   Ways out;
   Json broken = Json::array();
   Json stranded = Json::array();
-  for (const VisitRecord& r : report.visits) {
+  for (const ParkingRecord& r : report.visits) {
     if (const auto took = time_in(r, end)) in.took.push_back(*took);
     if (const auto took = time_out(r, end)) out.took.push_back(*took);
     in.unfinished += time_in(r, end) && !r.visit.parked ? 1 : 0;
@@ -86,9 +86,9 @@ Json lot_json(const LotReport& report, double end) {
           {"slots", report.slots},
           {"gate_to_parked_s", ways_json(in)},
           {"slot_to_exit_s", ways_json(out)},
-          {"reversals_mean", mean_of(report, [](const LotVisit& v) { return v.reversals; })},
-          {"distance_mean_m", mean_of(report, [](const LotVisit& v) { return v.distance; })},
-          {"waited_mean_s", mean_of(report, [](const LotVisit& v) { return v.waited; })},
+          {"reversals_mean", mean_of(report, [](const ParkingEvent& v) { return v.reversals; })},
+          {"distance_mean_m", mean_of(report, [](const ParkingEvent& v) { return v.distance; })},
+          {"waited_mean_s", mean_of(report, [](const ParkingEvent& v) { return v.waited; })},
           {"parked_mean", mean(parked)},
           {"parked_max", largest(parked)},
           {"under_way_max", largest(under_way)},
@@ -111,7 +111,7 @@ LotReport merged(std::span<const LotReport> lots) {
       all.occupancy[i].at_gate += lot.occupancy[i].at_gate;
     }
   }
-  std::ranges::sort(all.visits, {}, [](const VisitRecord& r) { return r.visit.id; });
+  std::ranges::sort(all.visits, {}, [](const ParkingRecord& r) { return r.visit.id; });
   return all;
 }
 
@@ -130,8 +130,8 @@ std::string visits_csv(std::span<const LotReport> lots, double end) {
       "id,slot,at_gate_s,asked_in_s,admitted_in_s,parked_s,wished_out_s,admitted_out_s,"
       "handed_back_s,gate_to_parked_s,alone_in_s,slot_to_exit_s,alone_out_s,distance_m,waited_s,"
       "reversals,broken_down,stranded\n";
-  for (const VisitRecord& r : report.visits) {
-    const LotVisit& v = r.visit;
+  for (const ParkingRecord& r : report.visits) {
+    const ParkingEvent& v = r.visit;
     text += fmt::format("{},{},{},{},{},{},{},{},{},{},{:.2f},{},{:.2f},{:.2f},{:.2f},{},{},{}\n",
                         csv_field(v.id), csv_field(v.slot), cell(r.at_gate), cell(v.asked_in),
                         cell(v.admitted_in), cell(v.parked), cell(v.wished_out),

@@ -11,8 +11,8 @@
 namespace mvtp {
 
 /// A stay with what only the trip's record knows. A row of visits.csv.
-struct VisitRecord {
-  LotVisit visit;
+struct ParkingRecord {
+  ParkingEvent visit;
   /// [s] when it would have been at the gate with nobody before it; none: it was there at the start
   std::optional<double> at_gate;
 };
@@ -21,14 +21,14 @@ struct VisitRecord {
 struct LotReport {
   std::string lot;  ///< id
   int slots = 0;
-  std::vector<VisitRecord> visits;
+  std::vector<ParkingRecord> visits;
   std::vector<Occupied> occupancy;  ///< the rows of occupancy.csv
 };
 
 /// From the gate to the slot, or from the end of the stay to the exit lane [s]; of a vehicle that
 /// is still waiting or under way, up to `end`; none if it had no such way to make.
-[[nodiscard]] std::optional<double> time_in(const VisitRecord& record, double end);
-[[nodiscard]] std::optional<double> time_out(const VisitRecord& record, double end);
+[[nodiscard]] std::optional<double> time_in(const ParkingRecord& record, double end);
+[[nodiscard]] std::optional<double> time_out(const ParkingRecord& record, double end);
 
 /// The part "parking" of summary.json: the keys of docs/outputs.md, over all lots.
 /// @pre !lots.empty()

@@ -11,15 +11,15 @@ namespace {
 
 /// The junctions that a link of `junction` leads to within `chain` metres, over the junctions
 /// without conflicts between them.
-template <class Visit>
-void for_each_near(const LaneGraph& graph, int from_lane, double left, const Visit& visit) {
+template <class Visitor>
+void for_each_near(const LaneGraph& graph, int from_lane, double left, const Visitor& visitor) {
   const double length = graph.lane(from_lane).length;
   const int behind = graph.junction_behind(graph.edge_of(from_lane));
   if (length >= left || behind == LaneGraph::kNone) return;
-  if (graph.junction(behind).has_conflicts) return visit(behind);
+  if (graph.junction(behind).has_conflicts) return visitor(behind);
   for (const int k : graph.links_from(from_lane)) {
     for_each_near(graph, graph.link(k).to, left - length - std::max(0.1, graph.link(k).length),
-                  visit);
+                  visitor);
   }
 }
 

@@ -16,7 +16,7 @@ constexpr double kFarthest = 1.5;    ///< [m] beside the path from which it is r
 
 }  // namespace
 
-PathApproach::PathApproach(const GuidePath& path, const Pose& pose, double near)
+PathApproach::PathApproach(const ReferencePath& path, const Pose& pose, double near)
     : begin_(near), length_(kLength) {
   for (int round = 0; round < 4; ++round) begin_ += relative(path.at(begin_), pose).x;
   const Pose offset = relative(path.at(begin_), pose);
@@ -30,7 +30,7 @@ bool PathApproach::is_notable() const {
   return std::abs(aside_) > kNotable || std::abs(slope_) > kNotable;
 }
 
-double PathApproach::ground_acceleration(const GuidePath& path, double speed) const {
+double PathApproach::ground_acceleration(const ReferencePath& path, double speed) const {
   constexpr double kStep = 0.5;  // [m]
   double most = 0.0;
   double before = 0.0;  // metres on the ground per step
@@ -42,7 +42,7 @@ double PathApproach::ground_acceleration(const GuidePath& path, double speed) co
   return most / (kStep * kStep) * speed * speed;
 }
 
-bool PathApproach::is_drivable(const GuidePath& path, const Vehicle& body,
+bool PathApproach::is_drivable(const ReferencePath& path, const Vehicle& body,
                                const DrivableArea& area) const {
   if (!is_notable()) return true;
   constexpr double kStep = 0.5;  // [m]
@@ -59,7 +59,7 @@ bool PathApproach::is_drivable(const GuidePath& path, const Vehicle& body,
 }
 bool PathApproach::is_aslant() const { return std::abs(slope_) > kAslant; }
 
-Pose PathApproach::pose(const GuidePath& path, double s) const {
+Pose PathApproach::pose(const ReferencePath& path, double s) const {
   const double x = (s - begin_) / length_;
   if (x >= 1.0 || x < 0.0) return path.at(s);
   // The quintic with value and slope given at 0, no curvature there, and all three 0 at 1.

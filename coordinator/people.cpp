@@ -224,9 +224,9 @@ Forecast People::stays(const Person& person, double to) {
 /// @param from  negative: he is not on the path yet, where nobody can meet him.
 /// @param wait  steps before he walks.
 /// @param leaves  and has left at the end; else he stands there.
-PathTrajectory People::walk(double from, std::int64_t wait, double speed, double to,
-                            bool leaves) const {
-  PathTrajectory t{.begin = step_, .states = {{from, 0.0}}, .complete = leaves};
+SpeedProfile People::walk(double from, std::int64_t wait, double speed, double to,
+                          bool leaves) const {
+  SpeedProfile t{.begin = step_, .states = {{from, 0.0}}, .complete = leaves};
   for (std::int64_t k = 0; k < wait; ++k) t.states.push_back({from, 0.0});
   for (double s = from + speed * grid_.dt; s < to; s += speed * grid_.dt) {
     t.states.push_back({s, speed});
@@ -235,8 +235,8 @@ PathTrajectory People::walk(double from, std::int64_t wait, double speed, double
   return t;
 }
 
-Forecast People::forecast_on(int path, const Person& person, PathTrajectory earliest,
-                             PathTrajectory latest) const {
+Forecast People::forecast_on(int path, const Person& person, SpeedProfile earliest,
+                             SpeedProfile latest) const {
   Forecast forecast{.vehicle = {},
                     .trajectory = std::move(earliest),
                     .latest = std::move(latest),

@@ -90,10 +90,10 @@ class People {
   [[nodiscard]] Forecast expect_one(const Person& person, const std::optional<Green>& green);
   [[nodiscard]] Forecast crosses(const Person& person, const Green& green);
   [[nodiscard]] Forecast stays(const Person& person, double to);
-  [[nodiscard]] Forecast forecast_on(int path, const Person& person, PathTrajectory earliest,
-                                     PathTrajectory latest) const;
-  [[nodiscard]] PathTrajectory walk(double from, std::int64_t wait, double speed, double to,
-                                    bool leaves) const;
+  [[nodiscard]] Forecast forecast_on(int path, const Person& person, SpeedProfile earliest,
+                                     SpeedProfile latest) const;
+  [[nodiscard]] SpeedProfile walk(double from, std::int64_t wait, double speed, double to,
+                                  bool leaves) const;
 
   Traffic& traffic_;
   const LaneGraph& graph_;

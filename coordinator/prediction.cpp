@@ -29,7 +29,7 @@ double before_line(const InertialState& now, double a, double line, double dt) {
 /// Appends states until the end of the path, each with the acceleration that `wish` asks for; on
 /// the way, a stand at `line`.
 template <class Wish>
-void drive_on(PathTrajectory& t, const RoadVehicle& v, const DecisionGrid& grid,
+void drive_on(SpeedProfile& t, const RoadVehicle& v, const DecisionGrid& grid,
               std::optional<double> line, const Wish& wish) {
   double stood = 0.0;
   while (t.states.back().s < v.s_end && t.states.size() < kLongest) {
@@ -42,7 +42,7 @@ void drive_on(PathTrajectory& t, const RoadVehicle& v, const DecisionGrid& grid,
 }
 
 /// Held speed until step `hold`, then gentle acceleration.
-void drive_on(PathTrajectory& t, const RoadVehicle& v, const DecisionGrid& grid, std::size_t hold,
+void drive_on(SpeedProfile& t, const RoadVehicle& v, const DecisionGrid& grid, std::size_t hold,
               std::optional<double> line = std::nullopt) {
   drive_on(t, v, grid, line, [&](const InertialState& last) {
     const bool holds = t.states.size() <= hold || last.v >= v.cruise_speed;
@@ -52,11 +52,11 @@ void drive_on(PathTrajectory& t, const RoadVehicle& v, const DecisionGrid& grid,
 
 /// What it does until it stands at its line, and there it stays; nullopt if it does not stand
 /// there.
-std::optional<PathTrajectory> held_at_line(const PathTrajectory& t, const DecisionGrid& grid) {
+std::optional<SpeedProfile> held_at_line(const SpeedProfile& t, const DecisionGrid& grid) {
   const auto stand = std::ptrdiff_t(0.9 * kStand / grid.dt);
   const auto rest = std::ranges::search_n(t.states, stand, 0.0, {}, &InertialState::v);
   if (rest.empty()) return std::nullopt;
-  return PathTrajectory{t.begin, {t.states.begin(), rest.begin() + 1}, /*complete=*/false};
+  return SpeedProfile{t.begin, {t.states.begin(), rest.begin() + 1}, /*complete=*/false};
 }
 
 constexpr double kNearEnd = 60.0;     ///< [m] before the end of its corridor it needs a longer path
@@ -106,7 +106,7 @@ int Predictor::path_of(const VehicleState& v, const CourseQuery& query, const Ve
   const auto place_on = [&](const Corridor& corridor, double expected, double room) {
     const std::optional<double> s = corridor.station(query.lane, query.position, expected);
     if (!s) return false;
-    const GuidePath& path = corridors_.library().path(corridor.path);
+    const ReferencePath& path = corridors_.library().path(corridor.path);
     station = path.project({v.pose.x, v.pose.y}, *s - 3.0, *s + 3.0);
     return station < path.length() - room;
   };
@@ -203,34 +203,34 @@ std::vector<Forecast> Predictor::predict(const VehicleState& v, const CourseQuer
   return {forecast};
 }
 
-PathTrajectory predict_leader(const RoadVehicle& v, std::optional<double> line,
-                              const DecisionGrid& grid, std::int64_t step) {
-  PathTrajectory t{.begin = step, .states = {v.now}};
+SpeedProfile predict_leader(const RoadVehicle& v, std::optional<double> line,
+                            const DecisionGrid& grid, std::int64_t step) {
+  SpeedProfile t{.begin = step, .states = {v.now}};
   drive_on(t, v, grid, std::size_t(kHold / grid.dt), line);
   return t;
 }
 
-PathTrajectory predict_stop(const RoadVehicle& v, double stands, const DecisionGrid& grid,
-                            std::int64_t step) {
-  PathTrajectory t{.begin = step, .states = {{v.now.s, 0.0}}};
+SpeedProfile predict_stop(const RoadVehicle& v, double stands, const DecisionGrid& grid,
+                          std::int64_t step) {
+  SpeedProfile t{.begin = step, .states = {{v.now.s, 0.0}}};
   const double steps = std::min(stands / grid.dt, double(kLongest));
   t.states.resize(std::size_t(steps) + 1, t.states.front());
   drive_on(t, v, grid, 0);
   return t;
 }
 
-PathTrajectory predict_breakdown(const RoadVehicle& v, double decel, const DecisionGrid& grid,
-                                 std::int64_t step) {
-  PathTrajectory t{.begin = step, .states = {v.now}};
+SpeedProfile predict_breakdown(const RoadVehicle& v, double decel, const DecisionGrid& grid,
+                               std::int64_t step) {
+  SpeedProfile t{.begin = step, .states = {v.now}};
   while (t.states.back().v > 0.0) t.states.push_back(advance(t.states.back(), -decel, grid.dt));
   t.states.resize(t.states.size() + std::size_t(kStand / grid.dt), t.states.back());
   drive_on(t, v, grid, 0);
   return t;
 }
 
-PathTrajectory predict_crawl(const RoadVehicle& v, std::optional<double> line,
-                             const DecisionGrid& grid, std::int64_t step) {
-  PathTrajectory t{.begin = step, .states = {v.now}};
+SpeedProfile predict_crawl(const RoadVehicle& v, std::optional<double> line,
+                           const DecisionGrid& grid, std::int64_t step) {
+  SpeedProfile t{.begin = step, .states = {v.now}};
   drive_on(t, v, grid, line, [&](const InertialState& last) {
     const double wanted = (std::min(kCrawl, v.cruise_speed) - last.v) / grid.dt;
     return std::clamp(wanted, -kEasing, kHesitant);
@@ -238,9 +238,9 @@ PathTrajectory predict_crawl(const RoadVehicle& v, std::optional<double> line,
   return t;
 }
 
-PathTrajectory predict_passage(const RoadVehicle& v, double acceleration, const DecisionGrid& grid,
-                               std::int64_t step) {
-  PathTrajectory t{.begin = step, .states = {v.now}};
+SpeedProfile predict_passage(const RoadVehicle& v, double acceleration, const DecisionGrid& grid,
+                             std::int64_t step) {
+  SpeedProfile t{.begin = step, .states = {v.now}};
   while (t.states.back().s < v.s_end && t.states.size() < kLongest) {
     const InertialState last = t.states.back();
     const double speed =

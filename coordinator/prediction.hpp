@@ -76,25 +76,25 @@ class Predictor {
 /// A driver on his way: holds his speed for a while, then speeds up gently. Predicting that a
 /// standing leader stands for ever would leave the vehicles behind it without a complete plan.
 /// @param line  where he halts for long, if he is to wait: the station of a stop line [m].
-[[nodiscard]] PathTrajectory predict_leader(const RoadVehicle& vehicle, std::optional<double> line,
-                                            const DecisionGrid& grid, std::int64_t step);
+[[nodiscard]] SpeedProfile predict_leader(const RoadVehicle& vehicle, std::optional<double> line,
+                                          const DecisionGrid& grid, std::int64_t step);
 
 /// A driver at a scheduled stop: he goes on after `stands` seconds.
-[[nodiscard]] PathTrajectory predict_stop(const RoadVehicle& vehicle, double stands,
-                                          const DecisionGrid& grid, std::int64_t step);
+[[nodiscard]] SpeedProfile predict_stop(const RoadVehicle& vehicle, double stands,
+                                        const DecisionGrid& grid, std::int64_t step);
 
 /// The quickest that a driver may be who is let over a junction: he speeds up at once with
 /// `acceleration` [m/s^2].
-[[nodiscard]] PathTrajectory predict_passage(const RoadVehicle& vehicle, double acceleration,
-                                             const DecisionGrid& grid, std::int64_t step);
+[[nodiscard]] SpeedProfile predict_passage(const RoadVehicle& vehicle, double acceleration,
+                                           const DecisionGrid& grid, std::int64_t step);
 
 /// One that stops as hard as it can, and stands for a while.
-[[nodiscard]] PathTrajectory predict_breakdown(const RoadVehicle& vehicle, double decel,
-                                               const DecisionGrid& grid, std::int64_t step);
+[[nodiscard]] SpeedProfile predict_breakdown(const RoadVehicle& vehicle, double decel,
+                                             const DecisionGrid& grid, std::int64_t step);
 
 /// The slowest passage to be expected of him: at a crawl in the end.
 /// @param line  where he may have to wait behind the junction: the station of his lane's end [m].
-[[nodiscard]] PathTrajectory predict_crawl(const RoadVehicle& vehicle, std::optional<double> line,
-                                           const DecisionGrid& grid, std::int64_t step);
+[[nodiscard]] SpeedProfile predict_crawl(const RoadVehicle& vehicle, std::optional<double> line,
+                                         const DecisionGrid& grid, std::int64_t step);
 
 }  // namespace mvtp

@@ -78,11 +78,11 @@ Drive drive_of(const RoadScene& scene, const JointPlan& plan, std::size_t entry,
                std::int64_t from) {
   const RoadVehicle& v = scene.vehicle(plan.entries[entry].key);
   Drive drive{.entry = entry, .vehicle = &v, .body = &scene.body(v)};
-  const GuidePath& path = scene.library->path(v.path);
+  const ReferencePath& path = scene.library->path(v.path);
   const Vehicle& body = *drive.body;
   for (std::int64_t k = from; k <= from + kSlice; ++k) {
     const InertialState state = plan.entries[entry].trajectory->at(k);
-    if (state.s >= PathTrajectory::kGone) break;
+    if (state.s >= SpeedProfile::kDeparted) break;
     drive.places.push_back(place_of(path.at(state.s), body));
     for (const Point& p : drive.places.back().corners) {
       drive.x_low = std::min(drive.x_low, p.x - kBulge);
@@ -194,14 +194,14 @@ std::vector<PlannedContact> find_planned_contacts(const RoadScene& scene, const 
   return Referee(scene, plan, judged).judge();
 }
 
-bool touches_passage(const PathLibrary& library, int path, const PathTrajectory& plan,
+bool touches_passage(const PathLibrary& library, int path, const SpeedProfile& plan,
                      const Forecast& passage, std::int64_t step) {
   constexpr double kApart = 0.5;  // [m] between two places of the driver that are looked at
   const ContactTable& contacts = library.contacts(path, passage.vehicle.path);
-  const PathTrajectory& latest = passage.latest ? *passage.latest : passage.trajectory;
+  const SpeedProfile& latest = passage.latest ? *passage.latest : passage.trajectory;
   for (std::int64_t k = step; k < latest.end(); ++k) {
     const double s = plan.at(k).s;
-    if (s >= PathTrajectory::kGone) return false;
+    if (s >= SpeedProfile::kDeparted) return false;
     const double last = std::min(passage.trajectory.at(k).s, passage.vehicle.s_end);
     const double first = std::min(latest.at(k).s, last);
     if (!contacts.meets(s, s, first, last)) continue;

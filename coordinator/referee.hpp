@@ -31,7 +31,7 @@ struct PlannedContact {
 /// Would a driver who passes and yields to nobody touch, at any step from `step` on, a vehicle that
 /// follows `plan` on a path of the library? The driver may be anywhere between its earliest and its
 /// latest; of the true bodies, without margins.
-[[nodiscard]] bool touches_passage(const PathLibrary& library, int path, const PathTrajectory& plan,
+[[nodiscard]] bool touches_passage(const PathLibrary& library, int path, const SpeedProfile& plan,
                                    const Forecast& passage, std::int64_t step);
 
 /// Which of the groups have vehicles that would touch: their numbers, ascending.

@@ -46,14 +46,14 @@ struct Turn {
 };
 
 /// The sharpest places of all bends that may need a wider path.
-std::vector<Turn> turns_of(const GuidePath& path) {
+std::vector<Turn> turns_of(const ReferencePath& path) {
   constexpr double kSlight = 0.02;  // [1/m]
   constexpr double kApart = 4.0;    // [m] of straight path between two turns to one side
   std::vector<Turn> turns;
   double sharpest = 0.0;
   double bent_until = 0.0;
   for (std::size_t i = 0; i < path.samples(); ++i) {
-    const double s = double(i) * GuidePath::kSpacing;
+    const double s = double(i) * ReferencePath::kSpacing;
     const double kappa = path.curvature(s);
     if (std::abs(kappa) < kSlight) continue;
     const double side = kappa > 0.0 ? 1.0 : -1.0;
@@ -99,7 +99,7 @@ struct Base {
   double spacing;  ///< [m]
   std::vector<Place> places;
 
-  Base(const GuidePath& path, double apart) : spacing(apart) {
+  Base(const ReferencePath& path, double apart) : spacing(apart) {
     const auto n = std::size_t(path.length() / apart) + 1;
     places.reserve(n);
     for (std::size_t i = 0; i < n; ++i) {
@@ -191,7 +191,7 @@ class ShapeSearch {
     evaluations_left_ = 40 + 40 * int(turns_.size());
   }
 
-  GuidePath best() {
+  ReferencePath best() {
     // Most bodies are short enough for a path that hugs the centre line.
     for (const double share : {0.0, 0.5, 1.0}) {
       for (const double sigma : {2.5, 1.5, 4.0}) {
@@ -204,12 +204,12 @@ class ShapeSearch {
       while (!done() && improve_once(scale)) {
       }
     }
-    return GuidePath(shaped(Base(line_, kFine), turns_, best_.shape));
+    return ReferencePath(shaped(Base(line_, kFine), turns_, best_.shape));
   }
 
   /// Can the path that best() gave not be steered, or does it leave the road? It is judged as it is
   /// driven: between the places that the search looked at, too.
-  [[nodiscard]] bool fails(const GuidePath& path) const {
+  [[nodiscard]] bool fails(const ReferencePath& path) const {
     const double last = std::min(driven_.to + best_.shape.follow, path.length());
     for (double s = driven_.from + best_.shape.follow; s <= last; s += kJudged) {
       if (std::abs(path.curvature(s)) > body_.max_curvature()) return true;
@@ -338,7 +338,7 @@ class ShapeSearch {
   static constexpr double kTolerable = 1e-4;  ///< badness of swings alone
 
   double spacing_;  ///< [m] between places of a candidate
-  GuidePath line_;
+  ReferencePath line_;
   Base base_;
   Stretch driven_;
   std::vector<Turn> turns_;
@@ -351,14 +351,14 @@ class ShapeSearch {
 
 }  // namespace
 
-GuidePath make_reference_path(std::span<const Point> centre_line, double from, double to,
-                              const Vehicle& body, const DrivableArea& own,
-                              const DrivableArea& area) {
+ReferencePath make_reference_path(std::span<const Point> centre_line, double from, double to,
+                                  const Vehicle& body, const DrivableArea& own,
+                                  const DrivableArea& area) {
   // Where the search ends depends on where it looks: one that fails looks again, more finely.
-  std::optional<GuidePath> first;
+  std::optional<ReferencePath> first;
   for (const double spacing : {0.5, 0.3}) {
     ShapeSearch search(centre_line, {from, to}, body, own, area, spacing);
-    GuidePath path = search.best();
+    ReferencePath path = search.best();
     if (!search.fails(path)) return path;
     if (!first) first = std::move(path);
   }

@@ -3,7 +3,7 @@
 #include <span>
 
 #include "coordinator/drivable_area.hpp"
-#include "planner/motion/guide_path.hpp"
+#include "planner/motion/reference_path.hpp"
 
 namespace mvtp {
 
@@ -13,8 +13,8 @@ namespace mvtp {
 /// @param from,to  the stretch that the rear axle drives [m]: nobody is on the path beyond it.
 /// @param own   the road in this direction: where the body should stay,
 /// @param area  the whole road: where it may swing to if it has to.
-[[nodiscard]] GuidePath make_reference_path(std::span<const Point> centre_line, double from,
-                                            double to, const Vehicle& body, const DrivableArea& own,
-                                            const DrivableArea& area);
+[[nodiscard]] ReferencePath make_reference_path(std::span<const Point> centre_line, double from,
+                                                double to, const Vehicle& body,
+                                                const DrivableArea& own, const DrivableArea& area);
 
 }  // namespace mvtp

@@ -23,7 +23,7 @@ SpeedEnvelope envelope(const std::vector<double>& limits, double share, double b
 }
 
 /// How far a leader has come `steps` after now [m]; before now it kept its speed.
-double travelled(const TubeLeader& leader, const PathTrajectory* t, bool latest, double steps,
+double travelled(const TubeLeader& leader, const SpeedProfile* t, bool latest, double steps,
                  double dt) {
   const double time = steps * dt;
   if (t == nullptr && !latest) return (leader.speed + 0.5 * leader.max_accel * time) * time;
@@ -36,7 +36,7 @@ double room_behind(const std::vector<TubeLeader>& leaders, double k, double dt, 
                    double lag, double distance) {
   double room = 1e9;
   for (const TubeLeader& leader : leaders) {
-    const PathTrajectory* t = latest ? leader.latest : leader.earliest;
+    const SpeedProfile* t = latest ? leader.latest : leader.earliest;
     const double way = travelled(leader, t, latest, k - lag / dt, dt);
     if (way >= leader.until) continue;
     room = std::min(room, leader.gap - distance + way);
@@ -52,7 +52,7 @@ Tube predict_tube(const TubeDriver& driver, const std::vector<TubeLeader>& leade
   const SpeedEnvelope slow = envelope(driver.limits, kSlowest, kGentle * driver.max_decel);
   const RoadVehicle& road = driver.road;
   const auto drive = [&](bool latest) {
-    PathTrajectory t{.begin = step, .states = {road.now}};
+    SpeedProfile t{.begin = step, .states = {road.now}};
     const double most = latest ? kLeastAccel * driver.max_accel : driver.max_accel;
     const double lag = latest ? road.tau + kLateFollow : 0.0;
     const double distance = latest ? road.min_gap : std::min(road.min_gap, kLeastGap);

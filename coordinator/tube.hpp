@@ -10,17 +10,16 @@ namespace mvtp {
 /// All that a human driver may do on his way over a junction: at each time he is anywhere between
 /// the earliest and the latest motion.
 struct Tube {
-  PathTrajectory earliest;
-  PathTrajectory latest;
+  SpeedProfile earliest;
+  SpeedProfile latest;
 };
 
 /// A tube that is kept elsewhere; one motion is a tube without width.
 struct TubeView {
-  const PathTrajectory& earliest;
-  const PathTrajectory& latest;
+  const SpeedProfile& earliest;
+  const SpeedProfile& latest;
 
-  TubeView(const PathTrajectory& first, const PathTrajectory& last)
-      : earliest(first), latest(last) {}
+  TubeView(const SpeedProfile& first, const SpeedProfile& last) : earliest(first), latest(last) {}
   /// Implicit: whoever looks at a tube does not care who keeps it.
   TubeView(const Tube& tube)  // NOLINT(google-explicit-constructor)
       : TubeView(tube.earliest, tube.latest) {}
@@ -29,7 +28,7 @@ struct TubeView {
 /// What bounds the driver: his vehicle, and how fast he wants to drive where.
 struct TubeDriver {
   RoadVehicle road;            ///< `now` and the path
-  std::vector<double> limits;  ///< [m/s] that he keeps to, per GuidePath::kSpacing of the path
+  std::vector<double> limits;  ///< [m/s] that he keeps to, per ReferencePath::kSpacing of the path
   double max_accel = 2.6;      ///< [m/s^2] of the vehicle
   double max_decel = 4.5;      ///< [m/s^2]
   double line = 0.0;           ///< station of his stop line [m]
@@ -42,8 +41,8 @@ struct TubeLeader {
   double gap = 0.0;                          ///< [m] from bumper to bumper now
   double speed = 0.0;                        ///< [m/s] now
   double max_accel = 2.6;                    ///< [m/s^2]
-  const PathTrajectory* earliest = nullptr;  ///< what it may do; none: it speeds up as it can
-  const PathTrajectory* latest = nullptr;    ///< none: it keeps its speed
+  const SpeedProfile* earliest = nullptr;    ///< what it may do; none: it speeds up as it can
+  const SpeedProfile* latest = nullptr;      ///< none: it keeps its speed
   /// Until it has driven so far it is ahead of him [m]; then their ways part.
   double until = 1e9;
 };

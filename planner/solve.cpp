@@ -18,67 +18,69 @@
 namespace mvtp {
 namespace {
 
-StepPlan run_escot(const PlanningProblem& fleet, const SolveOptions& options,
-                   const Deadline& deadline) {
+PlannerResult run_escot(const PlanningProblem& problem, const SolveOptions& options,
+                        const Deadline& deadline) {
   EscotOptions escot;
   escot.seed = options.seed;
   escot.world.seed = options.seed;
-  return solve_escot(fleet, escot, deadline);
+  return solve_escot(problem, escot, deadline);
 }
 
-StepPlan run_pbcr(const PlanningProblem& fleet, const SolveOptions& options,
-                  const Deadline& deadline) {
+PlannerResult run_pbcr(const PlanningProblem& problem, const SolveOptions& options,
+                       const Deadline& deadline) {
   EscotOptions escot;
   escot.seed = options.seed;
   escot.world.seed = options.seed;
   escot.world.grouping = false;
   escot.replan_duplicates = false;
-  return solve_escot(fleet, escot, deadline);
+  return solve_escot(problem, escot, deadline);
 }
 
 /// Conflict-based search over all robots at once.
-StepPlan run_cbs(const PlanningProblem& fleet, const CbsOptions& options,
-                 const Deadline& deadline) {
+PlannerResult run_cbs(const PlanningProblem& problem, const CbsOptions& options,
+                      const Deadline& deadline) {
   std::vector<CbsRobot> robots;
-  const Configuration starts = fleet.starts();
-  for (int i = 0; i < fleet.size(); ++i) {
-    robots.push_back({&fleet.car(i), &fleet.cost_to_go(i), starts[std::size_t(i)]});
+  const Configuration starts = problem.starts();
+  for (int i = 0; i < problem.size(); ++i) {
+    robots.push_back({&problem.car(i), &problem.cost_to_go(i), starts[std::size_t(i)]});
   }
   const CbsResult result =
-      conflict_based_search(robots, {}, SpacetimeHybridAstar(fleet.curves()), options, deadline);
+      conflict_based_search(robots, {}, SpacetimeHybridAstar(problem.curves()), options, deadline);
   if (result.failure == CbsFailure::kTimeout) return {Status::kTimeout, {}};
   if (result.failure != CbsFailure::kNone) return {Status::kExhausted, {}};
-  StepPlan plan{Status::kSolved, {}};
-  for (int i = 0; i < fleet.size(); ++i) {
-    plan.trajectories.push_back(trajectory_of(fleet, i, result.steps[std::size_t(i)]));
+  PlannerResult plan{Status::kSolved, {}};
+  for (int i = 0; i < problem.size(); ++i) {
+    plan.trajectories.push_back(trajectory_of(problem, i, result.steps[std::size_t(i)]));
   }
   return plan;
 }
 
-StepPlan run_eccr(const PlanningProblem& fleet, const SolveOptions&, const Deadline& deadline) {
-  return run_cbs(fleet, eccr_options(), deadline);
+PlannerResult run_eccr(const PlanningProblem& problem, const SolveOptions&,
+                       const Deadline& deadline) {
+  return run_cbs(problem, eccr_options(), deadline);
 }
 
-StepPlan run_cl_cbs(const PlanningProblem& fleet, const SolveOptions&, const Deadline& deadline) {
-  return run_cbs(fleet, cl_cbs_options(), deadline);
+PlannerResult run_cl_cbs(const PlanningProblem& problem, const SolveOptions&,
+                         const Deadline& deadline) {
+  return run_cbs(problem, cl_cbs_options(), deadline);
 }
 
-StepPlan run_sha(const PlanningProblem& fleet, const SolveOptions& options,
-                 const Deadline& deadline) {
+PlannerResult run_sha(const PlanningProblem& problem, const SolveOptions& options,
+                      const Deadline& deadline) {
   PrioritizedOptions sha;
   sha.seed = options.seed;
-  return plan_prioritized(fleet, sha, deadline);
+  return plan_prioritized(problem, sha, deadline);
 }
 
-StepPlan run_escot_star(const PlanningProblem& fleet, const SolveOptions& options,
-                        const Deadline& deadline) {
+PlannerResult run_escot_star(const PlanningProblem& problem, const SolveOptions& options,
+                             const Deadline& deadline) {
   return solve_escot_star(
-      fleet, {.seed = options.seed, .gap = options.gap, .threads = options.threads}, deadline);
+      problem, {.seed = options.seed, .gap = options.gap, .threads = options.threads}, deadline);
 }
 
 struct Algorithm {
   std::string name;
-  StepPlan (*run)(const PlanningProblem&, const SolveOptions&, const Deadline&);
+  PlannerResult (*run)(const PlanningProblem&, const SolveOptions&, const Deadline&);
   /// Can it plan for robots that overlap each other at their starts or goals?
   bool lets_robots_overlap = false;
 };
@@ -91,13 +93,13 @@ const std::vector<Algorithm>& algorithms() {
 }
 
 /// @param options  its seed becomes that of the last run: the one that solved, if any did
-StepPlan run_repeatedly(const Algorithm& algorithm, const PlanningProblem& fleet,
-                        SolveOptions& options, const Deadline& deadline) {
-  StepPlan plan;
+PlannerResult run_repeatedly(const Algorithm& algorithm, const PlanningProblem& problem,
+                             SolveOptions& options, const Deadline& deadline) {
+  PlannerResult plan;
   const std::uint64_t first_seed = options.seed;
   for (int run = 0; run < std::max(options.runs, 1); ++run) {
     options.seed = first_seed + std::uint64_t(run);
-    plan = algorithm.run(fleet, options, deadline.within(options.run_time_limit));
+    plan = algorithm.run(problem, options, deadline.within(options.run_time_limit));
     if (plan.status == Status::kSolved || deadline.expired()) break;
   }
   return plan;
@@ -107,7 +109,7 @@ double seconds_since(std::chrono::steady_clock::time_point begin) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
 }
 
-std::string reason(const StepPlan& plan) {
+std::string reason(const PlannerResult& plan) {
   switch (plan.status) {
     case Status::kTimeout:
       return "the time limit ended the search";
@@ -137,20 +139,20 @@ Plan solve(const Instance& instance, const SolveOptions& options, const Deadline
                                  fmt::join(algorithm_names(), ", ")));
   }
   const auto begin = std::chrono::steady_clock::now();
-  const PlanningProblem fleet(instance, options.collision, deadline);
+  const PlanningProblem problem(instance, options.collision, deadline);
 
   Plan plan;
-  StepPlan solution;
+  PlannerResult solution;
   SolveOptions last = options;
   double prepared = 0.0;  // [s]
-  plan.statistics.reason = fleet.proof_of_infeasibility(deadline);
+  plan.statistics.reason = problem.proof_of_infeasibility(deadline);
   if (plan.statistics.reason.empty() && !algorithm->lets_robots_overlap &&
-      !fleet.overlapping_pairs().empty()) {
+      !problem.overlapping_pairs().empty()) {
     plan.statistics.reason =
-        fmt::format("{}; only escot and pbcr let them", fleet.overlapping_pairs().first());
+        fmt::format("{}; only escot and pbcr let them", problem.overlapping_pairs().first());
   } else if (plan.statistics.reason.empty()) {
     prepared = seconds_since(begin);
-    solution = run_repeatedly(*algorithm, fleet, last, deadline);
+    solution = run_repeatedly(*algorithm, problem, last, deadline);
     plan.statistics.reason = reason(solution);
   } else {
     solution.status = Status::kInfeasible;
@@ -169,7 +171,7 @@ Plan solve(const Instance& instance, const SolveOptions& options, const Deadline
   if (solution.first_solution) {
     plan.statistics.first_solution = *solution.first_solution + prepared;
   }
-  plan.statistics.lower_bound = fleet.lower_bound();
+  plan.statistics.lower_bound = problem.lower_bound();
   plan.statistics.initial_overlaps = exemptions_of(instance);
   fill_in_durations(plan);
   plan.statistics.runtime = seconds_since(begin);

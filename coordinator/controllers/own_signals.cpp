@@ -32,7 +32,7 @@ std::unique_ptr<Controller> run_own_signals(Traffic& traffic,
                                             const std::vector<std::string>& signals,
                                             SignalControl control) {
   for (const std::string& signal : signals) traffic.control_signal(signal, control);
-  return std::make_unique<OwnDrivers>();
+  return std::make_unique<HumanDriversOnly>();
 }
 
 }  // namespace mvtp

@@ -7,7 +7,7 @@ ControllerKind sumo_controller() {
   return {.name = "sumo",
           .meaning = "SUMO's own control, as the scenario comes",
           .make = [](const ControllerSetup& /*setup*/) -> std::unique_ptr<Controller> {
-            return std::make_unique<OwnDrivers>();
+            return std::make_unique<HumanDriversOnly>();
           }};
 }
 

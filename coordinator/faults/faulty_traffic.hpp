@@ -133,7 +133,7 @@ class FaultyTraffic : public Traffic {
     std::optional<VehicleState> newest;
     std::int64_t seen = 0;  ///< step
   };
-  class Radio : public OwnDrivers {
+  class Radio : public HumanDriversOnly {
    public:
     explicit Radio(FaultyTraffic& traffic) : traffic_(traffic) {}
     void act() override { traffic_.command(); }

@@ -54,19 +54,19 @@ double reach_of_actions(const Instance& instance) {
 
 /// The instance as all searchers see it; they change nothing in it.
 struct Scene {
-  Scene(const PlanningProblem& fleet, const Deadline& deadline)
-      : time(time_grid(fleet.instance())),
-        obstacles(fleet.instance().map, reach_of_actions(fleet.instance())),
-        clearance(fleet.instance().map, obstacles, deadline) {
-    const Instance& instance = fleet.instance();
+  Scene(const PlanningProblem& problem, const Deadline& deadline)
+      : time(time_grid(problem.instance())),
+        obstacles(problem.instance().map, reach_of_actions(problem.instance())),
+        clearance(problem.instance().map, obstacles, deadline) {
+    const Instance& instance = problem.instance();
     cars.reserve(instance.agents.size());
-    for (int i = 0; i < fleet.size(); ++i) {
+    for (int i = 0; i < problem.size(); ++i) {
       const Agent& agent = instance.agents[std::size_t(i)];
       cars.emplace_back(agent.vehicle, time, instance.map, obstacles, clearance,
-                        fleet.exemptions(i));
-      robots.push_back({&cars.back(), &fleet.cost_to_go(i), agent.start});
+                        problem.exemptions(i));
+      robots.push_back({&cars.back(), &problem.cost_to_go(i), agent.start});
     }
-    lower_bound = int(std::ceil(fleet.lower_bound() / time.dt - 1e-6));
+    lower_bound = int(std::ceil(problem.lower_bound() / time.dt - 1e-6));
   }
   Scene(const Scene&) = delete;
   Scene& operator=(const Scene&) = delete;
@@ -76,7 +76,7 @@ struct Scene {
   Clearance clearance;
   std::vector<MotionPrimitives> cars;
   std::vector<MacroRobot> robots;
-  std::vector<TimedTrack> alone;
+  std::vector<ArcTrajectory> alone;
   int lower_bound = 0;  ///< [time steps]
   int goal = 0;         ///< good enough [time steps]
 };
@@ -103,7 +103,7 @@ class Searcher {
     while (!ended_) meet(true);
   }
 
-  [[nodiscard]] const Incumbent& best() const { return best_; }
+  [[nodiscard]] const ConflictFreePlan& best() const { return best_; }
   [[nodiscard]] double first_solution() const { return first_solution_; }
   /// Nothing was left to try.
   [[nodiscard]] bool exhausted() const { return exhausted_; }
@@ -136,12 +136,12 @@ class Searcher {
   int number_;
   std::uint64_t seed_;
   const Deadline& deadline_;
-  std::vector<TimedTrack> alone_;  ///< as in the scene, the longest of them better
+  std::vector<ArcTrajectory> alone_;  ///< as in the scene, the longest of them better
   JointMotion motion_;
   Repair repair_;
   Exchange& exchange_;
   std::chrono::steady_clock::time_point begin_;
-  Incumbent best_;
+  ConflictFreePlan best_;
   double first_solution_ = std::numeric_limits<double>::infinity();
   std::int64_t next_meeting_ = kExchangeEvery;
   bool adopted_ = false;  ///< the best plan is someone else's, and not worked on yet
@@ -155,7 +155,7 @@ void Searcher::keep() {
     first_solution_ =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_).count();
   }
-  Incumbent plan{motion_.tracks(), motion_.makespan(), motion_.flowtime()};
+  ConflictFreePlan plan{motion_.tracks(), motion_.makespan(), motion_.flowtime()};
   if (plan.better_than(best_)) best_ = std::move(plan);
 }
 
@@ -168,7 +168,7 @@ void Searcher::find_first_plan() {
 void Searcher::straighten_longest_ways() {
   for (std::size_t i = 0; i < alone_.size(); ++i) {
     if (alone_[i].arrival() <= scene_.goal || deadline_.expired()) continue;
-    std::optional<TimedTrack> better = find_single_agent_track(
+    std::optional<ArcTrajectory> better = find_single_agent_track(
         repair_.search(), scene_.robots[i], kSoloWeight, kSoloExpansions, 0, deadline_);
     if (better && better->arrival() < alone_[i].arrival()) alone_[i] = *std::move(better);
   }
@@ -233,16 +233,16 @@ double Searcher::solo_makespan() const {
   return longest * scene_.time.dt;
 }
 
-std::vector<Trajectory> trajectories(const PlanningProblem& fleet, const Scene& scene,
-                                     const Incumbent& plan) {
+std::vector<Trajectory> trajectories(const PlanningProblem& problem, const Scene& scene,
+                                     const ConflictFreePlan& plan) {
   std::vector<Trajectory> result;
-  for (int i = 0; i < fleet.size(); ++i) {
-    const TimedTrack& track = plan.tracks[std::size_t(i)];
+  for (int i = 0; i < problem.size(); ++i) {
+    const ArcTrajectory& track = plan.tracks[std::size_t(i)];
     const Vehicle& vehicle = scene.cars[std::size_t(i)].vehicle();
     Trajectory trajectory(track.start());
     Pose pose = track.start();
     for (const Arc& arc : track.steps()) {
-      pose = fleet.after(i, pose, arc);
+      pose = problem.after(i, pose, arc);
       trajectory.push_back(
           {pose, arc.length / scene.time.dt, std::atan(arc.curvature * vehicle.wheelbase)});
     }
@@ -253,15 +253,15 @@ std::vector<Trajectory> trajectories(const PlanningProblem& fleet, const Scene& 
 
 }  // namespace
 
-StepPlan solve_escot_star(const PlanningProblem& fleet, const EscotStarOptions& options,
-                          const Deadline& deadline) {
+PlannerResult solve_escot_star(const PlanningProblem& problem, const EscotStarOptions& options,
+                               const Deadline& deadline) {
   const auto begin = std::chrono::steady_clock::now();
-  StepPlan plan{Status::kExhausted, {}};
-  if (fleet.size() == 0) return {Status::kSolved, {}};
-  Scene scene(fleet, deadline);
+  PlannerResult plan{Status::kExhausted, {}};
+  if (problem.size() == 0) return {Status::kSolved, {}};
+  Scene scene(problem, deadline);
   scene.goal =
-      std::max(scene.lower_bound, int(fleet.lower_bound() * (1.0 + options.gap) / scene.time.dt));
-  scene.alone = find_single_agent_tracks(fleet, scene.robots, deadline);
+      std::max(scene.lower_bound, int(problem.lower_bound() * (1.0 + options.gap) / scene.time.dt));
+  scene.alone = find_single_agent_tracks(problem, scene.robots, deadline);
   if (scene.alone.empty()) {
     if (deadline.expired()) plan.status = Status::kTimeout;
     return plan;
@@ -290,7 +290,7 @@ StepPlan solve_escot_star(const PlanningProblem& fleet, const EscotStarOptions& 
   double soonest = std::numeric_limits<double>::infinity();
   for (const auto& searcher : searchers) soonest = std::min(soonest, searcher->first_solution());
   plan.status = Status::kSolved;
-  plan.trajectories = trajectories(fleet, scene, first.best());
+  plan.trajectories = trajectories(problem, scene, first.best());
   plan.dt = scene.time.dt;
   plan.first_solution = soonest + std::chrono::duration<double>(searching - begin).count();
   plan.solo_makespan = first.solo_makespan();

@@ -2,8 +2,8 @@
 
 #include <cstdint>
 
+#include "planner/escot/planner_result.hpp"
 #include "planner/escot/planning_problem.hpp"
-#include "planner/escot/step_plan.hpp"
 #include "planner/problem/deadline.hpp"
 
 namespace mvtp {
@@ -27,9 +27,10 @@ struct EscotStarOptions {
 /// 4. At the makespan found, robots arrive earlier where they can: the sum of costs.
 ///
 /// Always continuous in its collision rule. Steps are shorter than the instance's: see
-/// StepPlan::dt. Budgets are in expansions: equal seeds and threads give equal plans, unless the
-/// deadline ends the search. Source of the repair: LNS2, Li et al. 2022.
-[[nodiscard]] StepPlan solve_escot_star(const PlanningProblem& fleet,
-                                        const EscotStarOptions& options, const Deadline& deadline);
+/// PlannerResult::dt. Budgets are in expansions: equal seeds and threads give equal plans, unless
+/// the deadline ends the search. Source of the repair: LNS2, Li et al. 2022.
+[[nodiscard]] PlannerResult solve_escot_star(const PlanningProblem& problem,
+                                             const EscotStarOptions& options,
+                                             const Deadline& deadline);
 
 }  // namespace mvtp

@@ -7,7 +7,7 @@ namespace mvtp {
 Exchange::Exchange(int searchers, int goal)
     : goal_(goal), slots_(std::size_t(searchers)), barrier_(searchers, Completion{this}) {}
 
-bool Exchange::meet(int searcher, Incumbent& plan, bool finished) {
+bool Exchange::meet(int searcher, ConflictFreePlan& plan, bool finished) {
   slots_[std::size_t(searcher)] = {&plan, finished};
   barrier_.arrive_and_wait();
   const bool ended = ended_;

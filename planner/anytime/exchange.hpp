@@ -5,17 +5,17 @@
 #include <limits>
 #include <vector>
 
-#include "planner/motion/timed_track.hpp"
+#include "planner/motion/arc_trajectory.hpp"
 
 namespace mvtp {
 
 /// A plan that is free of conflicts; none yet if `tracks` is empty.
-struct Incumbent {
-  std::vector<TimedTrack> tracks;
+struct ConflictFreePlan {
+  std::vector<ArcTrajectory> tracks;
   int makespan = std::numeric_limits<int>::max();                    ///< [time steps]
   std::int64_t flowtime = std::numeric_limits<std::int64_t>::max();  ///< [time steps]
 
-  [[nodiscard]] bool better_than(const Incumbent& other) const {
+  [[nodiscard]] bool better_than(const ConflictFreePlan& other) const {
     return makespan != other.makespan ? makespan < other.makespan : flowtime < other.flowtime;
   }
 };
@@ -30,13 +30,13 @@ class Exchange {
 
   /// Offers a plan and takes over the best of all, if it is better. To be called by every searcher
   /// equally often. @return true if the search has ended
-  bool meet(int searcher, Incumbent& plan, bool finished);
+  bool meet(int searcher, ConflictFreePlan& plan, bool finished);
 
  private:
   void compare() noexcept;
 
   struct Slot {
-    Incumbent* plan = nullptr;
+    ConflictFreePlan* plan = nullptr;
     bool finished = false;
   };
   /// What std::barrier calls when everyone has come.
@@ -47,7 +47,7 @@ class Exchange {
 
   int goal_;
   std::vector<Slot> slots_;
-  Incumbent best_;
+  ConflictFreePlan best_;
   bool ended_ = false;
   std::barrier<Completion> barrier_;
 };

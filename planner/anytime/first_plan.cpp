@@ -20,7 +20,7 @@ constexpr std::int64_t kPatienceWithTurns = 1500;  ///< expansions per robot wit
 
 }  // namespace
 
-FirstPlan::FirstPlan(JointMotion& motion, Repair& repair, const std::vector<TimedTrack>& alone,
+FirstPlan::FirstPlan(JointMotion& motion, Repair& repair, const std::vector<ArcTrajectory>& alone,
                      const Deadline& deadline, Repair::Interrupt interrupt)
     : motion_(motion),
       repair_(repair),
@@ -66,7 +66,7 @@ bool FirstPlan::spread_out() {
   const int macro_step = motion_.time().macro_step;
   for (const int i : longest_way_first()) {
     if (deadline_.expired()) return false;
-    const TimedTrack& way = alone_[std::size_t(i)];
+    const ArcTrajectory& way = alone_[std::size_t(i)];
     int best = 0;
     int fewest = std::numeric_limits<int>::max();
     for (int wait = 0; fewest > 0; wait += kDelays) {

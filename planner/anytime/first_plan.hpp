@@ -23,7 +23,7 @@ namespace mvtp {
 class FirstPlan {
  public:
   /// All parameters outlive this object. @param alone  the robots' paths if they were alone
-  FirstPlan(JointMotion& motion, Repair& repair, const std::vector<TimedTrack>& alone,
+  FirstPlan(JointMotion& motion, Repair& repair, const std::vector<ArcTrajectory>& alone,
             const Deadline& deadline, Repair::Interrupt interrupt);
 
   /// True if all robots have a motion and nobody overlaps; false when interrupted or out of time.
@@ -52,7 +52,7 @@ class FirstPlan {
 
   JointMotion& motion_;
   Repair& repair_;
-  const std::vector<TimedTrack>& alone_;
+  const std::vector<ArcTrajectory>& alone_;
   const Deadline& deadline_;
   Repair::Interrupt interrupt_;
   FirstPlanOptions options_ = kCalm;

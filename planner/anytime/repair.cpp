@@ -6,7 +6,7 @@
 
 namespace mvtp {
 
-Repair::Repair(JointMotion& motion, const std::vector<TimedTrack>& alone,
+Repair::Repair(JointMotion& motion, const std::vector<ArcTrajectory>& alone,
                const RepairOptions& options, std::uint64_t seed, const Deadline& deadline)
     : motion_(motion),
       alone_(alone),
@@ -38,7 +38,7 @@ SoftOptions Repair::soft_options(int expansions, bool finely) const {
   return options;
 }
 
-bool Repair::plan(int i, const SoftOptions& options, const TimedTrack* old, int from) {
+bool Repair::plan(int i, const SoftOptions& options, const ArcTrajectory* old, int from) {
   SoftProblem among = problem(i);
   const Pose start = among.start;
   std::vector<Arc> steps;
@@ -49,11 +49,11 @@ bool Repair::plan(int i, const SoftOptions& options, const TimedTrack* old, int 
     steps.assign(old->steps().begin(), old->steps().begin() + std::min(t, old->arrival()));
     steps.resize(std::size_t(t));
   }
-  const std::optional<SoftPath> path = search_.search(among, options, deadline_);
+  const std::optional<SoftCollisionPath> path = search_.search(among, options, deadline_);
   if (!path) return false;
   steps.insert(steps.end(), path->steps.begin(), path->steps.end());
   motion_.place(
-      i, TimedTrack(among.car->vehicle(), start, std::move(steps), motion_.time().macro_step));
+      i, ArcTrajectory(among.car->vehicle(), start, std::move(steps), motion_.time().macro_step));
   return true;
 }
 
@@ -86,7 +86,7 @@ Repair::Choice Repair::choose() {
 }
 
 /// Places the robot, absent so far; or leaves it absent.
-bool Repair::plan_anew(const Choice& choice, const TimedTrack& old) {
+bool Repair::plan_anew(const Choice& choice, const ArcTrajectory& old) {
   const bool larger = random_.below(options_.larger_every) == 0;
   const bool finely = larger && stalled_ && random_.below(2) == 0;
   const SoftOptions options =
@@ -97,7 +97,7 @@ bool Repair::plan_anew(const Choice& choice, const TimedTrack& old) {
 /// For want of anything better robot i, absent so far, drives the single-agent path, begun at any
 /// time. This is all there is in places too tight for a small search. False if it would be late.
 bool Repair::drive_alone(int i) {
-  const TimedTrack& way = alone_[std::size_t(i)];
+  const ArcTrajectory& way = alone_[std::size_t(i)];
   if (way.arrival() > limit_) return false;
   const int latest =
       std::min(limit_ - way.arrival(), motion_.makespan()) / motion_.time().macro_step;
@@ -106,7 +106,7 @@ bool Repair::drive_alone(int i) {
 }
 
 /// Robot i moves as before, whatever was planned for it since.
-void Repair::put_back(int i, TimedTrack old) {
+void Repair::put_back(int i, ArcTrajectory old) {
   if (motion_.present(i)) motion_.remove(i);
   motion_.place(i, std::move(old));
 }
@@ -118,7 +118,7 @@ void Repair::try_one() {
   last_tried_[std::size_t(i)] = tried_;
   const double before = motion_.cost();
   const std::vector<int> overlapped = motion_.conflicts_of(i);
-  TimedTrack old = motion_.remove(i);
+  ArcTrajectory old = motion_.remove(i);
   if (!plan_anew(choice, old) || motion_.cost() > before) put_back(i, std::move(old));
   for (const int j : overlapped) {
     if (!motion_.in_conflict(i, j)) continue;
@@ -138,7 +138,7 @@ bool Repair::lower(int limit, std::int64_t patience, int expansions, const Inter
   for (const int i : late) motion_.remove(i);
   for (const int i : late) {
     if (plan(i, soft_options(expansions))) continue;
-    const TimedTrack& track = alone_[std::size_t(i)];
+    const ArcTrajectory& track = alone_[std::size_t(i)];
     unreachable = track.arrival() > limit && !deadline_.expired();
     if (unreachable || deadline_.expired()) return false;
     motion_.place(i, track);
@@ -148,7 +148,7 @@ bool Repair::lower(int limit, std::int64_t patience, int expansions, const Inter
 }
 
 bool Repair::shorten(int i, int expansions) {
-  TimedTrack old = motion_.remove(i);
+  ArcTrajectory old = motion_.remove(i);
   if (plan(i, soft_options(expansions)) && motion_.conflicts().empty() &&
       motion_.track(i).arrival() < old.arrival()) {
     return true;

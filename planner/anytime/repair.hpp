@@ -59,7 +59,7 @@ class Repair {
 
   /// @param motion, alone, deadline  outlive this object
   /// @param alone  the robots' paths if they were alone: of those that find no other
-  Repair(JointMotion& motion, const std::vector<TimedTrack>& alone, const RepairOptions& options,
+  Repair(JointMotion& motion, const std::vector<ArcTrajectory>& alone, const RepairOptions& options,
          std::uint64_t seed, const Deadline& deadline);
 
   /// Nobody may arrive later than at this time step.
@@ -72,7 +72,7 @@ class Repair {
   [[nodiscard]] SoftOptions soft_options(int expansions, bool finely = false) const;
   /// Plans robot i, absent so far, among the others and places it; or leaves it absent.
   /// @param old   nullptr, or the motion that is kept until macro step `from`
-  [[nodiscard]] bool plan(int i, const SoftOptions& options, const TimedTrack* old = nullptr,
+  [[nodiscard]] bool plan(int i, const SoftOptions& options, const ArcTrajectory* old = nullptr,
                           int from = 0);
 
   /// Until no pair is in conflict: true; false when interrupted, out of time, or when so many
@@ -96,12 +96,12 @@ class Repair {
   [[nodiscard]] SoftProblem problem(int i);
   [[nodiscard]] Choice choose();
   void try_one();
-  [[nodiscard]] bool plan_anew(const Choice& choice, const TimedTrack& old);
+  [[nodiscard]] bool plan_anew(const Choice& choice, const ArcTrajectory& old);
   [[nodiscard]] bool drive_alone(int i);
-  void put_back(int i, TimedTrack old);
+  void put_back(int i, ArcTrajectory old);
 
   JointMotion& motion_;
-  const std::vector<TimedTrack>& alone_;
+  const std::vector<ArcTrajectory>& alone_;
   RepairOptions options_;
   const Deadline& deadline_;
   SoftHybridAstar search_;

@@ -16,7 +16,7 @@ constexpr int kFactor = 3;
 }  // namespace
 
 RevisedPrioritizedPlanning::RevisedPrioritizedPlanning(JointMotion& motion,
-                                                       const std::vector<TimedTrack>& alone,
+                                                       const std::vector<ArcTrajectory>& alone,
                                                        const Deadline& deadline)
     : motion_(motion),
       alone_(alone),
@@ -39,8 +39,8 @@ void RevisedPrioritizedPlanning::run(std::int64_t patience) {
 }
 
 void RevisedPrioritizedPlanning::find_who_blocks_whom() {
-  std::vector<TimedTrack> goals;
-  std::vector<TimedTrack> starts;
+  std::vector<ArcTrajectory> goals;
+  std::vector<ArcTrajectory> starts;
   for (int i = 0; i < motion_.size(); ++i) {
     const MacroRobot& robot = motion_.robot(i);
     goals.emplace_back(robot.car->vehicle(), robot.cost_to_go->goal(), std::vector<Arc>{},
@@ -48,7 +48,7 @@ void RevisedPrioritizedPlanning::find_who_blocks_whom() {
     starts.push_back(motion_.track_after(i, 0, {}));
   }
   const auto on_the_way_of = [&](int i) {
-    TimedTrack rest = motion_.remove(i);
+    ArcTrajectory rest = motion_.remove(i);
     motion_.place(i, alone_[std::size_t(i)]);
     std::vector<int> met = motion_.conflicts_of(i);
     motion_.remove(i);
@@ -97,7 +97,7 @@ void RevisedPrioritizedPlanning::leaves(int i) {
 }
 
 bool RevisedPrioritizedPlanning::let_go(int i) {
-  TimedTrack standing = motion_.remove(i);
+  ArcTrajectory standing = motion_.remove(i);
   const Robot& robot = robots_[std::size_t(i)];
   SoftOptions options = repair_.soft_options(kExpansions);
   options.hard = true;
@@ -111,7 +111,7 @@ bool RevisedPrioritizedPlanning::let_go(int i) {
   options.leave_out_time();
   const int all_rest = latest / motion_.time().macro_step;
   if (repair_.plan(i, options, &standing, all_rest)) {
-    const TimedTrack last = motion_.remove(i);
+    const ArcTrajectory last = motion_.remove(i);
     const std::size_t wait = std::size_t(all_rest * motion_.time().macro_step);
     if (motion_.place_later(i, std::span(last.steps()).subspan(wait), latest)) return true;
   }

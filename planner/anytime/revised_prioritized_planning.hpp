@@ -21,7 +21,7 @@ class RevisedPrioritizedPlanning {
  public:
   /// @param motion, alone, deadline  outlive this object
   /// @param alone  the robots' paths if they were alone
-  RevisedPrioritizedPlanning(JointMotion& motion, const std::vector<TimedTrack>& alone,
+  RevisedPrioritizedPlanning(JointMotion& motion, const std::vector<ArcTrajectory>& alone,
                              const Deadline& deadline);
 
   /// Replaces all motions by those found in turn, without a horizon. Who found no path, or had no
@@ -47,7 +47,7 @@ class RevisedPrioritizedPlanning {
   void leaves(int i);
 
   JointMotion& motion_;
-  const std::vector<TimedTrack>& alone_;
+  const std::vector<ArcTrajectory>& alone_;
   const Deadline& deadline_;
   Repair repair_;
   std::vector<Robot> robots_;

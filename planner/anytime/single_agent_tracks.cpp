@@ -14,14 +14,16 @@ constexpr int kExpansions = 500;
 constexpr int kFinerLevels = 3;  ///< of searches with smaller cells where that finds none
 constexpr int kFactor = 8;       ///< each has so many times the expansions of the one before
 
-std::optional<TimedTrack> find_way(SoftHybridAstar& search, const PlanningProblem& fleet, int i,
-                                   const MacroRobot& robot, const Deadline& deadline) {
-  std::optional<TimedTrack> way =
+std::optional<ArcTrajectory> find_path_alone(SoftHybridAstar& search,
+                                             const PlanningProblem& problem, int i,
+                                             const MacroRobot& robot, const Deadline& deadline) {
+  std::optional<ArcTrajectory> way =
       find_single_agent_track(search, robot, kWeight, kExpansions, 0, deadline);
   if (way) return way;
-  if (const std::optional<std::vector<Arc>> arcs = find_single_agent_path(fleet, i, deadline)) {
-    return TimedTrack(robot.car->vehicle(), robot.start,
-                      by_time_steps(*arcs, robot.car->step_length()), robot.car->time().macro_step);
+  if (const std::optional<std::vector<Arc>> arcs = find_single_agent_path(problem, i, deadline)) {
+    return ArcTrajectory(robot.car->vehicle(), robot.start,
+                         by_time_steps(*arcs, robot.car->step_length()),
+                         robot.car->time().macro_step);
   }
   int expansions = kExpansions;
   for (int finer = 1; finer <= kFinerLevels && !way && !deadline.expired(); ++finer) {
@@ -33,9 +35,10 @@ std::optional<TimedTrack> find_way(SoftHybridAstar& search, const PlanningProble
 
 }  // namespace
 
-std::optional<TimedTrack> find_single_agent_track(SoftHybridAstar& search, const MacroRobot& robot,
-                                                  double weight, int expansions, int finer,
-                                                  const Deadline& deadline) {
+std::optional<ArcTrajectory> find_single_agent_track(SoftHybridAstar& search,
+                                                     const MacroRobot& robot, double weight,
+                                                     int expansions, int finer,
+                                                     const Deadline& deadline) {
   const TimeGrid& time = robot.car->time();
   const Occupancy nobody(1, time);
   SoftProblem alone;
@@ -49,20 +52,20 @@ std::optional<TimedTrack> find_single_agent_track(SoftHybridAstar& search, const
   options.leave_out_time();
   options.slowly = finer > 0;
   for (int level = 0; level < finer; ++level) options.refine();
-  std::optional<SoftPath> path = search.search(alone, options, deadline);
+  std::optional<SoftCollisionPath> path = search.search(alone, options, deadline);
   if (!path) return std::nullopt;
-  return TimedTrack(robot.car->vehicle(), robot.start, std::move(path->steps), time.macro_step);
+  return ArcTrajectory(robot.car->vehicle(), robot.start, std::move(path->steps), time.macro_step);
 }
 
-std::vector<TimedTrack> find_single_agent_tracks(const PlanningProblem& fleet,
-                                                 const std::vector<MacroRobot>& robots,
-                                                 const Deadline& deadline) {
+std::vector<ArcTrajectory> find_single_agent_tracks(const PlanningProblem& problem,
+                                                    const std::vector<MacroRobot>& robots,
+                                                    const Deadline& deadline) {
   SoftHybridAstar search(1);
-  std::vector<TimedTrack> ways;
-  for (int i = 0; i < fleet.size(); ++i) {
-    std::optional<TimedTrack> way =
+  std::vector<ArcTrajectory> ways;
+  for (int i = 0; i < problem.size(); ++i) {
+    std::optional<ArcTrajectory> way =
         deadline.expired() ? std::nullopt
-                           : find_way(search, fleet, i, robots[std::size_t(i)], deadline);
+                           : find_path_alone(search, problem, i, robots[std::size_t(i)], deadline);
     if (!way) return {};
     ways.push_back(*std::move(way));
   }

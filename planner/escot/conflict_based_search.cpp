@@ -19,7 +19,7 @@ struct Node {
   int parent = -1;
   int robot = -1;                        ///< whose path it changes
   std::optional<Constraint> constraint;  ///< that the robot keeps beside those of the parent
-  TimedPath path;
+  SpacetimePath path;
   double cost = 0.0;
   double lower_bound = 0.0;
   std::optional<Conflict> first;  ///< the first conflict of all paths
@@ -28,14 +28,14 @@ struct Node {
 
 /// The paths of all robots in one node.
 struct JointPlan {
-  std::vector<const TimedPath*> paths;
-  std::vector<MovingObstacle> motions;
+  std::vector<const SpacetimePath*> paths;
+  std::vector<SweptTrajectory> motions;
   std::vector<Conflict> conflicts;
 };
 
 class ConflictTree {
  public:
-  ConflictTree(std::span<const CbsRobot> robots, std::span<const MovingObstacle* const> others,
+  ConflictTree(std::span<const CbsRobot> robots, std::span<const SweptTrajectory* const> others,
                const SpacetimeHybridAstar& low_level, const CbsOptions& options,
                const Deadline& deadline)
       : robots_(robots),
@@ -84,11 +84,11 @@ class ConflictTree {
 
   /// Everybody's first path, avoiding those planned before where that is cheap.
   bool add_root() {
-    std::vector<MovingObstacle> motions;
+    std::vector<SweptTrajectory> motions;
     motions.reserve(robots_.size());
     Node root;
     for (int i = 0; i < int(robots_.size()); ++i) {
-      std::optional<TimedPath> path = plan(i, {}, motions);
+      std::optional<SpacetimePath> path = plan(i, {}, motions);
       if (!path) return false;
       motions.push_back(motion(i, *path));
       root.cost += path->cost;
@@ -104,12 +104,12 @@ class ConflictTree {
     const Constraint constraint{std::max(t - 1, 0), t + 1, plan.motions[std::size_t(j)].at(t)};
     std::vector<Constraint> constraints = constraints_on(i, n);
     constraints.push_back(constraint);
-    std::optional<TimedPath> path = this->plan(i, constraints, plan.motions);
+    std::optional<SpacetimePath> path = this->plan(i, constraints, plan.motions);
     if (!path) return;
 
     Node child{.parent = n, .robot = i, .constraint = constraint, .path = *std::move(path)};
     const Node& parent = nodes_[std::size_t(n)];
-    const TimedPath& before = *plan.paths[std::size_t(i)];
+    const SpacetimePath& before = *plan.paths[std::size_t(i)];
     child.cost = parent.cost + child.path.cost - before.cost;
     // A child is no cheaper than its parent.
     child.lower_bound = std::max(parent.lower_bound,
@@ -130,9 +130,9 @@ class ConflictTree {
   }
 
   /// The path of robot i under `constraints`, with few conflicts with the others' motions.
-  [[nodiscard]] std::optional<TimedPath> plan(int i, std::span<const Constraint> constraints,
-                                              std::span<const MovingObstacle> motions) const {
-    std::vector<const MovingObstacle*> members;
+  [[nodiscard]] std::optional<SpacetimePath> plan(int i, std::span<const Constraint> constraints,
+                                                  std::span<const SweptTrajectory> motions) const {
+    std::vector<const SweptTrajectory*> members;
     for (int j = 0; j < int(motions.size()); ++j) {
       if (j != i) members.push_back(&motions[std::size_t(j)]);
     }
@@ -148,7 +148,7 @@ class ConflictTree {
                              {options_.w, options_.max_expansions}, deadline_);
   }
 
-  [[nodiscard]] MovingObstacle motion(int i, const TimedPath& path) const {
+  [[nodiscard]] SweptTrajectory motion(int i, const SpacetimePath& path) const {
     const CbsRobot& robot = robots_[std::size_t(i)];
     return {*robot.car, robot.start, path.steps};
   }
@@ -163,11 +163,11 @@ class ConflictTree {
     return constraints;
   }
 
-  [[nodiscard]] std::vector<const TimedPath*> paths_of(int n) const {
-    std::vector<const TimedPath*> paths(robots_.size(), nullptr);
+  [[nodiscard]] std::vector<const SpacetimePath*> paths_of(int n) const {
+    std::vector<const SpacetimePath*> paths(robots_.size(), nullptr);
     for (; n > 0; n = nodes_[std::size_t(n)].parent) {
       const Node& node = nodes_[std::size_t(n)];
-      const TimedPath*& path = paths[std::size_t(node.robot)];
+      const SpacetimePath*& path = paths[std::size_t(node.robot)];
       if (path == nullptr) path = &node.path;  // the latest change counts
     }
     for (std::size_t i = 0; i < paths.size(); ++i) {
@@ -187,7 +187,7 @@ class ConflictTree {
 
   [[nodiscard]] CbsResult solution(int n) const {
     CbsResult result;
-    for (const TimedPath* path : paths_of(n)) result.steps.push_back(path->steps);
+    for (const SpacetimePath* path : paths_of(n)) result.steps.push_back(path->steps);
     return result;
   }
 
@@ -197,7 +197,7 @@ class ConflictTree {
   const CbsOptions& options_;
   const Deadline& deadline_;
   double least_cost_ = 0.0;      ///< of every robot [steps]
-  std::vector<TimedPath> root_;  ///< everybody's path in node 0
+  std::vector<SpacetimePath> root_;  ///< everybody's path in node 0
   std::deque<Node> nodes_;       ///< paths in it are pointed at while it grows
   FocalQueue<std::pair<int, double>> open_;
 };
@@ -205,7 +205,7 @@ class ConflictTree {
 }  // namespace
 
 CbsResult conflict_based_search(std::span<const CbsRobot> robots,
-                                std::span<const MovingObstacle* const> others,
+                                std::span<const SweptTrajectory* const> others,
                                 const SpacetimeHybridAstar& low_level, const CbsOptions& options,
                                 const Deadline& deadline) {
   return ConflictTree(robots, others, low_level, options, deadline).run();

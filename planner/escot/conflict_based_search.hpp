@@ -57,7 +57,7 @@ struct CbsResult {
 ///
 /// @param others  robots outside the group: collisions with them are avoided where that is cheap.
 [[nodiscard]] CbsResult conflict_based_search(std::span<const CbsRobot> robots,
-                                              std::span<const MovingObstacle* const> others,
+                                              std::span<const SweptTrajectory* const> others,
                                               const SpacetimeHybridAstar& low_level,
                                               const CbsOptions& options, const Deadline& deadline);
 

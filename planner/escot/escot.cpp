@@ -10,24 +10,24 @@ namespace {
 /// Q_0 ... Q_back of Algorithm 2 with the arcs between them, and where each configuration is found.
 class History {
  public:
-  explicit History(const PlanningProblem& fleet) : fleet_(fleet) {
-    for (const Pose& start : fleet.starts()) trajectories_.emplace_back(start);
+  explicit History(const PlanningProblem& problem) : problem_(problem) {
+    for (const Pose& start : problem.starts()) trajectories_.emplace_back(start);
     remember();
   }
 
   [[nodiscard]] Configuration back() const { return at(length()); }
 
   [[nodiscard]] bool at_goals() const {
-    for (int i = 0; i < fleet_.size(); ++i) {
-      if (trajectories_[std::size_t(i)].waypoints().back().pose != fleet_.goal(i)) return false;
+    for (int i = 0; i < problem_.size(); ++i) {
+      if (trajectories_[std::size_t(i)].waypoints().back().pose != problem_.goal(i)) return false;
     }
     return true;
   }
 
   void add(const std::vector<SteppedWorld::Motion>& motions) {
-    for (int i = 0; i < fleet_.size(); ++i) {
+    for (int i = 0; i < problem_.size(); ++i) {
       const SteppedWorld::Motion& m = motions[std::size_t(i)];
-      trajectories_[std::size_t(i)].push_back(fleet_.car(i).waypoint(m.arc, m.end));
+      trajectories_[std::size_t(i)].push_back(problem_.car(i).waypoint(m.arc, m.end));
     }
     remember();
   }
@@ -76,7 +76,7 @@ class History {
   }
 
   [[nodiscard]] bool same(std::size_t s, std::size_t t) const {
-    for (int i = 0; i < fleet_.size(); ++i) {
+    for (int i = 0; i < problem_.size(); ++i) {
       const Pose& a = trajectories_[std::size_t(i)].at(s).pose;
       const Pose& b = trajectories_[std::size_t(i)].at(t).pose;
       if (quantised(a.x) != quantised(b.x) || quantised(a.y) != quantised(b.y) ||
@@ -84,7 +84,7 @@ class History {
         return false;
       }
       // A last step of a centimetre is progress.
-      if ((a == fleet_.goal(i)) != (b == fleet_.goal(i))) return false;
+      if ((a == problem_.goal(i)) != (b == problem_.goal(i))) return false;
     }
     return true;
   }
@@ -100,19 +100,19 @@ class History {
     }
   }
 
-  const PlanningProblem& fleet_;
+  const PlanningProblem& problem_;
   std::vector<Trajectory> trajectories_;
   std::unordered_multimap<Key, std::size_t> times_;
 };
 
 }  // namespace
 
-StepPlan solve_escot(const PlanningProblem& fleet, const EscotOptions& options,
-                     const Deadline& deadline) {
-  if (fleet.size() == 0) return {Status::kSolved, {}};
-  SteppedWorld world(fleet, options.world, deadline);
+PlannerResult solve_escot(const PlanningProblem& problem, const EscotOptions& options,
+                          const Deadline& deadline) {
+  if (problem.size() == 0) return {Status::kSolved, {}};
+  SteppedWorld world(problem, options.world, deadline);
   std::mt19937_64 rng(options.seed);
-  History history(fleet);  // line 1
+  History history(problem);  // line 1
 
   for (int step = 0; !history.at_goals(); ++step) {  // line 2
     if (deadline.expired()) return {Status::kTimeout, std::move(history).trajectories()};
@@ -120,7 +120,7 @@ StepPlan solve_escot(const PlanningProblem& fleet, const EscotOptions& options,
       return {Status::kExhausted, std::move(history).trajectories()};
     }
     const Configuration q = history.back();
-    world.prepare(q);
+    world.update_reference_paths(q);
     const std::vector<SteppedWorld::Motion> motions = generate_config(world, q);  // line 3
     world.advance(motions);
     history.add(motions);                                        // line 7

@@ -2,8 +2,8 @@
 
 #include <cstdint>
 
+#include "planner/escot/planner_result.hpp"
 #include "planner/escot/planning_problem.hpp"
-#include "planner/escot/step_plan.hpp"
 #include "planner/escot/stepped_world.hpp"
 #include "planner/problem/deadline.hpp"
 
@@ -18,7 +18,7 @@ struct EscotOptions {
 
 /// Plans step by step until every robot is at its goal.
 /// Source: ESCoT paper, Algorithm 2 (and Algorithm 1, see EscotOptions).
-[[nodiscard]] StepPlan solve_escot(const PlanningProblem& fleet, const EscotOptions& options,
-                                   const Deadline& deadline);
+[[nodiscard]] PlannerResult solve_escot(const PlanningProblem& problem, const EscotOptions& options,
+                                        const Deadline& deadline);
 
 }  // namespace mvtp

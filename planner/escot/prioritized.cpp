@@ -26,15 +26,15 @@ struct Attempt {
 
 class Prioritized {
  public:
-  Prioritized(const PlanningProblem& fleet, const PrioritizedOptions& options,
+  Prioritized(const PlanningProblem& problem, const PrioritizedOptions& options,
               const Deadline& deadline)
-      : fleet_(fleet),
+      : problem_(problem),
         options_(options),
         deadline_(deadline),
-        planner_(fleet.curves()),
-        starts_(fleet.starts()) {}
+        planner_(problem.curves()),
+        starts_(problem.starts()) {}
 
-  StepPlan run() {
+  PlannerResult run() {
     std::mt19937_64 rng(options_.seed);
     Order order = longest_first();
     std::set<Order> tried;
@@ -53,7 +53,7 @@ class Prioritized {
     Order order(starts_.size());
     std::iota(order.begin(), order.end(), 0);
     std::ranges::stable_sort(order, std::ranges::greater{}, [this](int i) {
-      return fleet_.cost_to_go(i)(starts_[std::size_t(i)]) / fleet_.car(i).step_length();
+      return problem_.cost_to_go(i)(starts_[std::size_t(i)]) / problem_.car(i).step_length();
     });
     return order;
   }
@@ -72,15 +72,15 @@ class Prioritized {
 
   [[nodiscard]] Attempt plan_in(const Order& order) const {
     Attempt attempt;
-    std::vector<MovingObstacle> planned;
+    std::vector<SweptTrajectory> planned;
     planned.reserve(order.size());  // it is pointed into
     for (const int i : order) {
-      std::optional<TimedPath> path = plan(i, planned, order);
+      std::optional<SpacetimePath> path = plan(i, planned, order);
       if (!path) {
         attempt.failed = i;
         return attempt;
       }
-      planned.emplace_back(fleet_.car(i), starts_[std::size_t(i)], path->steps);
+      planned.emplace_back(problem_.car(i), starts_[std::size_t(i)], path->steps);
       attempt.steps.push_back(std::move(path->steps));
     }
     return attempt;
@@ -88,35 +88,35 @@ class Prioritized {
 
   /// The path of robot i, whose turn it is, clear of everybody planned and of the starts of those
   /// after it while they leave.
-  [[nodiscard]] std::optional<TimedPath> plan(int i, std::span<const MovingObstacle> planned,
-                                              const Order& order) const {
-    std::vector<const MovingObstacle*> others;
-    for (const MovingObstacle& other : planned) others.push_back(&other);
+  [[nodiscard]] std::optional<SpacetimePath> plan(int i, std::span<const SweptTrajectory> planned,
+                                                  const Order& order) const {
+    std::vector<const SweptTrajectory*> others;
+    for (const SweptTrajectory& other : planned) others.push_back(&other);
     const TimedObstacles traffic(others);
     std::vector<Constraint> constraints;
     for (std::size_t later = planned.size() + 1; later < order.size(); ++later) {
       const int j = order[later];
-      const Sweep standing = fleet_.car(j).sweep(starts_[std::size_t(j)], {});
+      const Sweep standing = problem_.car(j).sweep(starts_[std::size_t(j)], {});
       constraints.push_back({0, options_.start_steps - 1, standing});
     }
-    return planner_.search({.car = &fleet_.car(i),
-                            .cost_to_go = &fleet_.cost_to_go(i),
+    return planner_.search({.car = &problem_.car(i),
+                            .cost_to_go = &problem_.cost_to_go(i),
                             .start = starts_[std::size_t(i)],
                             .constraints = constraints,
                             .to_keep_clear_of = &traffic},
                            {options_.w, options_.max_expansions}, deadline_);
   }
 
-  [[nodiscard]] StepPlan solution(const Order& order, const Attempt& attempt) const {
-    StepPlan plan{Status::kSolved, {}};
-    for (int i = 0; i < fleet_.size(); ++i) {
+  [[nodiscard]] PlannerResult solution(const Order& order, const Attempt& attempt) const {
+    PlannerResult plan{Status::kSolved, {}};
+    for (int i = 0; i < problem_.size(); ++i) {
       const auto rank = std::ranges::find(order, i) - order.begin();
-      plan.trajectories.push_back(trajectory_of(fleet_, i, attempt.steps[std::size_t(rank)]));
+      plan.trajectories.push_back(trajectory_of(problem_, i, attempt.steps[std::size_t(rank)]));
     }
     return plan;
   }
 
-  const PlanningProblem& fleet_;
+  const PlanningProblem& problem_;
   const PrioritizedOptions& options_;
   const Deadline& deadline_;
   SpacetimeHybridAstar planner_;
@@ -125,9 +125,9 @@ class Prioritized {
 
 }  // namespace
 
-StepPlan plan_prioritized(const PlanningProblem& fleet, const PrioritizedOptions& options,
-                          const Deadline& deadline) {
-  return Prioritized(fleet, options, deadline).run();
+PlannerResult plan_prioritized(const PlanningProblem& problem, const PrioritizedOptions& options,
+                               const Deadline& deadline) {
+  return Prioritized(problem, options, deadline).run();
 }
 
 }  // namespace mvtp

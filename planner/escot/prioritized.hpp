@@ -2,8 +2,8 @@
 
 #include <cstdint>
 
+#include "planner/escot/planner_result.hpp"
 #include "planner/escot/planning_problem.hpp"
-#include "planner/escot/step_plan.hpp"
 #include "planner/problem/deadline.hpp"
 
 namespace mvtp {
@@ -26,8 +26,8 @@ struct PrioritizedOptions {
 /// order was tried before, the next one is random.
 /// Source: Wen et al. 2022 (the baseline SHA*); Erdmann & Lozano-Perez 1987; the treatment of
 /// starts and orders is that of Andreychuk & Yakovlev 2018.
-[[nodiscard]] StepPlan plan_prioritized(const PlanningProblem& fleet,
-                                        const PrioritizedOptions& options,
-                                        const Deadline& deadline);
+[[nodiscard]] PlannerResult plan_prioritized(const PlanningProblem& problem,
+                                             const PrioritizedOptions& options,
+                                             const Deadline& deadline);
 
 }  // namespace mvtp

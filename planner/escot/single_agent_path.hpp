@@ -12,11 +12,11 @@ namespace mvtp {
 ///
 /// @return nullopt if hybrid A* found none within its budget, with steps of any of three lengths,
 ///         or until the deadline
-[[nodiscard]] std::optional<std::vector<Arc>> find_single_agent_path(const PlanningProblem& fleet,
+[[nodiscard]] std::optional<std::vector<Arc>> find_single_agent_path(const PlanningProblem& problem,
                                                                      int i,
                                                                      const Deadline& deadline);
 
 /// Was one found? True is a proof; false is none. The clock plays no part.
-[[nodiscard]] bool solvable_alone(const PlanningProblem& fleet, int i);
+[[nodiscard]] bool solvable_alone(const PlanningProblem& problem, int i);
 
 }  // namespace mvtp

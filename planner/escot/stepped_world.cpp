@@ -32,7 +32,7 @@ constexpr double kNoise = 0.1;  // per step
 constexpr double kMaxNoise = 2.0;
 /// A robot that may have no reference path is not searched for one again for twice so many steps,
 /// then four times so many, ...
-constexpr int kGuideRetry = 10;
+constexpr int kReferencePathRetry = 10;
 /// Groups avoid robots that they could meet within so many windows, for that long.
 constexpr double kSight = 2.0;
 /// Chances of a robot that is under way when a configuration repeats.
@@ -80,41 +80,41 @@ double uniform(std::mt19937_64& rng) { return double(rng() >> 11U) * 0x1p-53; }
 
 }  // namespace
 
-SteppedWorld::SteppedWorld(const PlanningProblem& fleet, const SteppedWorldOptions& options,
-                           const Deadline& deadline)
-    : fleet_(fleet),
+SteppedWorld::SteppedWorld(const PlanningProblem& planning_problem,
+                           const SteppedWorldOptions& options, const Deadline& deadline)
+    : problem_(planning_problem),
       options_(options),
       deadline_(deadline),
-      planner_(fleet.curves()),
-      robots_(std::size_t(fleet.size())) {
+      planner_(planning_problem.curves()),
+      robots_(std::size_t(planning_problem.size())) {
   options_.eccr.sight = int(kSight * options.window);
-  const Configuration starts = fleet.starts();
-  for (int i = 0; i < fleet.size(); ++i) {
-    robots_[std::size_t(i)].way = fleet.cost_to_go(i)(starts[std::size_t(i)]);
+  const Configuration starts = planning_problem.starts();
+  for (int i = 0; i < planning_problem.size(); ++i) {
+    robots_[std::size_t(i)].way = planning_problem.cost_to_go(i)(starts[std::size_t(i)]);
     longest_reach_ = std::max(longest_reach_, reach(i));
-    longest_step_ = std::max(longest_step_, fleet.car(i).step_length());
+    longest_step_ = std::max(longest_step_, planning_problem.car(i).step_length());
   }
 }
 
 bool SteppedWorld::is_exempt(int i, const Motion& a, int j, const Motion& b) const {
   if (now_.empty()) return false;
-  return fleet_.overlapping_pairs().allow({i, now_[std::size_t(i)], a.arc},
-                                          {j, now_[std::size_t(j)], b.arc});
+  return problem_.overlapping_pairs().allow({i, now_[std::size_t(i)], a.arc},
+                                            {j, now_[std::size_t(j)], b.arc});
 }
 
 SteppedWorld::Motion SteppedWorld::motion(int i, const Pose& pose, const Arc& arc) const {
-  return {arc, fleet_.after(i, pose, arc), fleet_.car(i).sweep(pose, arc)};
+  return {arc, problem_.after(i, pose, arc), problem_.car(i).sweep(pose, arc)};
 }
 
 SteppedWorld::Motion SteppedWorld::greedy_motion(int i, const Pose& pose) const {
   const Robot& robot = robots_[std::size_t(i)];
-  const Arc& arc = robot.guide[robot.next];
-  return {arc, fleet_.after(i, pose, arc), robot.prediction->at(int(robot.next))};
+  const Arc& arc = robot.reference_path[robot.next];
+  return {arc, problem_.after(i, pose, arc), robot.prediction->at(int(robot.next))};
 }
 
 SteppedWorld::Motion SteppedWorld::motion(int i, const Pose& pose, const Frame& frame,
                                           const Primitive& step) const {
-  const Pose end = is_wait(step.arc) ? pose : fleet_.at_goal_or(i, step.end_from(pose, frame));
+  const Pose end = is_wait(step.arc) ? pose : problem_.at_goal_or(i, step.end_from(pose, frame));
   return {step.arc, end, step.sweep.moved_to(frame)};
 }
 
@@ -125,15 +125,16 @@ SteppedWorld::Ranking SteppedWorld::candidates(int i, const Pose& pose) const {
 std::optional<SteppedWorld::Motion> SteppedWorld::first_choice(int i, const Pose& pose) const {
   if (robots_[std::size_t(i)].random_action) return std::nullopt;
   const std::vector<Way> ways = ways_to_keep_clear(i);
-  if (!guided(i)) {
+  if (!has_reference_path(i)) {
     Motion wait = safe_stop(i, pose);
-    const bool may_stay = pose == fleet_.goal(i) && in_the_way(i, wait, false, ways) == 0.0;
+    const bool may_stay = pose == problem_.goal(i) && blocking_cost(i, wait, false, ways) == 0.0;
     return may_stay ? std::optional(wait) : std::nullopt;
   }
   // No other candidate comes closer to the goal or takes less than a straight step ahead.
   const Motion greedy = greedy_motion(i, pose);
-  const bool best = penalty(i, greedy.arc) * visits(i, greedy.end) <= fleet_.car(i).step_length() &&
-                    in_the_way(i, greedy, true, ways) == 0.0;
+  const bool best =
+      penalty(i, greedy.arc) * visits(i, greedy.end) <= problem_.car(i).step_length() &&
+      blocking_cost(i, greedy, true, ways) == 0.0;
   return best ? std::optional(greedy) : std::nullopt;
 }
 
@@ -144,13 +145,13 @@ SteppedWorld::Ranking SteppedWorld::push_candidates(int i, const Pose& pose, int
   // The pusher goes on along its reference path, if that is what it does now, or else as it does
   // now.
   const Robot& robot = robots_[std::size_t(pusher)];
-  const bool follows = guided(pusher) && motion.arc == robot.guide[robot.next];
+  const bool follows = has_reference_path(pusher) && motion.arc == robot.reference_path[robot.next];
   if (follows) {
     ways.push_back(way_along(pusher, motion.end, *robot.prediction, int(robot.next) + 1));
     return {*this, i, pose, std::move(ways)};
   }
-  auto straight_on = std::make_shared<const MovingObstacle>(
-      fleet_.car(pusher), motion.end,
+  auto straight_on = std::make_shared<const SweptTrajectory>(
+      problem_.car(pusher), motion.end,
       std::vector<Arc>(std::size_t(look_ahead(pusher)), motion.arc));
   ways.push_back(way_along(pusher, motion.end, *straight_on, 0));
   return {*this, i, pose, std::move(ways), std::move(straight_on)};
@@ -164,18 +165,18 @@ std::vector<SteppedWorld::Way> SteppedWorld::ways_to_keep_clear(int i) const {
     const Robot& other = robots_[std::size_t(j)];
     // Those on a joint trajectory are decided before all others.
     const bool before = other.rank < robot.rank || other.joint >= 0;
-    if (!before || !guided(j)) continue;
+    if (!before || !has_reference_path(j)) continue;
     ways.push_back(way_along(j, other.expected, *other.prediction, int(other.next) + 1));
   }
   return ways;
 }
 
-SteppedWorld::Way SteppedWorld::way_along(int i, const Pose& from, const MovingObstacle& along,
+SteppedWorld::Way SteppedWorld::way_along(int i, const Pose& from, const SweptTrajectory& along,
                                           int next) const {
   // Half way is within half of it from both ends.
   const int half = look_ahead(i) / 2;
   const Sweep& middle = along.at(next + half);
-  const double radius = middle.radius() + fleet_.car(i).step_length() * (half + 1);
+  const double radius = middle.radius() + problem_.car(i).step_length() * (half + 1);
   return {i, from, &along, next, look_ahead(i), middle.centre(), radius};
 }
 
@@ -185,18 +186,18 @@ bool SteppedWorld::Way::may_meet(const Way& other) const {
 }
 
 double SteppedWorld::still_to_clear(int i, const Pose& pose, const Way& way) const {
-  const Vehicle& own = fleet_.car(i).vehicle();
+  const Vehicle& own = problem_.car(i).vehicle();
   const Pose seen = relative(way.from, pose);
   const double radius = own.min_turning_radius;
-  const double clear = (own.width + fleet_.car(way.of).vehicle().width) / 2 + radius;
+  const double clear = (own.width + problem_.car(way.of).vehicle().width) / 2 + radius;
   return std::max(0.0, clear - std::abs(seen.y) - radius * std::abs(std::sin(seen.theta)));
 }
 
 SteppedWorld::Ranking::Ranking(const SteppedWorld& world, int robot, const Pose& pose,
-                               std::vector<Way> ways, std::shared_ptr<const MovingObstacle> along)
+                               std::vector<Way> ways, std::shared_ptr<const SweptTrajectory> along)
     : world_(world), robot_(robot), pose_(pose), ways_(std::move(ways)), along_(std::move(along)) {
   const Robot& self = world.robots_[std::size_t(robot)];
-  const std::vector<Primitive>& primitives = world.fleet_.car(robot).primitives();
+  const std::vector<Primitive>& primitives = world.problem_.car(robot).primitives();
   const Frame frame(pose);
   entries_.reserve(primitives.size() + 2);
   if (self.random_action) {
@@ -207,10 +208,10 @@ SteppedWorld::Ranking::Ranking(const SteppedWorld& world, int robot, const Pose&
     const double score = world.score(robot, motion, greedy);
     entries_.push_back({std::move(motion), score, greedy});
   };
-  const bool guided = world.guided(robot);
-  if (guided) add(world.greedy_motion(robot, pose), true);
+  const bool has_reference_path = world.has_reference_path(robot);
+  if (has_reference_path) add(world.greedy_motion(robot, pose), true);
   for (const Primitive& step : primitives) {
-    if (guided && step.arc == self.guide[self.next]) continue;
+    if (has_reference_path && step.arc == self.reference_path[self.next]) continue;
     add(world.motion(robot, pose, frame, step), false);
   }
   ranked_.reserve(entries_.size());
@@ -235,8 +236,8 @@ bool SteppedWorld::Ranking::find_next() {
       left_.erase(best);
       return true;
     }
-    if (world_.fleet_.car(robot_).is_free(pose_, entry.motion.arc, entry.motion.sweep)) {
-      entry.score += world_.in_the_way(robot_, entry.motion, entry.greedy, ways_);
+    if (world_.problem_.car(robot_).is_free(pose_, entry.motion.arc, entry.motion.sweep)) {
+      entry.score += world_.blocking_cost(robot_, entry.motion, entry.greedy, ways_);
       entry.known = true;
     } else {
       left_.erase(best);
@@ -247,17 +248,18 @@ bool SteppedWorld::Ranking::find_next() {
 
 double SteppedWorld::score(int i, const Motion& m, bool greedy) const {
   const Robot& robot = robots_[std::size_t(i)];
-  const double step = fleet_.car(i).step_length();
+  const double step = problem_.car(i).step_length();
 
   // The reference path knows more than the cost-to-go: nobody gets closer to the goal than along
   // it.
   double to_go = 0.0;
-  const double guide_left = step * double(robot.guide.size() - robot.next);
+  const double left_on_path = step * double(robot.reference_path.size() - robot.next);
   if (greedy) {
-    to_go = guide_left - step;
+    to_go = left_on_path - step;
   } else {
-    to_go = fleet_.cost_to_go(i)(m.end);
-    if (guide_left > 0.0) to_go = std::max(to_go, is_wait(m.arc) ? guide_left : guide_left - step);
+    to_go = problem_.cost_to_go(i)(m.end);
+    if (left_on_path > 0.0)
+      to_go = std::max(to_go, is_wait(m.arc) ? left_on_path : left_on_path - step);
     const double spread = step * std::min(kMaxNoise, kNoise * robot.stuck);
     const auto arc = std::uint64_t(3 * (m.arc.length > 0.0) + 6 * (m.arc.length < 0.0) +
                                    (m.arc.curvature > 0.0) + 2 * (m.arc.curvature < 0.0));
@@ -268,7 +270,7 @@ double SteppedWorld::score(int i, const Motion& m, bool greedy) const {
 }
 
 double SteppedWorld::penalty(int i, const Arc& arc) const {
-  double penalty = fleet_.car(i).step_length();
+  double penalty = problem_.car(i).step_length();
   if (arc.curvature != 0.0) penalty *= kTurnPenalty;
   if (arc.length < 0.0) penalty *= kReversePenalty;
   if (arc.length * robots_[std::size_t(i)].last.length < 0.0) penalty *= kSwitchPenalty;
@@ -276,15 +278,15 @@ double SteppedWorld::penalty(int i, const Arc& arc) const {
 }
 
 int SteppedWorld::look_ahead(int i) const {
-  return int(std::ceil(kLookAhead / fleet_.car(i).step_length() - 1e-9));
+  return int(std::ceil(kLookAhead / problem_.car(i).step_length() - 1e-9));
 }
 
-double SteppedWorld::in_the_way(int i, const Motion& m, bool greedy,
-                                std::span<const Way> ways) const {
+double SteppedWorld::blocking_cost(int i, const Motion& m, bool greedy,
+                                   std::span<const Way> ways) const {
   if (ways.empty()) return 0.0;
   const Robot& robot = robots_[std::size_t(i)];
-  const double step = fleet_.car(i).step_length();
-  const OrientedBox standing = footprint(fleet_.car(i).vehicle(), m.end);
+  const double step = problem_.car(i).step_length();
+  const OrientedBox standing = footprint(problem_.car(i).vehicle(), m.end);
   // What robot i will do then: go on along its reference path, or stand.
   const Way own = greedy ? way_along(i, m.end, *robot.prediction, int(robot.next) + 1)
                          : Way{.middle = {standing.x, standing.y},
@@ -316,8 +318,8 @@ double SteppedWorld::visits(int i, const Pose& pose) const {
 }
 
 std::uint64_t SteppedWorld::cell(int i, const Pose& pose) const {
-  const double side = fleet_.car(i).step_length();
-  const double turn = side * fleet_.car(i).vehicle().max_curvature();
+  const double side = problem_.car(i).step_length();
+  const double turn = side * problem_.car(i).vehicle().max_curvature();
   const auto part = [](double value) {
     return std::uint64_t(std::int64_t(std::floor(value)) + (1 << 19)) & 0xfffffU;
   };
@@ -329,7 +331,7 @@ std::optional<int> SteppedWorld::predicted_conflict(int i, int j) const {
   const Robot& b = robots_[std::size_t(j)];
   if (a.joint >= 0 && a.joint == b.joint) return std::nullopt;  // planned together
   const auto pose = [this](int k) { return now_[std::size_t(k)]; };
-  if (!now_.empty() && fleet_.overlapping_pairs().not_yet_apart(i, pose(i), j, pose(j))) {
+  if (!now_.empty() && problem_.overlapping_pairs().not_yet_apart(i, pose(i), j, pose(j))) {
     return std::nullopt;  // no joint trajectory begins like this
   }
   // What was foreseen to be free at the last step needs no second look but at the step that has
@@ -345,9 +347,9 @@ std::vector<Group> SteppedWorld::group_robots(const Configuration& q) {
   if (!options_.grouping) return {};
   std::vector<std::tuple<int, int, int>> conflicts;  // steps from now, robots
   std::vector<int> near;
-  for (int i = 0; i < fleet_.size(); ++i) {
+  for (int i = 0; i < problem_.size(); ++i) {
     const double sight = reach(i) + longest_reach_ +
-                         (options_.window - 1) * (fleet_.car(i).step_length() + longest_step_);
+                         (options_.window - 1) * (problem_.car(i).step_length() + longest_step_);
     neighbours_.within(sight, q[std::size_t(i)], near);
     for (const int j : near) {
       if (j >= i) continue;
@@ -361,7 +363,7 @@ std::vector<Group> SteppedWorld::group_robots(const Configuration& q) {
   }
   // The most urgent conflicts are grouped first; what does not fit any more is left for later.
   std::ranges::sort(conflicts);
-  Groups linked(fleet_.size(), options_.max_group);
+  Groups linked(problem_.size(), options_.max_group);
   for (const auto& [k, i, j] : conflicts) {
     // A random motion primitive is to be taken, and not what planning together would make of it.
     const bool random =
@@ -392,7 +394,8 @@ std::vector<std::optional<SteppedWorld::Motion>> SteppedWorld::get_opt_traj(cons
     std::vector<std::optional<Motion>> motions;
     for (const int i : group) {
       const Robot& robot = robots_[std::size_t(i)];
-      const Arc arc = robot.next < robot.guide.size() ? robot.guide[robot.next] : Arc{};
+      const Arc arc =
+          robot.next < robot.reference_path.size() ? robot.reference_path[robot.next] : Arc{};
       motions.push_back(motion(i, q[std::size_t(i)], arc));
     }
     return motions;
@@ -406,7 +409,7 @@ std::vector<std::optional<SteppedWorld::Motion>> SteppedWorld::get_opt_traj(cons
 
   std::vector<CbsRobot> members;
   for (const int i : group) {
-    members.push_back({&fleet_.car(i), &fleet_.cost_to_go(i), q[std::size_t(i)]});
+    members.push_back({&problem_.car(i), &problem_.cost_to_go(i), q[std::size_t(i)]});
   }
   // Only those who may be met soon: the path to the goal is long, and much will change until then.
   const auto near = [&](int i) {
@@ -417,14 +420,14 @@ std::vector<std::optional<SteppedWorld::Motion>> SteppedWorld::get_opt_traj(cons
       return squared_distance({own.x, own.y}, {member.x, member.y}) <= reach * reach;
     });
   };
-  std::vector<MovingObstacle> others;
-  for (int i = 0; i < fleet_.size(); ++i) {
+  std::vector<SweptTrajectory> others;
+  for (int i = 0; i < problem_.size(); ++i) {
     if (!near(i) || std::ranges::binary_search(group, i)) continue;
     const Robot& robot = robots_[std::size_t(i)];
     others.push_back(robot.prediction->part(int(robot.next), options_.eccr.sight));
   }
-  std::vector<const MovingObstacle*> to_avoid;
-  for (const MovingObstacle& other : others) to_avoid.push_back(&other);
+  std::vector<const SweptTrajectory*> to_avoid;
+  for (const SweptTrajectory& other : others) to_avoid.push_back(&other);
 
   CbsResult result = conflict_based_search(members, to_avoid, planner_, options_.eccr, deadline_);
   if (result.failure != CbsFailure::kNone) {
@@ -432,7 +435,7 @@ std::vector<std::optional<SteppedWorld::Motion>> SteppedWorld::get_opt_traj(cons
     return std::vector<std::optional<Motion>>(group.size());
   }
   for (std::size_t k = 0; k < group.size(); ++k) {
-    set_guide(group[k], q[std::size_t(group[k])], std::move(result.steps[k]), joints_);
+    set_reference_path(group[k], q[std::size_t(group[k])], std::move(result.steps[k]), joints_);
     outlooks_[std::size_t(group[k])] = outlook(group[k]);
   }
   ++joints_;
@@ -450,8 +453,8 @@ void SteppedWorld::set_order() {
 }
 
 double SteppedWorld::reach(int i) const {
-  const Vehicle& vehicle = fleet_.car(i).vehicle();
-  return fleet_.car(i).step_length() +
+  const Vehicle& vehicle = problem_.car(i).vehicle();
+  return problem_.car(i).step_length() +
          std::hypot(std::max(vehicle.front, vehicle.rear), vehicle.width / 2);
 }
 
@@ -461,19 +464,19 @@ Circle SteppedWorld::outlook(int i) const {
   const Robot& robot = robots_[std::size_t(i)];
   const Sweep& half_way = robot.prediction->at(int(robot.next) + half);
   return {half_way.centre().x, half_way.centre().y,
-          half_way.radius() + fleet_.car(i).step_length() * (half + 1)};
+          half_way.radius() + problem_.car(i).step_length() * (half + 1)};
 }
 
-void SteppedWorld::look_around(const Configuration& q) {
+void SteppedWorld::update_neighbours(const Configuration& q) {
   neighbours_ = Neighbours(q);
   outlooks_.clear();
-  for (int i = 0; i < fleet_.size(); ++i) outlooks_.push_back(outlook(i));
-  for (int i = 0; i < fleet_.size(); ++i) {
+  for (int i = 0; i < problem_.size(); ++i) outlooks_.push_back(outlook(i));
+  for (int i = 0; i < problem_.size(); ++i) {
     Robot& robot = robots_[std::size_t(i)];
     const Pose& pose = q[std::size_t(i)];
     const double one_step = reach(i) + longest_reach_;
     robot.near.clear();
-    const double drives = fleet_.car(i).step_length() + longest_step_;
+    const double drives = problem_.car(i).step_length() + longest_step_;
     neighbours_.within(one_step + look_ahead(i) * drives, pose, robot.in_sight);
     std::erase(robot.in_sight, i);
     for (const int j : robot.in_sight) {
@@ -485,10 +488,11 @@ void SteppedWorld::look_around(const Configuration& q) {
   }
 }
 
-void SteppedWorld::set_guide(int i, const Pose& pose, std::vector<Arc> guide, int joint) {
+void SteppedWorld::set_reference_path(int i, const Pose& pose, std::vector<Arc> reference_path,
+                                      int joint) {
   Robot& robot = robots_[std::size_t(i)];
-  robot.prediction.emplace(fleet_.car(i), pose, guide);
-  robot.guide = std::move(guide);
+  robot.prediction.emplace(problem_.car(i), pose, reference_path);
+  robot.reference_path = std::move(reference_path);
   robot.next = 0;
   robot.expected = pose;
   robot.joint = joint;
@@ -504,47 +508,50 @@ void SteppedWorld::break_joint(int joint) {
   }
 }
 
-std::optional<TimedPath> SteppedWorld::find_guide(int i, const Pose& pose) const {
+std::optional<SpacetimePath> SteppedWorld::find_reference_path(int i, const Pose& pose) const {
   SearchProblem problem;
-  problem.car = &fleet_.car(i);
-  problem.cost_to_go = &fleet_.cost_to_go(i);
+  problem.car = &problem_.car(i);
+  problem.cost_to_go = &problem_.cost_to_go(i);
   problem.start = pose;
   return planner_.search_with_shorter_steps(
-      problem, {.w = options_.guide_w, .max_expansions = options_.guide_expansions}, deadline_);
+      problem,
+      {.w = options_.reference_path_w, .max_expansions = options_.reference_path_expansions},
+      deadline_);
 }
 
-void SteppedWorld::prepare(const Configuration& q) {
-  if (!fleet_.overlapping_pairs().empty()) now_ = q;
-  for (int i = 0; i < fleet_.size(); ++i) {
+void SteppedWorld::update_reference_paths(const Configuration& q) {
+  if (!problem_.overlapping_pairs().empty()) now_ = q;
+  for (int i = 0; i < problem_.size(); ++i) {
     Robot& robot = robots_[std::size_t(i)];
     const Pose& pose = q[std::size_t(i)];
     const bool not_yet = step_ < robot.search_again;
     if (robot.prediction && pose == robot.expected && (not_yet || !robot.search_again)) continue;
     break_joint(robot.joint);
-    std::optional<TimedPath> path;
+    std::optional<SpacetimePath> path;
     if (!not_yet) {
-      path = find_guide(i, pose);
+      path = find_reference_path(i, pose);
       robot.searched_in_vain = path ? 0 : robot.searched_in_vain + 1;
-      robot.search_again = path ? 0 : step_ + (kGuideRetry << std::min(robot.searched_in_vain, 8));
+      robot.search_again =
+          path ? 0 : step_ + (kReferencePathRetry << std::min(robot.searched_in_vain, 8));
     }
-    set_guide(i, pose, path ? std::move(path->steps) : std::vector<Arc>{}, -1);
+    set_reference_path(i, pose, path ? std::move(path->steps) : std::vector<Arc>{}, -1);
   }
   set_order();
-  look_around(q);
+  update_neighbours(q);
 }
 
 void SteppedWorld::advance(const std::vector<Motion>& motions) {
   ++step_;
   std::erase_if(failed_, [&](const auto& f) { return step_ - f.second >= options_.retry_after; });
-  for (int i = 0; i < fleet_.size(); ++i) {
+  for (int i = 0; i < problem_.size(); ++i) {
     Robot& robot = robots_[std::size_t(i)];
     const Motion& m = motions[std::size_t(i)];
     robot.random_action.reset();
     if (!is_wait(m.arc)) robot.last = m.arc;
 
-    const bool under_way = robot.next < robot.guide.size();
-    const bool on_guide = under_way && m.arc == robot.guide[robot.next];
-    if (on_guide) {
+    const bool under_way = robot.next < robot.reference_path.size();
+    const bool on_reference_path = under_way && m.arc == robot.reference_path[robot.next];
+    if (on_reference_path) {
       ++robot.next;
       robot.expected = m.end;
     } else if (under_way || !is_wait(m.arc)) {
@@ -552,14 +559,14 @@ void SteppedWorld::advance(const std::vector<Motion>& motions) {
       break_joint(robot.joint);
     }
 
-    if (m.end == fleet_.goal(i)) {
+    if (m.end == problem_.goal(i)) {
       robot.steps_under_way = 0;
       robot.stuck = 0;
       continue;
     }
     ++robot.steps_under_way;
-    robot.stuck = on_guide ? 0 : robot.stuck + 1;
-    if (on_guide) continue;  // a robot on its own path is in nobody's
+    robot.stuck = on_reference_path ? 0 : robot.stuck + 1;
+    if (on_reference_path) continue;  // a robot that follows its path is not stuck
     const double before = visits(i, m.end);
     const auto [visit, first] = robot.visits.try_emplace(cell(i, m.end), Visits{0.0, step_});
     if (!first) visit->second = {before + 1.0, step_};
@@ -567,10 +574,10 @@ void SteppedWorld::advance(const std::vector<Motion>& motions) {
 }
 
 void SteppedWorld::add_randomness(const Configuration& q, std::mt19937_64& rng) {
-  for (int i = 0; i < fleet_.size(); ++i) {
+  for (int i = 0; i < problem_.size(); ++i) {
     Robot& robot = robots_[std::size_t(i)];
-    const auto random_arc = [&] { return fleet_.car(i).arcs()[rng() % 6]; };
-    const bool under_way = q[std::size_t(i)] != fleet_.goal(i);
+    const auto random_arc = [&] { return problem_.car(i).arcs()[rng() % 6]; };
+    const bool under_way = q[std::size_t(i)] != problem_.goal(i);
     if (under_way && uniform(rng) < kRandomAction) {
       robot.random_action = random_arc();
       break_joint(robot.joint);

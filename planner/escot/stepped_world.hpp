@@ -26,8 +26,8 @@ struct SteppedWorldOptions {
   int retry_after = 5;
   CbsOptions eccr{
       .w = 1.5, .cost = CbsCost::kLateForSlowest, .max_nodes = 50, .max_expansions = 300};
-  double guide_w = 1.4;          ///< weight of the search for a reference path, >= 1
-  int guide_expansions = 20000;  ///< of that search
+  double reference_path_w = 1.4;          ///< weight of the search for a reference path, >= 1
+  int reference_path_expansions = 20000;  ///< of that search
 };
 
 /// SteppedCar robots as PBCR and ESCoT see them: what each remembers, wants, and is on its way to.
@@ -45,7 +45,7 @@ class SteppedWorld {
 
   class Ranking;
 
-  SteppedWorld(const PlanningProblem& fleet, const SteppedWorldOptions& options,
+  SteppedWorld(const PlanningProblem& problem, const SteppedWorldOptions& options,
                const Deadline& deadline);
 
   // StepWorld
@@ -76,7 +76,7 @@ class SteppedWorld {
 
   /// Gives a reference path to every robot that has none or is not on it, and looks who is near
   /// whom. To be called before each step.
-  void prepare(const Configuration& q);
+  void update_reference_paths(const Configuration& q);
   /// Takes note of what everybody did.
   void advance(const std::vector<Motion>& motions);
   /// Makes the next step different: random motion primitives for some robots, and a random "last
@@ -94,8 +94,8 @@ class SteppedWorld {
   };
 
   struct Robot {
-    std::optional<MovingObstacle> prediction;  ///< along the reference path
-    std::vector<Arc> guide;                    ///< steps to the goal
+    std::optional<SweptTrajectory> prediction;  ///< along the reference path
+    std::vector<Arc> reference_path;           ///< steps to the goal
     std::size_t next = 0;                      ///< of the reference path
     Pose expected;                             ///< where the reference path goes on
     int search_again = 0;                      ///< > 0: no path was found, wait until this step
@@ -118,7 +118,7 @@ class SteppedWorld {
   struct Way {
     int of = -1;
     Pose from;
-    const MovingObstacle* along = nullptr;
+    const SweptTrajectory* along = nullptr;
     int next = 0;   ///< the step of `along` that comes after this one
     int steps = 0;  ///< so many from there on are looked at
     Point middle;   ///< a circle around all of it
@@ -132,10 +132,10 @@ class SteppedWorld {
   [[nodiscard]] Motion motion(int i, const Pose& pose, const Arc& arc) const;
   [[nodiscard]] Motion motion(int i, const Pose& pose, const Frame& frame,
                               const Primitive& step) const;
-  /// The next step of the reference path. @pre guided(i)
+  /// The next step of the reference path. @pre has_reference_path(i)
   [[nodiscard]] Motion greedy_motion(int i, const Pose& pose) const;
-  [[nodiscard]] bool guided(int i) const {
-    return robots_[std::size_t(i)].next < robots_[std::size_t(i)].guide.size();
+  [[nodiscard]] bool has_reference_path(int i) const {
+    return robots_[std::size_t(i)].next < robots_[std::size_t(i)].reference_path.size();
   }
   /// What driving the arc is worth [m], after the last arc of robot i.
   [[nodiscard]] double penalty(int i, const Arc& arc) const;
@@ -143,8 +143,8 @@ class SteppedWorld {
   [[nodiscard]] double score(int i, const Motion& motion, bool greedy) const;
   /// What counts against standing where others pass, or against meeting them farther along the
   /// reference path if the motion is the greedy one [m].
-  [[nodiscard]] double in_the_way(int i, const Motion& motion, bool greedy,
-                                  std::span<const Way> ways) const;
+  [[nodiscard]] double blocking_cost(int i, const Motion& motion, bool greedy,
+                                     std::span<const Way> ways) const;
   [[nodiscard]] double visits(int i, const Pose& pose) const;
   [[nodiscard]] std::uint64_t cell(int i, const Pose& pose) const;
   /// How many steps of others are looked at.
@@ -155,7 +155,8 @@ class SteppedWorld {
   }
   /// In how many steps the two will overlap on their reference paths; nullopt: not soon.
   [[nodiscard]] std::optional<int> predicted_conflict(int i, int j) const;
-  [[nodiscard]] Way way_along(int i, const Pose& from, const MovingObstacle& along, int next) const;
+  [[nodiscard]] Way way_along(int i, const Pose& from, const SweptTrajectory& along,
+                              int next) const;
   /// Where those go that robot i has to give way to.
   [[nodiscard]] std::vector<Way> ways_to_keep_clear(int i) const;
   /// How far robot i, in `pose`, is from having left the lane of another one [m]: the path aside,
@@ -164,14 +165,14 @@ class SteppedWorld {
   /// No point of the body is farther from the rear axle during one step, wherever that starts [m].
   [[nodiscard]] double reach(int i) const;
   void set_order();
-  void look_around(const Configuration& q);
+  void update_neighbours(const Configuration& q);
   /// A circle around all places where robot i can be while groups look at it.
   [[nodiscard]] Circle outlook(int i) const;
-  [[nodiscard]] std::optional<TimedPath> find_guide(int i, const Pose& pose) const;
+  [[nodiscard]] std::optional<SpacetimePath> find_reference_path(int i, const Pose& pose) const;
   void break_joint(int joint);
-  void set_guide(int i, const Pose& pose, std::vector<Arc> guide, int joint);
+  void set_reference_path(int i, const Pose& pose, std::vector<Arc> reference_path, int joint);
 
-  const PlanningProblem& fleet_;
+  const PlanningProblem& problem_;
   SteppedWorldOptions options_;
   const Deadline& deadline_;
   SpacetimeHybridAstar planner_;
@@ -198,7 +199,7 @@ class SteppedWorld::Ranking {
   /// @param ways   to be kept clear
   /// @param along  what one of them points at, if nobody else keeps it
   Ranking(const SteppedWorld& world, int robot, const Pose& pose, std::vector<Way> ways,
-          std::shared_ptr<const MovingObstacle> along = nullptr);
+          std::shared_ptr<const SweptTrajectory> along = nullptr);
 
   /// Number k, from 0 on; nullptr if there are not so many. The pointers stay valid.
   friend const Motion* nth(Ranking& ranking, std::size_t k) { return ranking.nth_motion(k); }
@@ -219,7 +220,7 @@ class SteppedWorld::Ranking {
   int robot_;
   Pose pose_;
   std::vector<Way> ways_;
-  std::shared_ptr<const MovingObstacle> along_;
+  std::shared_ptr<const SweptTrajectory> along_;
   std::vector<Entry> entries_;
   std::vector<std::size_t> ranked_;  ///< entries, best first
   std::vector<std::size_t> left_;    ///< the others, in order

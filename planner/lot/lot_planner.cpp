@@ -169,7 +169,7 @@ class LotPlanner::RequestPlanner {
 
   struct Choice {
     std::size_t goal;
-    TimedTrack alone;
+    ArcTrajectory alone;
     double duration;  ///< alone [s]
   };
   struct Candidate {
@@ -183,7 +183,7 @@ class LotPlanner::RequestPlanner {
   void find_choices(std::size_t goals, Effort effort) {
     for (std::size_t g = 0; g < goals; ++g) {
       const int robot = session_.robot_of_goal(g);
-      std::optional<TimedTrack> alone = session_.alone(robot, effort);
+      std::optional<ArcTrajectory> alone = session_.alone(robot, effort);
       if (!alone) continue;
       const double duration = session_.duration_alone(robot, *alone);
       choices_.push_back({g, *std::move(alone), duration});
@@ -247,7 +247,7 @@ int LotPlanner::improve(LotMotion& motion, std::span<const StandingCar> waiting)
   const std::int64_t key = motion.cars()[std::size_t(focus)].key;
   failed_[key] = improvements_ + kAttemptsAfterFailure;
   (void)session.take(focus);
-  const std::optional<TimedTrack> alone = session.alone(focus);
+  const std::optional<ArcTrajectory> alone = session.alone(focus);
   if (!alone) return 0;
   const std::vector<int> blockers = session.in_the_way(focus, *alone);
   if (!session.may_replan(blockers)) return 0;

@@ -44,7 +44,7 @@ LotPlanner::ReplanningSession::ReplanningSession(LotPlanner& planner, const LotM
   for (std::size_t i = first_standing; i < robots_.size(); ++i) {
     const MacroRobot& robot = macro_robots_[i];
     joint_->place(int(i),
-                  TimedTrack(robot.car->vehicle(), robot.start, {}, planner_.time_.macro_step));
+                  ArcTrajectory(robot.car->vehicle(), robot.start, {}, planner_.time_.macro_step));
   }
 }
 
@@ -105,7 +105,7 @@ void LotPlanner::ReplanningSession::add_queue(const LotRequest& request, const P
   add({.body = body, .prefix = ArcPath(lane.begin), .goal = lane.begin}, lane.begin, true);
 }
 
-TimedTrack LotPlanner::ReplanningSession::forecast_track(int i) const {
+ArcTrajectory LotPlanner::ReplanningSession::forecast_track(int i) const {
   const auto k = std::size_t(i);
   const LotCar& car = motion_.cars()[k];
   std::vector<Arc> steps;
@@ -139,11 +139,11 @@ SoftProblem LotPlanner::ReplanningSession::problem(int robot) const {
 }
 
 /// From both ends where it parks: one search may be lost where the other finds a way at once.
-std::optional<TimedTrack> LotPlanner::ReplanningSession::alone(int robot, Effort effort) {
+std::optional<ArcTrajectory> LotPlanner::ReplanningSession::alone(int robot, Effort effort) {
   const int expansions = planner_.options_.expansions * (effort == Effort::kQuick ? 1 : kMoreAlone);
-  std::optional<SoftPath> path = search_alone(problem(robot), expansions);
+  std::optional<SoftCollisionPath> path = search_alone(problem(robot), expansions);
   if (!robots_[std::size_t(robot)].leaves) {
-    std::optional<SoftPath> other = search_alone_backwards(robot, expansions);
+    std::optional<SoftCollisionPath> other = search_alone_backwards(robot, expansions);
     if (other && (!path || other->cost < path->cost)) path = std::move(other);
   }
   std::optional<std::vector<Arc>> steps;
@@ -151,8 +151,8 @@ std::optional<TimedTrack> LotPlanner::ReplanningSession::alone(int robot, Effort
   if (!steps && effort == Effort::kThorough) steps = sample_alone(robot);
   if (!steps) return std::nullopt;
   const MacroRobot& macro = macro_robots_[std::size_t(robot)];
-  return TimedTrack(macro.car->vehicle(), macro.start, *std::move(steps), planner_.time_.macro_step,
-                    robots_[std::size_t(robot)].leaves);
+  return ArcTrajectory(macro.car->vehicle(), macro.start, *std::move(steps),
+                       planner_.time_.macro_step, robots_[std::size_t(robot)].leaves);
 }
 
 /// Out of slots between long cars, or into them, for one that stands: there a lattice is too
@@ -172,13 +172,13 @@ std::optional<std::vector<Arc>> LotPlanner::ReplanningSession::sample_alone(int 
   return by_time_steps(*arcs, car.step_length());
 }
 
-std::optional<TimedTrack> LotPlanner::ReplanningSession::alone(int robot) {
-  std::optional<TimedTrack> way = alone(robot, Effort::kQuick);
+std::optional<ArcTrajectory> LotPlanner::ReplanningSession::alone(int robot) {
+  std::optional<ArcTrajectory> way = alone(robot, Effort::kQuick);
   return way ? std::move(way) : alone(robot, Effort::kThorough);
 }
 
-std::optional<SoftPath> LotPlanner::ReplanningSession::search_alone(SoftProblem problem,
-                                                                    int expansions) {
+std::optional<SoftCollisionPath> LotPlanner::ReplanningSession::search_alone(SoftProblem problem,
+                                                                             int expansions) {
   const Occupancy nobody(1, planner_.time_);
   problem.others = {.occupancy = &nobody};
   SoftOptions options = soft_options(planner_.options_);
@@ -187,15 +187,15 @@ std::optional<SoftPath> LotPlanner::ReplanningSession::search_alone(SoftProblem 
 }
 
 /// From the goal to the start, driven the other way round.
-std::optional<SoftPath> LotPlanner::ReplanningSession::search_alone_backwards(int robot,
-                                                                              int expansions) {
+std::optional<SoftCollisionPath> LotPlanner::ReplanningSession::search_alone_backwards(
+    int robot, int expansions) {
   const Robot& r = robots_[std::size_t(robot)];
   SoftProblem reversed = problem(robot);
   const CostToGo to_start = planner_.make_cost_to_go(r.body, reversed.start);
   reversed.start = r.goal;
   reversed.cost_to_go = &to_start;
   reversed.direction = 0;
-  std::optional<SoftPath> path = search_alone(reversed, expansions);
+  std::optional<SoftCollisionPath> path = search_alone(reversed, expansions);
   if (!path) return path;
   std::ranges::reverse(path->steps);
   for (Arc& arc : path->steps) arc.length = -arc.length;
@@ -203,7 +203,7 @@ std::optional<SoftPath> LotPlanner::ReplanningSession::search_alone_backwards(in
 }
 
 /// The last metres of a way: a search among others need only find the rest.
-std::vector<Arc> LotPlanner::ReplanningSession::tail(const TimedTrack& alone) const {
+std::vector<Arc> LotPlanner::ReplanningSession::tail(const ArcTrajectory& alone) const {
   ArcPath way(alone.start());
   way.append(alone.steps());
   std::vector<Arc> result;
@@ -217,12 +217,12 @@ std::vector<Arc> LotPlanner::ReplanningSession::tail(const TimedTrack& alone) co
   return result;
 }
 
-bool LotPlanner::ReplanningSession::plan(int robot, const TimedTrack& alone) {
+bool LotPlanner::ReplanningSession::plan(int robot, const ArcTrajectory& alone) {
   return plan(robot, alone, Effort::kQuick) || plan(robot, alone, Effort::kThorough);
 }
 
 /// Quickly: by a short search, or else the single-agent path, begun later.
-bool LotPlanner::ReplanningSession::plan(int robot, const TimedTrack& alone, Effort effort) {
+bool LotPlanner::ReplanningSession::plan(int robot, const ArcTrajectory& alone, Effort effort) {
   SoftProblem soft = problem(robot);
   soft.others = joint_->others(robot, kAnySoftCost);
   const std::vector<Arc> tail = soft.leaves ? std::vector<Arc>{} : this->tail(alone);
@@ -239,16 +239,16 @@ bool LotPlanner::ReplanningSession::plan(int robot, const TimedTrack& alone, Eff
   SoftOptions options = soft_options(planner_.options_);
   options.hard = true;
   if (effort == Effort::kThorough) options.max_expansions *= kMoreAmongOthers;
-  std::optional<SoftPath> path = planner_.search_.search(soft, options, Deadline::never());
+  std::optional<SoftCollisionPath> path = planner_.search_.search(soft, options, Deadline::never());
   if (!path && effort == Effort::kQuick) return drive_alone_later(robot, alone);
   if (!path || comes_back_into_entry(robot, path->steps)) return false;
-  joint_->place(robot, TimedTrack(soft.car->vehicle(), soft.start, std::move(path->steps),
-                                  planner_.time_.macro_step, soft.leaves));
+  joint_->place(robot, ArcTrajectory(soft.car->vehicle(), soft.start, std::move(path->steps),
+                                     planner_.time_.macro_step, soft.leaves));
   return true;
 }
 
 /// The single-agent path, begun as soon as it touches nobody.
-bool LotPlanner::ReplanningSession::drive_alone_later(int robot, const TimedTrack& alone) {
+bool LotPlanner::ReplanningSession::drive_alone_later(int robot, const ArcTrajectory& alone) {
   if (comes_back_into_entry(robot, alone.steps())) return false;
   const bool leaves = robots_[std::size_t(robot)].leaves;
   return joint_->place_later(robot, alone.steps(), kLatest, leaves);
@@ -274,27 +274,27 @@ bool LotPlanner::ReplanningSession::comes_back_into_entry(int robot,
   return false;
 }
 
-std::vector<int> LotPlanner::ReplanningSession::in_the_way(int robot, const TimedTrack& track) {
+std::vector<int> LotPlanner::ReplanningSession::in_the_way(int robot, const ArcTrajectory& track) {
   joint_->place(robot, track);
   std::vector<int> result = joint_->conflicts_of(robot);
   (void)joint_->remove(robot);
   return result;
 }
 
-std::vector<int> LotPlanner::ReplanningSession::plan_before(int robot, const TimedTrack& alone,
+std::vector<int> LotPlanner::ReplanningSession::plan_before(int robot, const ArcTrajectory& alone,
                                                             std::span<const int> others) {
   for (const int i : others) (void)take(i);
   if (!plan(robot, alone)) return {};
   std::vector<int> group = {robot};
   for (const int i : others) {
-    const std::optional<TimedTrack> way = this->alone(i);
+    const std::optional<ArcTrajectory> way = this->alone(i);
     if (!way || !plan(i, *way)) return {};
     group.push_back(i);
   }
   return group;
 }
 
-ArcPath LotPlanner::ReplanningSession::way(int robot, const TimedTrack& track) const {
+ArcPath LotPlanner::ReplanningSession::way(int robot, const ArcTrajectory& track) const {
   const Robot& r = robots_[std::size_t(robot)];
   ArcPath path = r.prefix;
   path.append(track.steps());
@@ -302,7 +302,7 @@ ArcPath LotPlanner::ReplanningSession::way(int robot, const TimedTrack& track) c
   return path;
 }
 
-LotCar LotPlanner::ReplanningSession::car(int robot, const TimedTrack& track) const {
+LotCar LotPlanner::ReplanningSession::car(int robot, const ArcTrajectory& track) const {
   const Robot& r = robots_[std::size_t(robot)];
   LotCar car;
   car.key = r.key;
@@ -315,7 +315,7 @@ LotCar LotPlanner::ReplanningSession::car(int robot, const TimedTrack& track) co
   return car;
 }
 
-double LotPlanner::ReplanningSession::duration_alone(int robot, const TimedTrack& track) const {
+double LotPlanner::ReplanningSession::duration_alone(int robot, const ArcTrajectory& track) const {
   LotMotion motion(planner_.options_.limits);
   motion.put(car(robot, track));
   return motion.forecast().arrival(0);
@@ -388,7 +388,7 @@ LotMotion LotPlanner::ReplanningSession::result(std::span<const int> changed) co
   }
   const auto planned = [&](const Way& way) {
     const LotCar& car = result.cars()[std::size_t(result.find(way.key))];
-    return PlannedWay{&car.cells, car.cells.cell_at(car.s), way.times};
+    return PlannedPath{&car.cells, car.cells.cell_at(car.s), way.times};
   };
   for (std::size_t i = 0; i < ways.size(); ++i) {
     for (std::size_t j = i + 1; j < ways.size(); ++j) {

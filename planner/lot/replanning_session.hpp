@@ -27,17 +27,17 @@ class LotPlanner::ReplanningSession {
   enum class Effort { kQuick, kThorough };
 
   /// The robot's path as if nobody else moved.
-  [[nodiscard]] std::optional<TimedTrack> alone(int robot, Effort effort);
+  [[nodiscard]] std::optional<ArcTrajectory> alone(int robot, Effort effort);
   /// The robot, absent so far, gets a way that touches nobody present.
   /// @param alone  its path as if nobody else moved
-  [[nodiscard]] bool plan(int robot, const TimedTrack& alone, Effort effort);
+  [[nodiscard]] bool plan(int robot, const ArcTrajectory& alone, Effort effort);
   /// The same, quickly if possible.
-  [[nodiscard]] std::optional<TimedTrack> alone(int robot);
-  [[nodiscard]] bool plan(int robot, const TimedTrack& alone);
-  [[nodiscard]] TimedTrack take(int robot) { return joint_->remove(robot); }
-  [[nodiscard]] const TimedTrack& track(int robot) const { return joint_->track(robot); }
+  [[nodiscard]] std::optional<ArcTrajectory> alone(int robot);
+  [[nodiscard]] bool plan(int robot, const ArcTrajectory& alone);
+  [[nodiscard]] ArcTrajectory take(int robot) { return joint_->remove(robot); }
+  [[nodiscard]] const ArcTrajectory& track(int robot) const { return joint_->track(robot); }
   /// The cars under way that stand blocking a robot that moves like this.
-  [[nodiscard]] std::vector<int> in_the_way(int robot, const TimedTrack& track);
+  [[nodiscard]] std::vector<int> in_the_way(int robot, const ArcTrajectory& track);
 
   /// Must the car's path stay as it is? In an entry lane somebody follows; shortly before the end
   /// nothing is to be gained.
@@ -57,13 +57,13 @@ class LotPlanner::ReplanningSession {
 
   /// Plans a robot, absent so far, and then the others anew.
   /// @return all of them; empty if one of them has no path
-  [[nodiscard]] std::vector<int> plan_before(int robot, const TimedTrack& alone,
+  [[nodiscard]] std::vector<int> plan_before(int robot, const ArcTrajectory& alone,
                                              std::span<const int> others);
 
   /// The motion in which the given robots drive as placed here, the others as before.
   [[nodiscard]] LotMotion result(std::span<const int> changed) const;
   /// Arrival of a robot that drives `track` with nobody else there [s from now].
-  [[nodiscard]] double duration_alone(int robot, const TimedTrack& track) const;
+  [[nodiscard]] double duration_alone(int robot, const ArcTrajectory& track) const;
 
  private:
   struct Robot {
@@ -83,16 +83,16 @@ class LotPlanner::ReplanningSession {
   void add_standing(const StandingCar& car);
   void add_queue(const LotRequest& request, const Pose& start);
   void add(Robot robot, const Pose& start, bool in_entry);
-  [[nodiscard]] TimedTrack forecast_track(int car) const;
-  [[nodiscard]] bool drive_alone_later(int robot, const TimedTrack& alone);
+  [[nodiscard]] ArcTrajectory forecast_track(int car) const;
+  [[nodiscard]] bool drive_alone_later(int robot, const ArcTrajectory& alone);
   [[nodiscard]] bool comes_back_into_entry(int robot, const std::vector<Arc>& steps) const;
   [[nodiscard]] SoftProblem problem(int robot) const;
-  [[nodiscard]] std::optional<SoftPath> search_alone(SoftProblem problem, int expansions);
-  [[nodiscard]] std::optional<SoftPath> search_alone_backwards(int robot, int expansions);
+  [[nodiscard]] std::optional<SoftCollisionPath> search_alone(SoftProblem problem, int expansions);
+  [[nodiscard]] std::optional<SoftCollisionPath> search_alone_backwards(int robot, int expansions);
   [[nodiscard]] std::optional<std::vector<Arc>> sample_alone(int robot) const;
-  [[nodiscard]] std::vector<Arc> tail(const TimedTrack& alone) const;
-  [[nodiscard]] ArcPath way(int robot, const TimedTrack& track) const;
-  [[nodiscard]] LotCar car(int robot, const TimedTrack& track) const;
+  [[nodiscard]] std::vector<Arc> tail(const ArcTrajectory& alone) const;
+  [[nodiscard]] ArcPath way(int robot, const ArcTrajectory& track) const;
+  [[nodiscard]] LotCar car(int robot, const ArcTrajectory& track) const;
   [[nodiscard]] std::vector<float> times_of_kept(int car) const;
   [[nodiscard]] std::vector<float> times_of_planned(const LotCar& car, int robot) const;
   [[nodiscard]] double ahead() const { return planner_.options_.ahead; }

@@ -89,7 +89,7 @@ void Precedence::finish() {
   steps_ = std::move(kept);
 }
 
-std::pair<Precedence, Precedence> precedence(const PlannedWay& first, const PlannedWay& second) {
+std::pair<Precedence, Precedence> precedence(const PlannedPath& first, const PlannedPath& second) {
   std::pair<Precedence, Precedence> result;
   std::vector<double> need_of_first(std::size_t(first.cells->size()), 0.0);
   std::vector<double> need_of_second(std::size_t(second.cells->size()), 0.0);
@@ -104,7 +104,7 @@ std::pair<Precedence, Precedence> precedence(const PlannedWay& first, const Plan
       need_of_first[i] = std::max(need_of_first[i], beyond(b));
     }
   });
-  const auto collect = [](const PlannedWay& way, const std::vector<double>& needs,
+  const auto collect = [](const PlannedPath& way, const std::vector<double>& needs,
                           Precedence& precedence) {
     for (std::size_t k = 0; k < needs.size(); ++k) {
       if (needs[k] == 0.0) continue;

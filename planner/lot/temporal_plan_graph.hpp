@@ -43,10 +43,10 @@ class PathCells {
   [[nodiscard]] const BoxPose& box(int cell) const { return boxes_[std::size_t(cell)]; }
   [[nodiscard]] const BoxShape& shape(int cell) const { return shapes_[std::size_t(cell)]; }
 
-  /// Calls visit(a, b) for all pairs of cells, a of this path from `first_a` on and b of the other
-  /// from `first_b` on, that overlap.
-  template <class Visit>
-  void for_each_contact(int first_a, const PathCells& other, int first_b, Visit&& visit) const;
+  /// Calls visitor(a, b) for all pairs of cells, a of this path from `first_a` on and b of the
+  /// other from `first_b` on, that overlap.
+  template <class Visitor>
+  void for_each_contact(int first_a, const PathCells& other, int first_b, Visitor&& visitor) const;
 
  private:
   static constexpr int kBlock = 16;  ///< cells that share a circle
@@ -66,9 +66,9 @@ class PathCells {
   std::vector<Stretch> stretches_;  ///< ascending
 };
 
-template <class Visit>
+template <class Visitor>
 void PathCells::for_each_contact(int first_a, const PathCells& other, int first_b,
-                                 Visit&& visit) const {
+                                 Visitor&& visitor) const {
   for (int p = first_a / kBlock; p < blocks(); ++p) {
     const Circle& own = circles_[std::size_t(p)];
     for (int q = first_b / kBlock; q < other.blocks(); ++q) {
@@ -80,7 +80,7 @@ void PathCells::for_each_contact(int first_a, const PathCells& other, int first_
       for (int a = std::max(first_a, p * kBlock); a < std::min(size(), (p + 1) * kBlock); ++a) {
         for (int b = std::max(first_b, q * kBlock); b < std::min(other.size(), (q + 1) * kBlock);
              ++b) {
-          if (gap(box(a), shape(a), other.box(b), other.shape(b)) < 0.0F) visit(a, b);
+          if (gap(box(a), shape(a), other.box(b), other.shape(b)) < 0.0F) visitor(a, b);
         }
       }
     }
@@ -116,7 +116,7 @@ class Precedence {
 };
 
 /// A car's path as planned: what the order of passage is taken from.
-struct PlannedWay {
+struct PlannedPath {
   const PathCells* cells = nullptr;
   int first = 0;                 ///< the cell in which it is now
   std::span<const float> times;  ///< when it is in the middle of each cell [s]
@@ -124,7 +124,7 @@ struct PlannedWay {
 
 /// The order in which two cars use the ground that both need: as planned.
 /// @return  how far the first may go for the second, and the second for the first
-[[nodiscard]] std::pair<Precedence, Precedence> precedence(const PlannedWay& first,
-                                                           const PlannedWay& second);
+[[nodiscard]] std::pair<Precedence, Precedence> precedence(const PlannedPath& first,
+                                                           const PlannedPath& second);
 
 }  // namespace mvtp

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <vector>
 
-#include "planner/motion/guide_path.hpp"
+#include "planner/motion/reference_path.hpp"
 
 namespace mvtp {
 
@@ -47,19 +47,19 @@ inline constexpr int kMostBrakingSteps = 100000;
 /// The highest speed at each position of a reference path that a driver may have.
 class SpeedEnvelope {
  public:
-  /// @param limits  one speed limit [m/s] per GuidePath::kSpacing metres of the path.
+  /// @param limits  one speed limit [m/s] per ReferencePath::kSpacing metres of the path.
   /// @param braking deceleration [m/s^2] with which every lower limit ahead must be reachable.
   SpeedEnvelope(std::vector<double> limits, double braking) : limits_(std::move(limits)) {
     for (std::size_t i = limits_.size() - 1; i-- > 0;) {
       const double reachable =
-          std::sqrt(limits_[i + 1] * limits_[i + 1] + 2.0 * braking * GuidePath::kSpacing);
+          std::sqrt(limits_[i + 1] * limits_[i + 1] + 2.0 * braking * ReferencePath::kSpacing);
       limits_[i] = std::min(limits_[i], reachable);
     }
   }
 
   /// [m/s] at s; the nearest value beyond the ends.
   [[nodiscard]] double at(double s) const {
-    const double cell = std::clamp(s / GuidePath::kSpacing, 0.0, double(limits_.size() - 1));
+    const double cell = std::clamp(s / ReferencePath::kSpacing, 0.0, double(limits_.size() - 1));
     const auto i = std::size_t(cell);
     const std::size_t j = std::min(i + 1, limits_.size() - 1);
     return limits_[i] + (cell - double(i)) * (limits_[j] - limits_[i]);

@@ -3,9 +3,9 @@
 #include <array>
 #include <vector>
 
+#include "planner/motion/arc_trajectory.hpp"
 #include "planner/motion/exemptions.hpp"
 #include "planner/motion/obstacles.hpp"
-#include "planner/motion/timed_track.hpp"
 #include "planner/problem/deadline.hpp"
 #include "planner/problem/instance.hpp"
 

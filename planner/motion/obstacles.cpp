@@ -72,7 +72,7 @@ Obstacles::Obstacles(const Map& map, double reach) : circles_(map.circles), reac
   rows_ = int(height / cell_size_) + 1;
 
   // Counting sort of (cell, item) pairs: an item belongs to every cell within its reach.
-  const auto for_each_cell = [&](int item, auto&& visit) {
+  const auto for_each_cell = [&](int item, auto&& visitor) {
     const Extent e = item_extent(item);
     const auto clamped = [&](double value, int count) {
       return std::clamp(int(std::clamp(value / cell_size_, -1.0, 1e6)), 0, count - 1);
@@ -81,7 +81,7 @@ Obstacles::Obstacles(const Map& map, double reach) : circles_(map.circles), reac
     for (int row = clamped(e.min_y, rows_); row <= clamped(e.max_y + 2 * reach_, rows_); ++row) {
       for (int column = clamped(e.min_x, columns_);
            column <= clamped(e.max_x + 2 * reach_, columns_); ++column) {
-        visit(std::size_t(row * columns_ + column));
+        visitor(std::size_t(row * columns_ + column));
       }
     }
   };
@@ -133,8 +133,8 @@ std::vector<int> Obstacles::all_hits(const Sweep& sweep) const {
   return {hits.begin(), hits.end()};
 }
 
-template <class Visit>
-bool Obstacles::any_hit(const Sweep& sweep, Visit&& visit) const {
+template <class Visitor>
+bool Obstacles::any_hit(const Sweep& sweep, Visitor&& visitor) const {
   const double column = (sweep.centre().x + reach_) / cell_size_;
   const double row = (sweep.centre().y + reach_) / cell_size_;
   const bool in_grid = column >= 0 && row >= 0 && column < columns_ && row < rows_;
@@ -142,7 +142,7 @@ bool Obstacles::any_hit(const Sweep& sweep, Visit&& visit) const {
     if (items.empty()) return false;
     const OrientedBox around = sweep.around();
     for (const int item : items) {
-      if (hits_item(sweep, around, item) && visit(obstacle_of(item))) return true;
+      if (hits_item(sweep, around, item) && visitor(obstacle_of(item))) return true;
     }
     return false;
   };

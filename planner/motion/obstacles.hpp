@@ -50,9 +50,9 @@ class Obstacles {
   /// @param around  the sweep's
   [[nodiscard]] bool hits_item(const Sweep& sweep, const OrientedBox& around, int item) const;
   [[nodiscard]] int obstacle_of(int item) const;
-  /// Calls visit(obstacle) for those that are hit, until it returns true. @return whether it did
-  template <class Visit>
-  bool any_hit(const Sweep& sweep, Visit&& visit) const;
+  /// Calls visitor(obstacle) for those that are hit, until it returns true. @return whether it did
+  template <class Visitor>
+  bool any_hit(const Sweep& sweep, Visitor&& visitor) const;
 
   std::vector<Circle> circles_;
   std::vector<Part> parts_;

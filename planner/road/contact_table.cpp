@@ -6,7 +6,7 @@
 namespace mvtp {
 namespace {
 
-constexpr double kHalf = GuidePath::kSpacing / 2.0;
+constexpr double kHalf = ReferencePath::kSpacing / 2.0;
 /// [m]: a car that brakes or speeds up is never further than a h^2 / 8 from where it would be at an
 /// even speed, h between two looks: for two cars at 4.5 m/s^2 and 0.25 s, the longest step.
 constexpr double kUneven = 0.07;
@@ -42,7 +42,7 @@ void PlaneBounds::include(const PlaneBounds& other) {
   y_high = std::max(y_high, other.y_high);
 }
 
-SweptPath::SweptPath(const GuidePath& path, const Vehicle& body, const Margins& margins) {
+SweptPath::SweptPath(const ReferencePath& path, const Vehicle& body, const Margins& margins) {
   Vehicle grown = body;
   grown.front += margins.along / 2.0;
   grown.rear += margins.along / 2.0;
@@ -59,11 +59,12 @@ SweptPath::SweptPath(const GuidePath& path, const Vehicle& body, const Margins& 
   for (const PlaneBounds& chunk : chunks_) bounds_.include(chunk);
   least_margin_ = std::min(margins.along, margins.across);
   const double arm = std::hypot(std::max(grown.front, grown.rear), grown.width / 2.0);
-  stride_ = GuidePath::kSpacing + arm * most_turn + 1e-9;
+  stride_ = ReferencePath::kSpacing + arm * most_turn + 1e-9;
 }
 
-ContactTable::ContactTable(const GuidePath& path_a, const Vehicle& body_a, const GuidePath& path_b,
-                           const Vehicle& body_b, const Margins& margins)
+ContactTable::ContactTable(const ReferencePath& path_a, const Vehicle& body_a,
+                           const ReferencePath& path_b, const Vehicle& body_b,
+                           const Margins& margins)
     : ContactTable(SweptPath(path_a, body_a, margins), SweptPath(path_b, body_b, margins)) {}
 
 ContactTable::ContactTable(const SweptPath& a, const SweptPath& b) {
@@ -112,8 +113,8 @@ void ContactTable::append_row(std::uint32_t row, std::span<const Run> runs) {
     first_row_ = row;
   }
   for (const auto& [first, last] : runs) {
-    intervals_.push_back({float(double(first) * GuidePath::kSpacing - kHalf),
-                          float(double(last) * GuidePath::kSpacing + kHalf)});
+    intervals_.push_back({float(double(first) * ReferencePath::kSpacing - kHalf),
+                          float(double(last) * ReferencePath::kSpacing + kHalf)});
   }
   begin_.push_back(std::uint32_t(intervals_.size()));
 }
@@ -131,8 +132,8 @@ void ContactTable::finish() {
   }
   if (!empty()) {
     // A little inside, so that row_of() rounds into the rows.
-    first_ = (double(first_row_) - 0.5) * GuidePath::kSpacing + 1e-9;
-    last_ = first_ + double(rows()) * GuidePath::kSpacing - 2e-9;
+    first_ = (double(first_row_) - 0.5) * ReferencePath::kSpacing + 1e-9;
+    last_ = first_ + double(rows()) * ReferencePath::kSpacing - 2e-9;
   }
   begin_.shrink_to_fit();
   intervals_.shrink_to_fit();
@@ -141,7 +142,7 @@ void ContactTable::finish() {
 ContactTable ContactTable::transposed() const {
   if (empty()) return {};
   const auto sample = [](float s, double half) {
-    return std::uint32_t(std::lround((double(s) + half) / GuidePath::kSpacing));
+    return std::uint32_t(std::lround((double(s) + half) / ReferencePath::kSpacing));
   };
   const std::uint32_t first = sample(bounds_.low, kHalf);
   std::vector<std::vector<Run>> columns(sample(bounds_.high, -kHalf) - first + 1);

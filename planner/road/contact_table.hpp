@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "planner/geometry/oriented_box.hpp"
-#include "planner/motion/guide_path.hpp"
+#include "planner/motion/reference_path.hpp"
 #include "planner/problem/vehicle.hpp"
 
 namespace mvtp {
@@ -39,7 +39,7 @@ class SweptPath {
  public:
   static constexpr std::size_t kChunk = 16;  ///< samples per entry of chunks()
 
-  SweptPath(const GuidePath& path, const Vehicle& body, const Margins& margins);
+  SweptPath(const ReferencePath& path, const Vehicle& body, const Margins& margins);
 
   [[nodiscard]] std::span<const OrientedBox> boxes() const { return boxes_; }
   [[nodiscard]] std::span<const PlaneBounds> chunks() const { return chunks_; }
@@ -53,7 +53,7 @@ class SweptPath {
   std::vector<OrientedBox> boxes_;
   std::vector<PlaneBounds> chunks_;
   PlaneBounds bounds_;
-  double stride_ = GuidePath::kSpacing;
+  double stride_ = ReferencePath::kSpacing;
   double least_margin_ = 0.0;
 };
 
@@ -81,7 +81,7 @@ class ContactTable {
   /// Contacts as given: for samples of A's path those of B's. Runs may overlap.
   explicit ContactTable(const std::map<std::uint32_t, std::vector<Run>>& rows);
   ContactTable(const SweptPath& a, const SweptPath& b);
-  ContactTable(const GuidePath& path_a, const Vehicle& body_a, const GuidePath& path_b,
+  ContactTable(const ReferencePath& path_a, const Vehicle& body_a, const ReferencePath& path_b,
                const Vehicle& body_b, const Margins& margins);
 
   /// The same contacts with A and B exchanged.
@@ -128,7 +128,7 @@ class ContactTable {
 
   /// In rows of this table, the first at 0; whole numbers are where rows begin.
   [[nodiscard]] double row_of(double s_a) const {
-    return s_a / GuidePath::kSpacing + 0.5 - double(first_row_);
+    return s_a / ReferencePath::kSpacing + 0.5 - double(first_row_);
   }
   [[nodiscard]] std::size_t rows() const { return begin_.size() - 1; }
 

@@ -96,7 +96,7 @@ class CrossingPlanner {
     std::vector<Entry> all(bodies.begin(), bodies.end());
     all.insert(all.end(), planned.begin(), planned.end());
     if (auto t = plan_at_least(v, all)) {
-      planned.push_back({v.key, std::make_shared<PathTrajectory>(std::move(*t))});
+      planned.push_back({v.key, std::make_shared<SpeedProfile>(std::move(*t))});
       return true;
     }
     const Order blocking = those_in_the_way(v, planned);
@@ -105,7 +105,7 @@ class CrossingPlanner {
     for (const std::int64_t key : joined({v.key}, blocking)) {
       auto t = plan_at_least(scene_.vehicle(key), all);
       if (!t) return false;
-      all.push_back({key, std::make_shared<PathTrajectory>(std::move(*t))});
+      all.push_back({key, std::make_shared<SpeedProfile>(std::move(*t))});
     }
     planned.assign(all.begin() + std::ptrdiff_t(bodies.size()), all.end());
     return true;
@@ -131,7 +131,7 @@ class CrossingPlanner {
       const RoadVehicle& v = scene_.vehicle(entries[i].key);
       if (leaves_room(pairs_, v, *entries[i].trajectory, entries, options_.trajectory)) continue;
       auto t = plan_at_least(v, entries);
-      if (t) entries[i].trajectory = std::make_shared<PathTrajectory>(std::move(*t));
+      if (t) entries[i].trajectory = std::make_shared<SpeedProfile>(std::move(*t));
     }
   }
 
@@ -143,7 +143,7 @@ class CrossingPlanner {
       if (!v.asks_again || cost <= cost_.alone(e.key) + kNotWorthIt) continue;
       auto t = plan_at_least(v, entries, cost / v.weight);
       if (!t) continue;
-      const Entry better{e.key, std::make_shared<PathTrajectory>(std::move(*t))};
+      const Entry better{e.key, std::make_shared<SpeedProfile>(std::move(*t))};
       if (cost_.until_handback(better) < cost) e = better;
     }
   }
@@ -163,16 +163,15 @@ class CrossingPlanner {
       changed = true;
       auto t = plan_at_least(scene_.vehicle(order[i]), entries);
       if (!t) return i;
-      entries.push_back({order[i], std::make_shared<PathTrajectory>(std::move(*t))});
+      entries.push_back({order[i], std::make_shared<SpeedProfile>(std::move(*t))});
     }
     return std::nullopt;
   }
 
   /// A plan even if the work is used up, as long as it is found fast.
   /// @param cost  [s] from which it is of no use.
-  std::optional<PathTrajectory> plan_at_least(
-      const RoadVehicle& v, std::span<const Entry> before,
-      double cost = std::numeric_limits<double>::infinity()) {
+  std::optional<SpeedProfile> plan_at_least(const RoadVehicle& v, std::span<const Entry> before,
+                                            double cost = std::numeric_limits<double>::infinity()) {
     WorkBudget least{std::max(work_.left, kLeastWork)};
     const std::int64_t given = least.left;
     auto t = plan_vehicle(pairs_, v, before, options_.trajectory, {.work = &least, .cost = cost});
@@ -207,7 +206,7 @@ class CrossingPlanner {
       }
       result.unplanned.push_back(v.key);
       const double b = scene_.body(v).max_decel;
-      bodies.push_back({v.key, std::make_shared<PathTrajectory>(stop_after(scene_, v.now, -b, b))});
+      bodies.push_back({v.key, std::make_shared<SpeedProfile>(stop_after(scene_, v.now, -b, b))});
       const std::span<const Entry> body(&bodies.back(), 1);
       std::erase_if(planned, [&](const Entry& e) {
         const bool fits = fits_beside(pairs_, scene_.vehicle(e.key), *e.trajectory, body,
@@ -246,7 +245,7 @@ class CrossingPlanner {
                               .cost = (budget - cost + cost_.alone(order[i])) / v.weight};
       auto t = plan_vehicle(pairs_, v, entries, options_.trajectory, limits);
       if (!t || work_.left <= 0) return i;
-      entries.push_back({order[i], std::make_shared<PathTrajectory>(std::move(*t))});
+      entries.push_back({order[i], std::make_shared<SpeedProfile>(std::move(*t))});
       cost += cost_.until_handback(entries.back()) - cost_.alone(order[i]);
     }
     return std::nullopt;
@@ -314,7 +313,7 @@ class CrossingPlanner {
   }
 
   /// Would the other one be where this one is, had either been a few seconds earlier or later?
-  [[nodiscard]] bool meet_soon(std::size_t own, const PathTrajectory& t, const Entry& other) const {
+  [[nodiscard]] bool meet_soon(std::size_t own, const SpeedProfile& t, const Entry& other) const {
     constexpr double kSoon = 4.0;  // [s]
     const ContactView contact = pairs_.between(own, pairs_.index(other.key));
     if (contact.contact->never()) return false;

@@ -10,7 +10,7 @@ namespace {
 
 /// Is it clear for this vehicle to follow its plan for one decision, and to brake after it?
 bool may_go_on(const Surroundings& around, const RoadScene& scene, const RoadVehicle& v,
-               const PathTrajectory& plan) {
+               const SpeedProfile& plan) {
   const std::int64_t last =
       std::max(scene.step, std::min(scene.step + scene.grid.steps_per_decision, plan.end() - 1));
   const double h = double(last - scene.step) * scene.grid.dt;
@@ -28,7 +28,7 @@ std::vector<std::int64_t> who_must_brake(const RoadScene& scene, const JointPlan
   const auto brake = [&](const RoadVehicle& v) {
     const double b = scene.body(v).max_decel;
     braking.push_back(v.key);
-    bodies.push_back({v.key, std::make_shared<PathTrajectory>(stop_after(scene, v.now, -b, b))});
+    bodies.push_back({v.key, std::make_shared<SpeedProfile>(stop_after(scene, v.now, -b, b))});
   };
   for (const RoadVehicle& v : scene.vehicles) {
     const Surroundings forecasts(pairs, v, {}, options);

@@ -26,7 +26,7 @@ double JointCost::alone(std::int64_t key) {
   const auto [alone, is_new] = alone_.try_emplace(key, 0.0);
   if (is_new) {
     auto run = plan_alone(pairs_, scene_.vehicle(key), options_);
-    alone->second = until_handback({key, std::make_shared<PathTrajectory>(std::move(run))});
+    alone->second = until_handback({key, std::make_shared<SpeedProfile>(std::move(run))});
   }
   return alone->second;
 }
@@ -57,7 +57,7 @@ double JointCost::missing_headway(const OnExit& own, const std::vector<OnExit>& 
     if (o.exit_lane != v.exit_lane) continue;
     const InertialState ahead = trajectory->at(k);
     const double gap = (ahead.s - o.s_exit_lane) - (state.s - v.s_exit_lane);
-    if (gap <= 0.0 || ahead.s >= PathTrajectory::kGone) continue;
+    if (gap <= 0.0 || ahead.s >= SpeedProfile::kDeparted) continue;
     const double wanted =
         drivers_gap(v, state.v, scene_.body(v).max_decel, ahead.v, scene_.body(o).max_decel);
     missing += std::max(0.0, wanted - (gap - scene_.body(o).length())) / std::max(1.0, state.v);

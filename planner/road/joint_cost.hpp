@@ -34,7 +34,7 @@ class JointCost {
  private:
   struct OnExit {
     const RoadVehicle* vehicle;
-    const PathTrajectory* trajectory;
+    const SpeedProfile* trajectory;
   };
   [[nodiscard]] double missing_headway(const OnExit& own, const std::vector<OnExit>& all) const;
 

@@ -19,7 +19,8 @@ std::unique_ptr<const ContactTable> transpose_of(const ContactTable& table) {
 
 }  // namespace
 
-int PathLibrary::add(GuidePath path, const Vehicle& body, std::vector<JunctionStretch> stretches) {
+int PathLibrary::add(ReferencePath path, const Vehicle& body,
+                     std::vector<JunctionStretch> stretches) {
   SweptPath swept(path, body, margins_);
   const int number = int(grounds_.size());
   std::vector<int> near;
@@ -50,7 +51,7 @@ const ContactTable& PathLibrary::build_late(int a, int b) const {
   const std::scoped_lock lock(late_guard_);
   auto& table = late_[pair_key(a, b)];
   if (!table) {
-    // As prepare() would: from the smaller number's side, so that it makes no difference.
+    // As build_tables() would: from the smaller number's side, so that it makes no difference.
     ContactTable built(grounds_[std::size_t(std::min(a, b))]->swept,
                        grounds_[std::size_t(std::max(a, b))]->swept);
     table = a <= b ? std::make_unique<ContactTable>(std::move(built)) : transpose_of(built);
@@ -81,7 +82,7 @@ void PathLibrary::reserve_among(std::span<const int> paths) {
   }
 }
 
-void PathLibrary::prepare(std::span<const int> paths, std::span<const int> others) {
+void PathLibrary::build_tables(std::span<const int> paths, std::span<const int> others) {
   tables_.merge(late_);
   enum class Role : std::uint8_t { kNone, kOther, kDriven };
   std::vector<Role> roles(grounds_.size(), Role::kNone);

@@ -15,8 +15,8 @@ namespace mvtp {
 /// The reference paths in use, each for one body, and the contact tables of those pairs whose
 /// bodies come near each other.
 ///
-/// add() and prepare() change the library and are for one thread at a time; everything else may
-/// run in many threads between them. References stay valid.
+/// add() and build_tables() change the library and are for one thread at a time; everything else
+/// may run in many threads between them. References stay valid.
 class PathLibrary {
  public:
   explicit PathLibrary(const Margins& margins, Reservation reservation = Reservation::kNone)
@@ -24,25 +24,25 @@ class PathLibrary {
 
   /// Returns the number of the new path.
   /// @param stretches  over junctions, for reservations there.
-  int add(GuidePath path, const Vehicle& body, std::vector<JunctionStretch> stretches = {});
+  int add(ReferencePath path, const Vehicle& body, std::vector<JunctionStretch> stretches = {});
   /// The path numbered `like`, for a body of the same shape that moves otherwise: the two share
   /// their contacts. Returns its number.
   int add_like(int like, const Vehicle& body);
 
   [[nodiscard]] int size() const { return int(entries_.size()); }
-  [[nodiscard]] const GuidePath& path(int p) const { return ground(p).path; }
+  [[nodiscard]] const ReferencePath& path(int p) const { return ground(p).path; }
   [[nodiscard]] const Vehicle& body(int p) const { return entries_[std::size_t(p)].body; }
 
-  /// Where a body on path `a` meets one on path `b`. A look-up in what prepare() has built; the
-  /// table of any other pair is built at its first use, one thread after the other.
+  /// Where a body on path `a` meets one on path `b`. A look-up in what build_tables() has built;
+  /// the table of any other pair is built at its first use, one thread after the other.
   [[nodiscard]] const ContactTable& contacts(int a, int b) const;
 
-  /// Positions on `a` and `b` that reservations forbid, among the paths of the last prepare().
+  /// Positions on `a` and `b` that reservations forbid, among the paths of the last build_tables().
   [[nodiscard]] const ContactTable& reserved(int a, int b) const;
 
   /// Builds the tables that are missing among `paths`, and between them and the `others`, on all
   /// cores. What the others have among themselves nobody asks for.
-  void prepare(std::span<const int> paths, std::span<const int> others = {});
+  void build_tables(std::span<const int> paths, std::span<const int> others = {});
 
   /// Tables held [pairs], for one who looks after the memory.
   [[nodiscard]] std::size_t tables() const { return tables_.size(); }
@@ -50,7 +50,7 @@ class PathLibrary {
  private:
   /// A path with the ground that a body covers along it.
   struct Ground {
-    GuidePath path;
+    ReferencePath path;
     SweptPath swept;
     std::vector<JunctionStretch> stretches;
     std::vector<int> near;  ///< those added before this one, and itself, whose bounds overlap

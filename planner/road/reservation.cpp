@@ -17,7 +17,8 @@ struct Samples {
 Samples samples_of(const JunctionStretch& stretch, const SweptPath& swept) {
   const auto most = std::int64_t(swept.boxes().size()) - 1;
   const auto at = [&](double s) {
-    return std::uint32_t(std::clamp<std::int64_t>(std::lround(s / GuidePath::kSpacing), 0, most));
+    return std::uint32_t(
+        std::clamp<std::int64_t>(std::lround(s / ReferencePath::kSpacing), 0, most));
   };
   return {at(stretch.from), at(stretch.to)};
 }
@@ -80,7 +81,7 @@ void add_conflict_area(const Samples& a, const Samples& b, const ContactTable& b
   Samples area_b{b.last, b.first};
   for (std::uint32_t i = a.first; i <= a.last; ++i) {
     for (std::uint32_t j = b.first; j <= b.last; ++j) {
-      if (!bodies.touches(i * GuidePath::kSpacing, j * GuidePath::kSpacing)) continue;
+      if (!bodies.touches(i * ReferencePath::kSpacing, j * ReferencePath::kSpacing)) continue;
       area_a = {std::min(area_a.first, i), std::max(area_a.last, i)};
       area_b = {std::min(area_b.first, j), std::max(area_b.last, j)};
     }

@@ -50,7 +50,7 @@ struct BesidePath {
 
 BesidePath beside_path(const PathLibrary& library, int path_a, double s_a, int path_b, double s_b) {
   const Pose pose = library.path(path_a).at(s_a);
-  const GuidePath& path = library.path(path_b);
+  const ReferencePath& path = library.path(path_b);
   const double foot = path.project({pose.x, pose.y}, s_b - kBehind, s_b + kAhead);
   const Pose local = relative(path.at(foot), pose);
   return {foot - s_b, std::abs(local.y), std::abs(local.theta), std::abs(local.x)};

@@ -88,7 +88,7 @@ RoadDecision decision_of(const RoadScene& scene, const RoadWorld& world,
     ++decision.stepped;
     const RoadWorld::Motion& m = motions[i];
     decision.plan.entries.push_back(
-        {v.key, std::make_shared<PathTrajectory>(
+        {v.key, std::make_shared<SpeedProfile>(
                     stop_after(scene, m.from, m.acceleration, scene.body(v).max_decel))});
   }
   return decision;

@@ -19,12 +19,13 @@ struct DecisionGrid {
   [[nodiscard]] double decision() const { return dt * steps_per_decision; }
 };
 
-/// The motion of one vehicle along its guide path: a state per simulation step, from `begin` on.
+/// The motion of one vehicle along its reference path: a state per simulation step, from `begin`
+/// on.
 ///
 /// After its last state the vehicle has left the road and touches nobody any more, if the
 /// trajectory is complete; otherwise it stays where it came to rest.
-struct PathTrajectory {
-  static constexpr double kGone = 1e9;  ///< [m] where a vehicle is that has left
+struct SpeedProfile {
+  static constexpr double kDeparted = 1e9;  ///< [m] where a vehicle is that has left
 
   std::int64_t begin = 0;
   std::vector<InertialState> states;
@@ -32,7 +33,7 @@ struct PathTrajectory {
 
   [[nodiscard]] std::int64_t end() const { return begin + std::int64_t(states.size()); }
   [[nodiscard]] InertialState at(std::int64_t k) const {
-    if (k >= end()) return complete ? InertialState{kGone, 0.0} : states.back();
+    if (k >= end()) return complete ? InertialState{kDeparted, 0.0} : states.back();
     return states[std::size_t(std::max<std::int64_t>(0, k - begin))];
   }
 };
@@ -90,8 +91,8 @@ struct RoadVehicle {
 /// motions between that and the earliest: at each time it may be anywhere between the two.
 struct Forecast {
   RoadVehicle vehicle;
-  PathTrajectory trajectory;  ///< the earliest
-  std::optional<PathTrajectory> latest;
+  SpeedProfile trajectory;  ///< the earliest
+  std::optional<SpeedProfile> latest;
   bool yields = true;  ///< to whoever is in its way; else only to those ahead on its own lane
   /// Its driver relies on a signal and brakes for nobody across his way: braking there is no way
   /// out.
@@ -102,7 +103,7 @@ struct Forecast {
   int slack_behind = 0;
   /// Of a driver who is held at a line: he stays there, whatever `trajectory` says, until whoever
   /// is not behind him on his lane has passed. Else each of the two might wait for the other.
-  std::optional<PathTrajectory> held;
+  std::optional<SpeedProfile> held;
 };
 
 /// The vehicles on the road at the moment of a decision.
@@ -125,12 +126,12 @@ struct RoadScene {
 struct JointPlan {
   struct Entry {
     std::int64_t key = 0;
-    std::shared_ptr<const PathTrajectory> trajectory;
+    std::shared_ptr<const SpeedProfile> trajectory;
   };
   std::vector<Entry> entries;
 
   /// nullptr if there is none
-  [[nodiscard]] const PathTrajectory* find(std::int64_t key) const {
+  [[nodiscard]] const SpeedProfile* find(std::int64_t key) const {
     const auto e = std::ranges::find(entries, key, &Entry::key);
     return e == entries.end() ? nullptr : e->trajectory.get();
   }

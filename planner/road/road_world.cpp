@@ -108,7 +108,7 @@ std::vector<std::optional<RoadWorld::Motion>> RoadWorld::get_opt_traj(
   found_ = plan_crossing(pairs_, keys_, incumbent_, options_, seed_, work_);
   std::vector<std::optional<Motion>> motions;
   for (const int i : group) {
-    const PathTrajectory* t = found_.plan.find(scene().vehicles[std::size_t(i)].key);
+    const SpeedProfile* t = found_.plan.find(scene().vehicles[std::size_t(i)].key);
     motions.push_back(t != nullptr ? std::optional(first_motion(*t)) : std::nullopt);
   }
   return motions;
@@ -120,7 +120,7 @@ bool RoadWorld::keeps_plans(const std::vector<Motion>& motions) const {
   });
 }
 
-RoadWorld::Motion RoadWorld::first_motion(const PathTrajectory& trajectory) const {
+RoadWorld::Motion RoadWorld::first_motion(const SpeedProfile& trajectory) const {
   const DecisionGrid& grid = scene().grid;
   const std::int64_t step = scene().step;
   const InertialState from = trajectory.at(step);

@@ -92,7 +92,7 @@ class RoadWorld {
  private:
   [[nodiscard]] const RoadScene& scene() const { return pairs_.scene(); }
   /// The motion that a trajectory makes during the decision of now.
-  [[nodiscard]] Motion first_motion(const PathTrajectory& trajectory) const;
+  [[nodiscard]] Motion first_motion(const SpeedProfile& trajectory) const;
 
   const RoadPairs& pairs_;
   std::vector<std::int64_t> keys_;

@@ -124,7 +124,7 @@ bool Surroundings::rests_in_passage(const Other& other, std::int64_t k,
 
 std::optional<double> Surroundings::place_on_exit(const Other& other,
                                                   const InertialState& state) const {
-  if (other.vehicle->exit_lane != vehicle_.exit_lane || state.s >= PathTrajectory::kGone) {
+  if (other.vehicle->exit_lane != vehicle_.exit_lane || state.s >= SpeedProfile::kDeparted) {
     return std::nullopt;
   }
   return state.s - other.vehicle->s_exit_lane;
@@ -214,12 +214,12 @@ bool Surroundings::meets(const Other& other, std::int64_t k, const InertialState
   if (other.reserved && enters_reserved(other, k, from, a)) return true;
   const ContactTable& contacts = other.contact.table();
   if (other.latest != nullptr) return meets_anywhere(other, k, from, a, to);
-  const PathTrajectory& t = *other.trajectory;
+  const SpeedProfile& t = *other.trajectory;
   const InertialState other_from = t.at(k);
-  if (other_from.s >= PathTrajectory::kGone) return false;
+  if (other_from.s >= SpeedProfile::kDeparted) return false;
   // The last step of the decision in which the other one is still there.
   int last = grid_.steps_per_decision;
-  while (t.at(k + last).s >= PathTrajectory::kGone) --last;
+  while (t.at(k + last).s >= SpeedProfile::kDeparted) --last;
   const InertialState other_to = t.at(k + last);
   const double other_reach = other_to.s + stopping_distance(other_to.v, other.body->max_decel);
   if (!contacts.reaches(from.s, reach, other_from.s, other_reach)) return false;
@@ -253,7 +253,7 @@ bool Surroundings::enters_reserved(const Other& other, std::int64_t k, const Ine
                                    double a) const {
   for (int i = 0; i < grid_.steps_per_decision; ++i) {
     const InertialState there = other.trajectory->at(k + i + 1);
-    if (there.s >= PathTrajectory::kGone) return false;
+    if (there.s >= SpeedProfile::kDeparted) return false;
     const double s = advance(from, a, i * grid_.dt).s;
     const double s_end = advance(from, a, (i + 1) * grid_.dt).s;
     if (other.reserved->sweeps(s, s_end, other.trajectory->at(k + i).s, there.s)) return true;
@@ -287,7 +287,7 @@ bool Surroundings::meets_anywhere(const Other& other, std::int64_t k, const Iner
   if (!goes_on && brakes_into(other, k + n, to)) return true;
   // Who follows it on its lane must be able to stop should it brake; later on, that is seen later.
   const InertialState hindmost = other.hindmost_state(k + n);
-  return k == now_ && hindmost.s < PathTrajectory::kGone &&
+  return k == now_ && hindmost.s < SpeedProfile::kDeparted &&
          other.contact.contact->is_behind(to, hindmost) &&
          other.contact.touch_braking(to, hindmost, /*lenient=*/false);
 }
@@ -319,7 +319,7 @@ bool Surroundings::is_followed_by(const Other& other, const InertialState& state
 bool Surroundings::cuts_in(const Other& other, std::int64_t k, const InertialState& from,
                            const InertialState& to) const {
   const InertialState other_to = other.trajectory->at(k + grid_.steps_per_decision);
-  if (other_to.s >= PathTrajectory::kGone) return false;
+  if (other_to.s >= SpeedProfile::kDeparted) return false;
   if (comes_over(other, to, other_to)) return true;
   return is_followed_by(other, to, other_to) &&
          !is_followed_by(other, from, other.trajectory->at(k)) &&

@@ -47,8 +47,8 @@ class Surroundings {
  private:
   struct Other {
     ContactView contact;
-    const PathTrajectory* trajectory;
-    const PathTrajectory* latest;  ///< of a forecast; nullptr: it is the trajectory itself
+    const SpeedProfile* trajectory;
+    const SpeedProfile* latest;  ///< of a forecast; nullptr: it is the trajectory itself
     const RoadVehicle* vehicle;
     const Vehicle* body;
     bool forecast;

@@ -25,14 +25,14 @@ class VehiclePlanner {
         most_work_(limits.work ? std::max<std::int64_t>(0, limits.work->left) : kUnlimitedWork),
         best_cost_(limits.cost) {}
 
-  [[nodiscard]] std::optional<PathTrajectory> plan() {
-    std::optional<PathTrajectory> best;
+  [[nodiscard]] std::optional<SpeedProfile> plan() {
+    std::optional<SpeedProfile> best;
     for (const double share : options_.approach_speeds) {
       blocked_ = false;
       if (approach(share)) {
         const double cost = cost_of(states_);
         if (cost < best_cost_) {
-          best = PathTrajectory{.begin = start_, .states = states_};
+          best = SpeedProfile{.begin = start_, .states = states_};
           best_cost_ = cost;
         }
       }
@@ -41,7 +41,7 @@ class VehiclePlanner {
     return best;
   }
 
-  [[nodiscard]] PathTrajectory alone() {
+  [[nodiscard]] SpeedProfile alone() {
     states_ = {vehicle_.now};
     while (states_.back().s < vehicle_.s_end && decisions() < max_decisions_) {
       append(states_.back(), accelerations(states_.back(), 1e9)[0]);
@@ -215,8 +215,7 @@ class VehiclePlanner {
 };
 
 /// Every decision of the trajectory, and braking after each.
-bool is_clear(const Surroundings& around, const RoadScene& scene,
-              const PathTrajectory& trajectory) {
+bool is_clear(const Surroundings& around, const RoadScene& scene, const SpeedProfile& trajectory) {
   const int n = scene.grid.steps_per_decision;
   for (std::int64_t k = scene.step; k + n < trajectory.end(); k += n) {
     const InertialState from = trajectory.at(k);
@@ -229,31 +228,31 @@ bool is_clear(const Surroundings& around, const RoadScene& scene,
 
 /// When the driver gets the vehicle back: not before now, if it is driven on beyond that place.
 std::int64_t handback_step(const RoadPairs& pairs, const RoadVehicle& vehicle,
-                           const PathTrajectory& trajectory) {
+                           const SpeedProfile& trajectory) {
   return std::max(pairs.scene().step, arrival_step(trajectory, vehicle.s_handback));
 }
 
 }  // namespace
 
-std::optional<PathTrajectory> plan_vehicle(const RoadPairs& pairs, const RoadVehicle& vehicle,
-                                           std::span<const JointPlan::Entry> before,
-                                           const WholeTrajectoryOptions& options,
-                                           const PlanLimits& limits) {
+std::optional<SpeedProfile> plan_vehicle(const RoadPairs& pairs, const RoadVehicle& vehicle,
+                                         std::span<const JointPlan::Entry> before,
+                                         const WholeTrajectoryOptions& options,
+                                         const PlanLimits& limits) {
   const Surroundings around(pairs, vehicle, before, options, Surroundings::Forecasts::kWithSlack);
   auto trajectory = VehiclePlanner(pairs.scene(), vehicle, around, options, limits).plan();
   if (limits.work) limits.work->left -= around.work();
   return trajectory;
 }
 
-PathTrajectory plan_alone(const RoadPairs& pairs, const RoadVehicle& vehicle,
-                          const WholeTrajectoryOptions& options) {
+SpeedProfile plan_alone(const RoadPairs& pairs, const RoadVehicle& vehicle,
+                        const WholeTrajectoryOptions& options) {
   const Surroundings around(pairs, vehicle, {}, options);
   return VehiclePlanner(pairs.scene(), vehicle, around, options).alone();
 }
 
-bool still_fits(const RoadPairs& pairs, const RoadVehicle& vehicle,
-                const PathTrajectory& trajectory, std::span<const JointPlan::Entry> before,
-                const WholeTrajectoryOptions& options, WorkBudget* work) {
+bool still_fits(const RoadPairs& pairs, const RoadVehicle& vehicle, const SpeedProfile& trajectory,
+                std::span<const JointPlan::Entry> before, const WholeTrajectoryOptions& options,
+                WorkBudget* work) {
   const Surroundings around(pairs, vehicle, before, options);
   const bool clear = is_clear(around, pairs.scene(), trajectory);
   if (work) work->left -= around.work();
@@ -262,27 +261,25 @@ bool still_fits(const RoadPairs& pairs, const RoadVehicle& vehicle,
   return k >= trajectory.end() || around.leaves_room(k, trajectory.at(k));
 }
 
-bool leaves_room(const RoadPairs& pairs, const RoadVehicle& vehicle,
-                 const PathTrajectory& trajectory, std::span<const JointPlan::Entry> others,
-                 const WholeTrajectoryOptions& options) {
+bool leaves_room(const RoadPairs& pairs, const RoadVehicle& vehicle, const SpeedProfile& trajectory,
+                 std::span<const JointPlan::Entry> others, const WholeTrajectoryOptions& options) {
   const std::int64_t k = handback_step(pairs, vehicle, trajectory);
   if (k >= trajectory.end()) return true;
   const Surroundings around(pairs, vehicle, others, options, Surroundings::Forecasts::kIgnore);
   return around.leaves_room(k, trajectory.at(k));
 }
 
-bool fits_beside(const RoadPairs& pairs, const RoadVehicle& vehicle,
-                 const PathTrajectory& trajectory, std::span<const JointPlan::Entry> others,
-                 const WholeTrajectoryOptions& options, WorkBudget* work) {
+bool fits_beside(const RoadPairs& pairs, const RoadVehicle& vehicle, const SpeedProfile& trajectory,
+                 std::span<const JointPlan::Entry> others, const WholeTrajectoryOptions& options,
+                 WorkBudget* work) {
   const Surroundings around(pairs, vehicle, others, options, Surroundings::Forecasts::kIgnore);
   const bool clear = is_clear(around, pairs.scene(), trajectory);
   if (work) work->left -= around.work();
   return clear;
 }
 
-PathTrajectory stop_after(const RoadScene& scene, const InertialState& from, double a,
-                          double decel) {
-  PathTrajectory t{.begin = scene.step, .states = {}, .complete = false};
+SpeedProfile stop_after(const RoadScene& scene, const InertialState& from, double a, double decel) {
+  SpeedProfile t{.begin = scene.step, .states = {}, .complete = false};
   for (int i = 0; i <= scene.grid.steps_per_decision; ++i) {
     t.states.push_back(advance(from, a, i * scene.grid.dt));
   }
@@ -329,7 +326,7 @@ bool WaitTest::clear_of_forecasts(const InertialState& from, double a,
   return impl_->forecasts.step_is_clear(impl_->step, from, a, to);
 }
 
-std::int64_t arrival_step(const PathTrajectory& trajectory, double s) {
+std::int64_t arrival_step(const SpeedProfile& trajectory, double s) {
   const auto there = std::ranges::partition_point(trajectory.states,
                                                   [s](const InertialState& x) { return x.s < s; });
   return trajectory.begin + (there - trajectory.states.begin());

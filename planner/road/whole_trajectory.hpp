@@ -50,31 +50,31 @@ struct PlanLimits {
 ///
 /// Safety: at every decision of both parts, "everyone brakes now" is free of contact.
 /// Liveness: every plan leads to `s_end`.
-[[nodiscard]] std::optional<PathTrajectory> plan_vehicle(const RoadPairs& pairs,
-                                                         const RoadVehicle& vehicle,
-                                                         std::span<const JointPlan::Entry> before,
-                                                         const WholeTrajectoryOptions& options,
-                                                         const PlanLimits& limits = {});
+[[nodiscard]] std::optional<SpeedProfile> plan_vehicle(const RoadPairs& pairs,
+                                                       const RoadVehicle& vehicle,
+                                                       std::span<const JointPlan::Entry> before,
+                                                       const WholeTrajectoryOptions& options,
+                                                       const PlanLimits& limits = {});
 
 /// The run of a vehicle that is alone on the road.
-[[nodiscard]] PathTrajectory plan_alone(const RoadPairs& pairs, const RoadVehicle& vehicle,
-                                        const WholeTrajectoryOptions& options);
+[[nodiscard]] SpeedProfile plan_alone(const RoadPairs& pairs, const RoadVehicle& vehicle,
+                                      const WholeTrajectoryOptions& options);
 
 /// Does `trajectory` still keep all the rules towards the forecasts and what was planned `before`?
 [[nodiscard]] bool still_fits(const RoadPairs& pairs, const RoadVehicle& vehicle,
-                              const PathTrajectory& trajectory,
+                              const SpeedProfile& trajectory,
                               std::span<const JointPlan::Entry> before,
                               const WholeTrajectoryOptions& options, WorkBudget* work = nullptr);
 
 /// Has the driver who gets the vehicle back from `trajectory` his headway to the others?
 [[nodiscard]] bool leaves_room(const RoadPairs& pairs, const RoadVehicle& vehicle,
-                               const PathTrajectory& trajectory,
+                               const SpeedProfile& trajectory,
                                std::span<const JointPlan::Entry> others,
                                const WholeTrajectoryOptions& options);
 
 /// Is `trajectory` free of contact with the others, whatever the forecasts?
 [[nodiscard]] bool fits_beside(const RoadPairs& pairs, const RoadVehicle& vehicle,
-                               const PathTrajectory& trajectory,
+                               const SpeedProfile& trajectory,
                                std::span<const JointPlan::Entry> others,
                                const WholeTrajectoryOptions& options, WorkBudget* work = nullptr);
 
@@ -104,10 +104,10 @@ class WaitTest {
                                        double h);
 
 /// One decision at acceleration `a`, and braking to rest with `decel` after it: safe, not complete.
-[[nodiscard]] PathTrajectory stop_after(const RoadScene& scene, const InertialState& from, double a,
-                                        double decel);
+[[nodiscard]] SpeedProfile stop_after(const RoadScene& scene, const InertialState& from, double a,
+                                      double decel);
 
 /// The first step at which the vehicle's rear axle is at or behind s.
-[[nodiscard]] std::int64_t arrival_step(const PathTrajectory& trajectory, double s);
+[[nodiscard]] std::int64_t arrival_step(const SpeedProfile& trajectory, double s);
 
 }  // namespace mvtp

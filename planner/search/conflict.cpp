@@ -6,8 +6,8 @@ namespace mvtp {
 namespace {
 
 /// Appends the collisions of robots i and j, whose motions are `a` and `b`.
-void append(std::vector<Conflict>& conflicts, int i, const MovingObstacle& a, int j,
-            const MovingObstacle& b) {
+void append(std::vector<Conflict>& conflicts, int i, const SweptTrajectory& a, int j,
+            const SweptTrajectory& b) {
   const int end = std::max(a.makespan(), b.makespan());
   for (int t = 0; t <= end; ++t) {
     if (collide(a.at(t), b.at(t))) conflicts.push_back({t, std::min(i, j), std::max(i, j)});
@@ -16,7 +16,7 @@ void append(std::vector<Conflict>& conflicts, int i, const MovingObstacle& a, in
 
 }  // namespace
 
-std::vector<Conflict> find_conflicts(std::span<const MovingObstacle> robots) {
+std::vector<Conflict> find_conflicts(std::span<const SweptTrajectory> robots) {
   std::vector<Conflict> conflicts;
   for (int i = 0; i < int(robots.size()); ++i) {
     for (int j = i + 1; j < int(robots.size()); ++j) {
@@ -27,8 +27,8 @@ std::vector<Conflict> find_conflicts(std::span<const MovingObstacle> robots) {
   return conflicts;
 }
 
-std::vector<Conflict> find_conflicts_of(int i, const MovingObstacle& own,
-                                        std::span<const MovingObstacle> robots) {
+std::vector<Conflict> find_conflicts_of(int i, const SweptTrajectory& own,
+                                        std::span<const SweptTrajectory> robots) {
   std::vector<Conflict> conflicts;
   for (int j = 0; j < int(robots.size()); ++j) {
     if (j != i) append(conflicts, i, own, j, robots[std::size_t(j)]);

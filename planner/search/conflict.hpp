@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "planner/search/moving_obstacle.hpp"
+#include "planner/search/swept_trajectory.hpp"
 
 namespace mvtp {
 
@@ -18,10 +18,10 @@ struct Conflict {
 };
 
 /// Every (pair, step) collision, in order.
-[[nodiscard]] std::vector<Conflict> find_conflicts(std::span<const MovingObstacle> robots);
+[[nodiscard]] std::vector<Conflict> find_conflicts(std::span<const SweptTrajectory> robots);
 
 /// Every collision of `own`, as the motion of robot i, with the other robots, in order.
-[[nodiscard]] std::vector<Conflict> find_conflicts_of(int i, const MovingObstacle& own,
-                                                      std::span<const MovingObstacle> robots);
+[[nodiscard]] std::vector<Conflict> find_conflicts_of(int i, const SweptTrajectory& own,
+                                                      std::span<const SweptTrajectory> robots);
 
 }  // namespace mvtp

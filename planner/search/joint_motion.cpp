@@ -18,13 +18,13 @@ JointMotion::JointMotion(std::vector<MacroRobot> robots, TimeGrid time)
   for (const MacroRobot& robot : robots_) shapes_.push_back(robot.car->shape());
 }
 
-template <class Visit>
-void JointMotion::for_each_contact(int i, const TimedTrack& track, int wait, int from,
-                                   Visit&& visit) {
+template <class Visitor>
+void JointMotion::for_each_contact(int i, const ArcTrajectory& track, int wait, int from,
+                                   Visitor&& visitor) {
   const MotionPrimitives& own = *robot(i).car;
   const int arrival = wait + (track.arrival() + time_.macro_step - 1) / time_.macro_step;
   int last = std::max(occupancy_.horizon(), arrival);
-  if (track.departure() != TimedTrack::kNever) {
+  if (track.departure() != ArcTrajectory::kNever) {
     last = std::min(last, wait + track.departure() / time_.macro_step - 1);
   }
   if (wait > 0) waiting_.assign(std::size_t(time_.macro_step) + 1, *track.boxes(0));
@@ -47,12 +47,12 @@ void JointMotion::for_each_contact(int i, const TimedTrack& track, int wait, int
       BoxShape other = shapes_[std::size_t(j)];
       other.travel = motion.travel;
       if (!meet(boxes, shape, tracks_[std::size_t(j)].boxes(t), other, time_.macro_step)) continue;
-      if (!visit(j, k)) return;
+      if (!visitor(j, k)) return;
     }
   }
 }
 
-void JointMotion::place(int i, TimedTrack track) {
+void JointMotion::place(int i, ArcTrajectory track) {
   for_each_contact(i, track, 0, 0, [&](int j, int) {
     if (!in_conflict(i, j)) add_conflict(i, j);
     return true;
@@ -62,7 +62,7 @@ void JointMotion::place(int i, TimedTrack track) {
   present_[std::size_t(i)] = 1;
 }
 
-int JointMotion::overlaps(int i, const TimedTrack& track, int most, int wait) {
+int JointMotion::overlaps(int i, const ArcTrajectory& track, int most, int wait) {
   counted_.assign(robots_.size(), 0);
   int count = 0;
   for_each_contact(i, track, wait, 0, [&](int j, int) {
@@ -72,14 +72,15 @@ int JointMotion::overlaps(int i, const TimedTrack& track, int most, int wait) {
   return count;
 }
 
-TimedTrack JointMotion::track_after(int i, int wait, std::span<const Arc> way, bool leaves) const {
+ArcTrajectory JointMotion::track_after(int i, int wait, std::span<const Arc> way,
+                                       bool leaves) const {
   std::vector<Arc> steps(std::size_t(wait * time_.macro_step), Arc{});
   steps.insert(steps.end(), way.begin(), way.end());
   return {robot(i).car->vehicle(), robot(i).start, std::move(steps), time_.macro_step, leaves};
 }
 
 bool JointMotion::place_later(int i, std::span<const Arc> way, int latest, bool leaves) {
-  const TimedTrack track = track_after(i, 0, way, leaves);
+  const ArcTrajectory track = track_after(i, 0, way, leaves);
   for (int wait = 0; wait * time_.macro_step <= latest; ++wait) {
     if (overlaps(i, track, 1, wait) > 0) continue;
     place(i, track_after(i, wait, way, leaves));
@@ -88,7 +89,7 @@ bool JointMotion::place_later(int i, std::span<const Arc> way, int latest, bool 
   return false;
 }
 
-TimedTrack JointMotion::remove(int i) {
+ArcTrajectory JointMotion::remove(int i) {
   for (const int j : conflicts_of(i)) drop_conflict(i, j);
   occupancy_.remove(i);
   present_[std::size_t(i)] = 0;
@@ -115,7 +116,7 @@ void JointMotion::set_horizon(int conflicts, int sight) {
   }
 }
 
-bool JointMotion::place_all(const std::vector<TimedTrack>& tracks, const Deadline& deadline) {
+bool JointMotion::place_all(const std::vector<ArcTrajectory>& tracks, const Deadline& deadline) {
   clear();
   for (int i = 0; i < size(); ++i) {
     if (deadline.expired()) return false;

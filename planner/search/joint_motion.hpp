@@ -35,23 +35,23 @@ class JointMotion {
   [[nodiscard]] int size() const { return int(robots_.size()); }
   [[nodiscard]] const MacroRobot& robot(int i) const { return robots_[std::size_t(i)]; }
   [[nodiscard]] const TimeGrid& time() const { return time_; }
-  [[nodiscard]] const TimedTrack& track(int i) const { return tracks_[std::size_t(i)]; }
+  [[nodiscard]] const ArcTrajectory& track(int i) const { return tracks_[std::size_t(i)]; }
   [[nodiscard]] bool present(int i) const { return present_[std::size_t(i)] != 0; }
 
   /// Robot i, absent so far, moves along `track`.
-  void place(int i, TimedTrack track);
+  void place(int i, ArcTrajectory track);
   /// How many others robot i, absent so far, would overlap on `track`, begun so many macro steps
   /// later; counted up to `most`.
-  [[nodiscard]] int overlaps(int i, const TimedTrack& track, int most, int wait = 0);
+  [[nodiscard]] int overlaps(int i, const ArcTrajectory& track, int most, int wait = 0);
   /// Robot i standing at its start for `wait` macro steps, and then on this way.
-  [[nodiscard]] TimedTrack track_after(int i, int wait, std::span<const Arc> way,
-                                       bool leaves = false) const;
+  [[nodiscard]] ArcTrajectory track_after(int i, int wait, std::span<const Arc> way,
+                                          bool leaves = false) const;
   /// Robot i, absent so far, drives the path from its start, begun as late as it must so that it
   /// overlaps nobody, but no later than `latest`. @return false if it is absent still
   [[nodiscard]] bool place_later(int i, std::span<const Arc> way, int latest, bool leaves = false);
   /// Takes robot i and its conflicts away. @return its track
-  TimedTrack remove(int i);
-  [[nodiscard]] const std::vector<TimedTrack>& tracks() const { return tracks_; }
+  ArcTrajectory remove(int i);
+  [[nodiscard]] const std::vector<ArcTrajectory>& tracks() const { return tracks_; }
   /// Everyone is absent again, and no horizon.
   void clear();
   /// Overlaps from macro step `conflicts` on do not count yet; searches see others until macro step
@@ -60,11 +60,11 @@ class JointMotion {
   [[nodiscard]] bool has_horizon() const { return horizon_ != kNoHorizon; }
   /// Everyone moves along the given tracks, one per robot, and no horizon.
   /// @return false if the time ran out; then some are absent
-  bool place_all(const std::vector<TimedTrack>& tracks,
+  bool place_all(const std::vector<ArcTrajectory>& tracks,
                  const Deadline& deadline = Deadline::never());
 
   struct State {
-    std::vector<TimedTrack> tracks;
+    std::vector<ArcTrajectory> tracks;
     int horizon = kNoHorizon;
     int sight = kNoHorizon;
   };
@@ -98,17 +98,17 @@ class JointMotion {
   }
   void add_conflict(int i, int j);
   void drop_conflict(int i, int j);
-  /// Calls visit(j, macro step) for robots that `track`, begun `wait` macro steps later, overlaps
+  /// Calls visitor(j, macro step) for robots that `track`, begun `wait` macro steps later, overlaps
   /// from macro step `from` to the horizon, until it returns false.
-  template <class Visit>
-  void for_each_contact(int i, const TimedTrack& track, int wait, int from, Visit&& visit);
+  template <class Visitor>
+  void for_each_contact(int i, const ArcTrajectory& track, int wait, int from, Visitor&& visitor);
 
   std::vector<MacroRobot> robots_;
   TimeGrid time_;
   Occupancy occupancy_;
   int horizon_ = kNoHorizon;  ///< of conflicts [macro steps]
   int sight_ = kNoHorizon;    ///< of searches [macro steps]
-  std::vector<TimedTrack> tracks_;
+  std::vector<ArcTrajectory> tracks_;
   std::vector<BoxShape> shapes_;
   std::vector<char> present_;
   std::vector<float> weights_;

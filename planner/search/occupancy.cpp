@@ -81,10 +81,10 @@ void Occupancy::extend(int rows) {
   rows_ = rows;
 }
 
-void Occupancy::place(int i, const TimedTrack& track, const BoxShape& shape) {
+void Occupancy::place(int i, const ArcTrajectory& track, const BoxShape& shape) {
   const int moving = (track.arrival() + time_.macro_step - 1) / time_.macro_step;
-  const bool leaves = track.departure() != TimedTrack::kNever;
-  const int present = leaves ? track.departure() / time_.macro_step : TimedTrack::kNever;
+  const bool leaves = track.departure() != ArcTrajectory::kNever;
+  const int present = leaves ? track.departure() / time_.macro_step : ArcTrajectory::kNever;
   const int settled = leaves ? present : moving;
   if (settled >= rows_) extend(settled + 1);
   const float half = shape.half_diagonal();

@@ -3,7 +3,7 @@
 #include <span>
 #include <vector>
 
-#include "planner/motion/timed_track.hpp"
+#include "planner/motion/arc_trajectory.hpp"
 
 namespace mvtp {
 
@@ -20,7 +20,7 @@ class Occupancy {
   static constexpr std::size_t kPadding = 16;
 
   /// Robot i moves along `track` from now on, in place of what it did before.
-  void place(int i, const TimedTrack& track, const BoxShape& shape);
+  void place(int i, const ArcTrajectory& track, const BoxShape& shape);
   void remove(int i);
 
   /// The robots whose circles overlap the given one during a macro step, in ascending order;

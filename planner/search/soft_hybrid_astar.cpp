@@ -40,12 +40,12 @@ SweptBox moved(const SweptBox& box, const Frame& car) {
 
 }  // namespace
 
-std::optional<SoftPath> SoftHybridAstar::search(const SoftProblem& problem,
-                                                const SoftOptions& options,
-                                                const Deadline& deadline) {
+std::optional<SoftCollisionPath> SoftHybridAstar::search(const SoftProblem& problem,
+                                                         const SoftOptions& options,
+                                                         const Deadline& deadline) {
   problem_ = &problem;
   options_ = options;
-  prepare();
+  start_search();
   const Pose& start = problem.start;
   Node root{Frame(start),
             0.0F,
@@ -85,7 +85,7 @@ bool SoftHybridAstar::shoots(int expansion, const Node& node) const {
   return double(node.soft_cost) + node.macro_step * macro_step_duration_ + h < best_.cost;
 }
 
-void SoftHybridAstar::prepare() {
+void SoftHybridAstar::start_search() {
   const MotionPrimitives& car = *problem_->car;
   macro_step_duration_ = car.time().macro_step_duration();
   turn_ = car.turn();
@@ -143,7 +143,7 @@ float SoftHybridAstar::soft_cost(int macro_step, const BoxPose* boxes, float tra
   return soft_cost_of_nearby(macro_step, boxes, travel);
 }
 
-void SoftHybridAstar::look_around(int macro_step, const BoxPose& middle, float radius) {
+void SoftHybridAstar::update_neighbours(int macro_step, const BoxPose& middle, float radius) {
   const OtherRobots& others = problem_->others;
   around_ = 0;
   if (macro_step >= others.horizon) return;
@@ -262,7 +262,7 @@ void SoftHybridAstar::expand(int node) {
   // Everyone whom any of the motion primitives might touch, once for all of them.
   const MotionPrimitives& car = *problem_->car;
   const Node& from = nodes_[std::size_t(node)];
-  look_around(from.macro_step, box_pose(from.at, car.ahead()), car.reach_of_all());
+  update_neighbours(from.macro_step, box_pose(from.at, car.ahead()), car.reach_of_all());
   const int actions = options_.slowly ? int(car.actions().size()) : MotionPrimitives::kQuick;
   for (int a = 0; a < actions; ++a) try_action(node, a);
 }
@@ -378,7 +378,7 @@ bool SoftHybridAstar::ride_action(Ride& ride, const MotionPrimitives::Action& ac
   const MotionPrimitives& car = *problem_->car;
   const BoxPose halfway = moved(action.boxes[std::size_t(car.time().macro_step / 2)], ride.at);
   if (!car.is_free({ride.at.x, ride.at.y, ride.theta}, action.arc, halfway)) return false;
-  look_around(ride.macro_step, halfway, action.radius);
+  update_neighbours(ride.macro_step, halfway, action.radius);
   ride.soft_cost += double(soft_cost_of_action(ride.macro_step, ride.at, halfway, action));
   ride.at = ride.at.then(action.end);
   ride.theta += action.arc.length * action.arc.curvature;
@@ -419,7 +419,7 @@ void SoftHybridAstar::end_macro_step(Ride& ride) {
   ride.time_steps = 0;
 }
 
-SoftPath SoftHybridAstar::path() {
+SoftCollisionPath SoftHybridAstar::path() {
   const MotionPrimitives& car = *problem_->car;
   const int time_steps = car.time().macro_step;
   const Node& last = nodes_[std::size_t(best_.node)];
@@ -432,7 +432,7 @@ SoftPath SoftHybridAstar::path() {
     const bool reversed = node.direction * nodes_[std::size_t(node.parent)].direction < 0;
     reversals += reversed ? options_.reversal : 0.0;
   }
-  SoftPath path;
+  SoftCollisionPath path;
   path.cost = best_.cost;
   path.soft_cost = reversals == 0.0 ? best_.soft_cost : std::max(0.0, best_.soft_cost - reversals);
   if (path.soft_cost < kNoSoftCost) path.soft_cost = 0.0;

@@ -17,7 +17,7 @@ namespace mvtp {
 /// The other robots, as one robot's search sees them. All spans are indexed by robot.
 struct OtherRobots {
   const Occupancy* occupancy = nullptr;  ///< without the robot that is searched for
-  std::span<const TimedTrack> tracks;
+  std::span<const ArcTrajectory> tracks;
   std::span<const BoxShape> shapes;
   std::span<const float> soft_costs;  ///< of overlapping robot j for one macro step of time [s]
   int horizon = std::numeric_limits<int>::max();  ///< nobody is seen from this macro step on
@@ -61,7 +61,7 @@ struct SoftOptions {
   }
 };
 
-struct SoftPath {
+struct SoftCollisionPath {
   std::vector<Arc> steps;  ///< one per time step from the start of start_macro_step on
   double cost = 0.0;       ///< arrival and soft-collision costs of all overlaps and reversals [s]
   double soft_cost = 0.0;  ///< of overlaps alone: 0 if nobody is overlapped
@@ -81,9 +81,9 @@ class SoftHybridAstar {
       : found_(std::size_t(robots) + Occupancy::kPadding),
         around_list_(std::size_t(robots) + Occupancy::kPadding) {}
 
-  [[nodiscard]] std::optional<SoftPath> search(const SoftProblem& problem,
-                                               const SoftOptions& options,
-                                               const Deadline& deadline);
+  [[nodiscard]] std::optional<SoftCollisionPath> search(const SoftProblem& problem,
+                                                        const SoftOptions& options,
+                                                        const Deadline& deadline);
 
   /// Expansions of all searches so far.
   [[nodiscard]] std::int64_t expansions() const { return expansions_; }
@@ -121,12 +121,12 @@ class SoftHybridAstar {
     double soft_cost = 0.0;
   };
 
-  void prepare();
+  void start_search();
   void soft_cost_of_resting();
   [[nodiscard]] float soft_cost(int macro_step, const BoxPose* boxes, float travel, float radius);
   /// Keeps whom a body within the circle might touch during a macro step, as far as others are
   /// seen.
-  void look_around(int macro_step, const BoxPose& middle, float radius);
+  void update_neighbours(int macro_step, const BoxPose& middle, float radius);
   /// Keeps of those around whom a motion might touch. @return whether there is anyone
   [[nodiscard]] bool anyone_nearby(int macro_step, const BoxPose& halfway, float radius,
                                    const SweptBox& swept);
@@ -158,7 +158,7 @@ class SoftHybridAstar {
   [[nodiscard]] std::span<const Arc> to_the_end(const ReedsSheppPath& analytic_expansion);
   [[nodiscard]] bool waits_in_its_cell(const Node& node) const;
   void push(const Node& node);
-  [[nodiscard]] SoftPath path();
+  [[nodiscard]] SoftCollisionPath path();
 
   std::vector<int> found_;        ///< the first nearby_ are those near the motion in question
   std::vector<int> around_list_;  ///< the first around_ are those near the node in question

@@ -39,7 +39,7 @@ struct SearchOptions {
 };
 
 /// A path in steps of one arc each, waits included; it ends exactly at the goal.
-struct TimedPath {
+struct SpacetimePath {
   std::vector<Arc> steps;
   double cost = 0.0;         ///< its steps, or least_cost if that is more
   double lower_bound = 0.0;  ///< nearly: cost <= w * lower_bound, unless out of expansions
@@ -59,15 +59,14 @@ class SpacetimeHybridAstar {
 
   /// @return nullopt if no path was found in `max_expansions` or until the deadline, or if there is
   ///         none on the search grid.
-  [[nodiscard]] std::optional<TimedPath> search(const SearchProblem& problem,
-                                                const SearchOptions& options,
-                                                const Deadline& deadline) const;
+  [[nodiscard]] std::optional<SpacetimePath> search(const SearchProblem& problem,
+                                                    const SearchOptions& options,
+                                                    const Deadline& deadline) const;
 
   /// The same, where that fails with steps of half and then a quarter of the length: full steps do
   /// not get out of every narrow place, shorter ones may.
-  [[nodiscard]] std::optional<TimedPath> search_with_shorter_steps(const SearchProblem& problem,
-                                                                   SearchOptions options,
-                                                                   const Deadline& deadline) const;
+  [[nodiscard]] std::optional<SpacetimePath> search_with_shorter_steps(
+      const SearchProblem& problem, SearchOptions options, const Deadline& deadline) const;
 
  private:
   const ReedsShepp& curves_;

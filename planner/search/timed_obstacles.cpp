@@ -5,10 +5,10 @@
 
 namespace mvtp {
 
-TimedObstacles::TimedObstacles(std::span<const MovingObstacle* const> robots, int until,
+TimedObstacles::TimedObstacles(std::span<const SweptTrajectory* const> robots, int until,
                                std::span<const Reach> askers)
     : robots_(robots.begin(), robots.end()), until_(until) {
-  for (const MovingObstacle* robot : robots_) end_ = std::max(end_, robot->makespan());
+  for (const SweptTrajectory* robot : robots_) end_ = std::max(end_, robot->makespan());
   end_ = std::min(end_, until_);
   circles_.reserve(std::size_t(end_ + 1) * robots_.size());
   rows_.reserve(std::size_t(end_) + 2);
@@ -38,8 +38,8 @@ TimedObstacles::TimedObstacles(std::span<const MovingObstacle* const> robots, in
   rows_.push_back(circles_.size());
 }
 
-template <class Visit>
-void TimedObstacles::for_each_near(const Sweep& sweep, int t, const Visit& visit) const {
+template <class Visitor>
+void TimedObstacles::for_each_near(const Sweep& sweep, int t, const Visitor& visitor) const {
   if (t >= until_ || circles_.empty()) return;
   const Point centre = sweep.centre();
   const double strip = sweep.radius() + largest_;
@@ -52,7 +52,7 @@ void TimedObstacles::for_each_near(const Sweep& sweep, int t, const Visit& visit
     const double dy = centre.y - circle->y;
     const double reach = sweep.radius() + circle->radius;
     if (dx * dx + dy * dy > reach * reach) continue;
-    if (!visit(robots_[std::size_t(circle->robot)]->at(t))) return;
+    if (!visitor(robots_[std::size_t(circle->robot)]->at(t))) return;
   }
 }
 

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "planner/search/moving_obstacle.hpp"
+#include "planner/search/swept_trajectory.hpp"
 
 namespace mvtp {
 
@@ -29,7 +29,7 @@ class TimedObstacles {
   /// @param until   nobody is looked at from this step on.
   /// @param askers  whose sweeps will be asked about; nobody out of their reach is kept in mind.
   ///                Empty: anybody's.
-  explicit TimedObstacles(std::span<const MovingObstacle* const> robots, int until = kForEver,
+  explicit TimedObstacles(std::span<const SweptTrajectory* const> robots, int until = kForEver,
                           std::span<const Reach> askers = {});
 
   [[nodiscard]] bool empty() const { return robots_.empty(); }
@@ -48,10 +48,10 @@ class TimedObstacles {
     double radius;
     int robot;
   };
-  template <class Visit>
-  void for_each_near(const Sweep& sweep, int t, const Visit& visit) const;
+  template <class Visitor>
+  void for_each_near(const Sweep& sweep, int t, const Visitor& visitor) const;
 
-  std::vector<const MovingObstacle*> robots_;
+  std::vector<const SweptTrajectory*> robots_;
   std::vector<Circle> circles_;    ///< of all steps, those of one step ordered by x
   std::vector<std::size_t> rows_;  ///< where the circles of step t begin, and the last ones end
   double largest_ = 0.0;           ///< radius [m]

@@ -106,13 +106,15 @@ BENCHMARK(making_a_sweep);
 
 void cost_to_go(benchmark::State& state) {
   const Instance instance = scene(100, int(state.range(0)));
-  const PlanningProblem fleet(instance, CollisionRule::kContinuous);
+  const PlanningProblem planning_problem(instance, CollisionRule::kContinuous);
   std::mt19937_64 rng(1);
   std::vector<Pose> poses;
   for (std::size_t i = 0; i < kSamples; ++i) poses.push_back(random_pose(rng, 100.0));
-  for (const Pose& pose : poses) benchmark::DoNotOptimize(fleet.cost_to_go(0)(pose));  // fills it
+  for (const Pose& pose : poses)
+    benchmark::DoNotOptimize(planning_problem.cost_to_go(0)(pose));  // fills it
   std::size_t i = 0;
-  for (auto _ : state) benchmark::DoNotOptimize(fleet.cost_to_go(0)(poses[i++ % kSamples]));
+  for (auto _ : state)
+    benchmark::DoNotOptimize(planning_problem.cost_to_go(0)(poses[i++ % kSamples]));
 }
 BENCHMARK(cost_to_go)->ArgName("obstacles")->Arg(0)->Arg(50);
 
@@ -121,23 +123,23 @@ BENCHMARK(cost_to_go)->ArgName("obstacles")->Arg(0)->Arg(50);
 /// The path of robot 0 past so many others that follow theirs.
 void low_level_search(benchmark::State& state) {
   const Instance instance = scene(100, 50);
-  const PlanningProblem fleet(instance, CollisionRule::kContinuous);
-  const SpacetimeHybridAstar planner(fleet.curves());
+  const PlanningProblem planning_problem(instance, CollisionRule::kContinuous);
+  const SpacetimeHybridAstar planner(planning_problem.curves());
   const auto search = [&](int i, const TimedObstacles* others) {
     SearchProblem problem;
-    problem.car = &fleet.car(i);
-    problem.cost_to_go = &fleet.cost_to_go(i);
+    problem.car = &planning_problem.car(i);
+    problem.cost_to_go = &planning_problem.cost_to_go(i);
     problem.start = instance.agents[std::size_t(i)].start;
     problem.to_avoid = {&others, std::size_t(others == nullptr ? 0 : 1)};
     return planner.search(problem, {}, Deadline::never());
   };
-  std::vector<MovingObstacle> others;
+  std::vector<SweptTrajectory> others;
   for (int i = 1; i <= state.range(0); ++i) {
     const std::vector<Arc> steps = search(i, nullptr).value().steps;
-    others.emplace_back(fleet.car(i), instance.agents[std::size_t(i)].start, steps);
+    others.emplace_back(planning_problem.car(i), instance.agents[std::size_t(i)].start, steps);
   }
-  std::vector<const MovingObstacle*> pointers;
-  for (const MovingObstacle& other : others) pointers.push_back(&other);
+  std::vector<const SweptTrajectory*> pointers;
+  for (const SweptTrajectory& other : others) pointers.push_back(&other);
   const TimedObstacles traffic(pointers);
   for (auto _ : state) benchmark::DoNotOptimize(search(0, &traffic));
 }
@@ -155,7 +157,7 @@ void one_step(benchmark::State& state, bool grouping) {
   constexpr int kSteps = 30;
   const Instance instance = scene(int(state.range(0)), 0);
   const Deadline deadline = Deadline::never();
-  const PlanningProblem fleet(instance, CollisionRule::kContinuous);
+  const PlanningProblem planning_problem(instance, CollisionRule::kContinuous);
   SteppedWorldOptions options;
   options.grouping = grouping;
   std::optional<SteppedWorld> world;
@@ -164,13 +166,13 @@ void one_step(benchmark::State& state, bool grouping) {
   for (auto _ : state) {
     if (step == kSteps) {
       state.PauseTiming();
-      world.emplace(fleet, options, deadline);
-      q = fleet.starts();
-      world->prepare(q);
+      world.emplace(planning_problem, options, deadline);
+      q = planning_problem.starts();
+      world->update_reference_paths(q);
       step = 0;
       state.ResumeTiming();
     }
-    world->prepare(q);
+    world->update_reference_paths(q);
     const std::vector<SteppedWorld::Motion> motions = generate_config(*world, q);
     world->advance(motions);
     for (std::size_t i = 0; i < q.size(); ++i) q[i] = motions[i].end;
@@ -181,10 +183,10 @@ void one_step(benchmark::State& state, bool grouping) {
 /// Until everybody is at its goal, first reference paths included; `step` is the mean time of one.
 void whole_run(benchmark::State& state) {
   const Instance instance = scene(int(state.range(0)), 0);
-  const PlanningProblem fleet(instance, CollisionRule::kContinuous);
+  const PlanningProblem planning_problem(instance, CollisionRule::kContinuous);
   double steps = 0.0;
   for (auto _ : state) {
-    const StepPlan plan = solve_escot(fleet, {}, Deadline::never());
+    const PlannerResult plan = solve_escot(planning_problem, {}, Deadline::never());
     if (plan.status != Status::kSolved) state.SkipWithError("not solved");
     steps += double(plan.trajectories.front().makespan());
   }
@@ -235,15 +237,15 @@ double milliseconds(const std::function<void()>& work) {
 }
 
 /// The first 30 steps; the first reference paths are found before the clock runs.
-std::optional<double> step_of_the_first(const PlanningProblem& fleet) {
+std::optional<double> step_of_the_first(const PlanningProblem& planning_problem) {
   constexpr int kSteps = 30;
   const Deadline deadline = Deadline::never();
-  SteppedWorld world(fleet, {}, deadline);
-  Configuration q = fleet.starts();
-  world.prepare(q);
+  SteppedWorld world(planning_problem, {}, deadline);
+  Configuration q = planning_problem.starts();
+  world.update_reference_paths(q);
   return milliseconds([&] {
            for (int step = 0; step < kSteps; ++step) {
-             world.prepare(q);
+             world.update_reference_paths(q);
              const std::vector<SteppedWorld::Motion> motions = generate_config(world, q);
              world.advance(motions);
              for (std::size_t i = 0; i < q.size(); ++i) q[i] = motions[i].end;
@@ -253,9 +255,10 @@ std::optional<double> step_of_the_first(const PlanningProblem& fleet) {
 }
 
 /// All steps until everybody is at its goal, first reference paths included; nullopt: not in 30 s.
-std::optional<double> step_of_a_run(const PlanningProblem& fleet) {
-  StepPlan plan;
-  const double time = milliseconds([&] { plan = solve_escot(fleet, {}, Deadline::in(30)); });
+std::optional<double> step_of_a_run(const PlanningProblem& planning_problem) {
+  PlannerResult plan;
+  const double time =
+      milliseconds([&] { plan = solve_escot(planning_problem, {}, Deadline::in(30)); });
   if (plan.status != Status::kSolved) return std::nullopt;
   return time / double(plan.trajectories.front().makespan());
 }
@@ -299,8 +302,8 @@ void growth(benchmark::State& state, const std::string& vehicle,
         const Instance instance = scene(kSizes[k], 0, vehicle, index);
         std::vector<double> of_instance;
         for (int turn = kSizes[k]; turn <= kSizes.back(); turn *= 2) {
-          const PlanningProblem fleet(instance, CollisionRule::kContinuous);
-          const std::optional<double> time = time_of_step(fleet);
+          const PlanningProblem planning_problem(instance, CollisionRule::kContinuous);
+          const std::optional<double> time = time_of_step(planning_problem);
           unsolved += time || turn != kSizes[k] ? 0 : 1;
           if (time) of_instance.push_back(*time);
         }

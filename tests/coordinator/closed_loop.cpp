@@ -226,7 +226,7 @@ void ClosedLoop::look_at_braking() {
     const std::string* id;
     const Driven* driven;
     const RoadVehicle* road;
-    const GuidePath* path;
+    const ReferencePath* path;
     const Vehicle* body;
   };
   std::vector<Braking> all;

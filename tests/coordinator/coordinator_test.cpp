@@ -110,7 +110,7 @@ TEST(Coordinator, WhatIsExecutedLeadsEverybodyOutOfTheZone) {
     run.step();
     const RoadScene scene = run.coordinator.scene();
     for (const RoadVehicle& v : scene.vehicles) {
-      const PathTrajectory* t = run.coordinator.plan().find(v.key);
+      const SpeedProfile* t = run.coordinator.plan().find(v.key);
       ASSERT_NE(t, nullptr);
       ASSERT_TRUE(t->complete);
       ASSERT_GE(t->states.back().s, v.s_end);

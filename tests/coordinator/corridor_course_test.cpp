@@ -115,7 +115,7 @@ TEST(Corridor, PassesALaneTwiceAtTwoStations) {
   EXPECT_EQ(walk.graph.lane(c.course.pieces[c.piece_at(first)].lane).id, "A0-B0_0");
   EXPECT_EQ(walk.graph.lane(c.course.pieces[c.piece_at(second)].lane).id, "A0-B0_0");
   EXPECT_LT(c.piece_at(first), c.piece_at(second));
-  const GuidePath& path = map.library().path(c.path);
+  const ReferencePath& path = map.library().path(c.path);
   EXPECT_NEAR(path.at(first).x, path.at(second).x, 0.5);
   EXPECT_NEAR(path.at(first).y, path.at(second).y, 0.5);
 }

@@ -164,7 +164,7 @@ TEST(Corridor, ALongBusStaysOnTheRoadInTheTightestTurn) {
     query.length = bus.length();
     const Corridor& c = map[map.corridor_for(*walk.finder.find(query), bus)];
     EXPECT_TRUE(c.undriven.empty()) << to << ": " << c.undriven;
-    const GuidePath& path = map.library().path(c.path);
+    const ReferencePath& path = map.library().path(c.path);
     EXPECT_LE(path.max_abs_curvature() * bus.min_turning_radius, 1.0) << to;
     for (double s = 30.0; s < c.s_handback; s += 0.5) {
       EXPECT_EQ(area.share_outside(path.at(s), bus, 0.05), 0.0) << to << " at s = " << s;

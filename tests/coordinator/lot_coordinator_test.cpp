@@ -108,7 +108,7 @@ TEST(LotCoordinator, ParksACarAndBringsItBack) {
   LotRun run(arrivals(1, 0.0));
   ASSERT_TRUE(run.finish(300.0));
   EXPECT_EQ(run.traffic.arrived(), 1);
-  const LotVisit& visit = run.coordinator.visits().at("c0");
+  const ParkingEvent& visit = run.coordinator.visits().at("c0");
   ASSERT_TRUE(visit.parked && visit.handed_back);
   EXPECT_NEAR(*visit.wished_out - *visit.parked, 40.0, 0.6);
   // Alone on the lot it takes what the forecast said, but for the moment of the decision.

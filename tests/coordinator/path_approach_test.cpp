@@ -8,23 +8,23 @@ namespace mvtp {
 namespace {
 
 /// 40 m straight on, and then to the left on a circle of 30 m.
-GuidePath bent_path() {
+ReferencePath bent_path() {
   std::vector<Point> points = {{0, 0}, {40, 0}};
   for (int i = 1; i <= 90; ++i) {
     const double a = i * 0.0174533;
     points.push_back({40.0 + 30.0 * std::sin(a), 30.0 - 30.0 * std::cos(a)});
   }
-  return GuidePath(smooth(points, 2.0));
+  return ReferencePath(smooth(points, 2.0));
 }
 
 TEST(PathApproach, OnThePathTheGroundIsAsLongAsThePath) {
-  const GuidePath path = bent_path();
+  const ReferencePath path = bent_path();
   EXPECT_LT(PathApproach(path, path.at(30.0), 30.0).ground_acceleration(path, 14.0), 0.1);
 }
 
 // Half a metre outside of the bend the wheels have more ground to cover, which begins within metres.
 TEST(PathApproach, BesideABendTheGroundIsLonger) {
-  const GuidePath path = bent_path();
+  const ReferencePath path = bent_path();
   const Pose beside = compose(path.at(36.0), {0.0, -1.0, 0.0});
   const PathApproach approach(path, beside, 36.0);
   EXPECT_GT(approach.ground_acceleration(path, 14.0), 0.4);
@@ -34,7 +34,7 @@ TEST(PathApproach, BesideABendTheGroundIsLonger) {
 }
 
 TEST(PathApproach, EndsOnThePathAndBeginsWhereTheVehicleIs) {
-  const GuidePath path = bent_path();
+  const ReferencePath path = bent_path();
   const Pose beside = compose(path.at(20.0), {0.0, 0.6, 0.03});
   const PathApproach approach(path, beside, 20.0);
   EXPECT_NEAR(distance(approach.pose(path, approach.begin()), beside), 0.0, 1e-6);

@@ -146,7 +146,7 @@ TEST(Predictor, WhoPassesGoesQuicklyOrSlowlyAndYieldsToNobody) {
   const Forecast& forecast = forecasts[0];
   EXPECT_FALSE(forecast.yields);
   ASSERT_TRUE(forecast.latest.has_value());
-  for (const PathTrajectory* t : {&forecast.trajectory, &*forecast.latest}) {
+  for (const SpeedProfile* t : {&forecast.trajectory, &*forecast.latest}) {
     EXPECT_GT(t->at(7 + 250).s, forecast.trajectory.at(7).s + 7.2) << "it is through";
   }
   EXPECT_GT(forecast.trajectory.at(60).s, forecast.latest->at(60).s + 3.0);

@@ -17,10 +17,10 @@ const Vehicle kCube = {.front = 0.5, .rear = 0.5, .width = 1.0};
 class RefereeTest : public testing::Test {
  protected:
   explicit RefereeTest(const Vehicle& body = kCar) {
-    library.add(GuidePath(std::vector<Point>{{-50, 0}, {50, 0}}), body);
-    library.add(GuidePath(std::vector<Point>{{0, -50}, {0, 50}}), body);
-    library.add(GuidePath(std::vector<Point>{{-50, 0}, {50, 0}}), body);
-    library.add(GuidePath(std::vector<Point>{{-50, 90}, {50, 90}}), body);
+    library.add(ReferencePath(std::vector<Point>{{-50, 0}, {50, 0}}), body);
+    library.add(ReferencePath(std::vector<Point>{{0, -50}, {0, 50}}), body);
+    library.add(ReferencePath(std::vector<Point>{{-50, 0}, {50, 0}}), body);
+    library.add(ReferencePath(std::vector<Point>{{-50, 90}, {50, 90}}), body);
     scene.library = &library;
   }
 
@@ -30,10 +30,10 @@ class RefereeTest : public testing::Test {
     scene.vehicles.push_back({.key = key, .path = path, .now = {s, per_step * 10}});
     plan.entries.push_back({key, even(s, per_step, steps)});
   }
-  static std::shared_ptr<PathTrajectory> even(double s, double per_step, int steps) {
-    PathTrajectory t;
+  static std::shared_ptr<SpeedProfile> even(double s, double per_step, int steps) {
+    SpeedProfile t;
     for (int k = 0; k < steps; ++k) t.states.push_back({s + per_step * k, per_step * 10});
-    return std::make_shared<PathTrajectory>(t);
+    return std::make_shared<SpeedProfile>(t);
   }
 
   PathLibrary library{Margins{}};
@@ -64,13 +64,13 @@ TEST_F(RefereeTest, SeesWhoWouldTouchAPassageWheneverItGoes) {
   Forecast passage;
   passage.vehicle = {.key = -1, .path = 1, .s_end = 100.0};
   passage.trajectory = *even(0.0, 1.0, 100);
-  PathTrajectory latest = *even(0.0, 1.0, 100);
+  SpeedProfile latest = *even(0.0, 1.0, 100);
   latest.states.insert(latest.states.begin(), 50, latest.states.front());
   passage.latest = latest;
-  const auto touches = [&](const PathTrajectory& t) {
+  const auto touches = [&](const SpeedProfile& t) {
     return touches_passage(library, 0, t, passage, 0);
   };
-  PathTrajectory stands{.begin = 0, .states = {{48.0, 0.0}}, .complete = false};
+  SpeedProfile stands{.begin = 0, .states = {{48.0, 0.0}}, .complete = false};
   EXPECT_TRUE(touches(stands)) << "its front is on path 1";
   stands.states[0].s = 50.0 - 0.9 - 3.6 - 0.1;
   EXPECT_FALSE(touches(stands)) << "within the margins only";
@@ -124,8 +124,8 @@ TEST_F(RefereeTest, DoesNotLookAgainAtPairsThatWereJudged) {
 TEST_F(RefereeTest, OneWhoStandsForGoodIsInTheWayToTheEnd) {
   add(0, 0.0, 1.0, 90);
   add(1, 49.0, 0.0, 1);
-  PathTrajectory stands{.states = {{49.0, 0.0}}, .complete = false};
-  plan.entries[1].trajectory = std::make_shared<PathTrajectory>(stands);
+  SpeedProfile stands{.states = {{49.0, 0.0}}, .complete = false};
+  plan.entries[1].trajectory = std::make_shared<SpeedProfile>(stands);
   EXPECT_EQ(find_planned_contacts(scene, plan).size(), 1U);
 }
 

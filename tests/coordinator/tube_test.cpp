@@ -16,7 +16,7 @@ TubeDriver driver(double s, double v) {
   TubeDriver d;
   d.road.now = {s, v};
   d.road.s_end = 300.0;
-  d.limits.assign(std::size_t(300.0 / GuidePath::kSpacing) + 1, kLimit);
+  d.limits.assign(std::size_t(300.0 / ReferencePath::kSpacing) + 1, kLimit);
   d.line = 100.0;
   return d;
 }
@@ -47,7 +47,7 @@ TEST(Tube, HoldsADriverWhoTakesHisTimeAndOneWhoHurries) {
 
 TEST(Tube, SlowsDownForALowerLimit) {
   TubeDriver d = driver(50.0, kLimit);
-  for (std::size_t i = std::size_t(100.0 / GuidePath::kSpacing); i < d.limits.size(); ++i) {
+  for (std::size_t i = std::size_t(100.0 / ReferencePath::kSpacing); i < d.limits.size(); ++i) {
     d.limits[i] = 6.5;
   }
   const Tube t = predict(d);
@@ -58,7 +58,7 @@ TEST(Tube, SlowsDownForALowerLimit) {
 }
 
 TEST(Tube, NobodyDrivesThroughHisLeader) {
-  PathTrajectory stands{.begin = 7, .states = {{0.0, 0.0}}, .complete = false};
+  SpeedProfile stands{.begin = 7, .states = {{0.0, 0.0}}, .complete = false};
   const Tube t = predict(driver(70.0, 10.0),
                          {{.gap = 20.0, .speed = 0.0, .earliest = &stands, .latest = &stands}});
   EXPECT_LE(t.earliest.states.back().s, 90.0);
@@ -82,7 +82,7 @@ class TwoTubes : public testing::Test {
     for (const auto& [from, to] :
          {std::pair(Point{-100, 0}, Point{200, 0}), std::pair(Point{0, -100}, Point{0, 200})}) {
       const std::vector<Point> line = {from, to};
-      library.add(GuidePath(line), fake_type("car").body);
+      library.add(ReferencePath(line), fake_type("car").body);
     }
   }
   [[nodiscard]] bool meet(const Tube& a, const Tube& b, double end = 300.0) const {
@@ -127,10 +127,10 @@ class OursAndATube : public TwoTubes {
     human.vehicle.path = 1;
     scene.forecasts = {human};
   }
-  [[nodiscard]] std::optional<PathTrajectory> plan() const {
+  [[nodiscard]] std::optional<SpeedProfile> plan() const {
     return plan_vehicle(RoadPairs(scene), scene.vehicles.front(), {}, {});
   }
-  [[nodiscard]] bool fits(const PathTrajectory& t) const {
+  [[nodiscard]] bool fits(const SpeedProfile& t) const {
     return still_fits(RoadPairs(scene), scene.vehicles.front(), t, {}, {});
   }
   RoadScene scene;
@@ -152,7 +152,7 @@ TEST_F(OursAndATube, BrakingInTheWayOfADriverWhoReliesOnHisGreenIsNoWayOut) {
   // It comes to rest within the decision, right on the crossing, where he is by then.
   scene.vehicles.front().now = {98.0, 2.0};
   let_come(91.0);
-  const PathTrajectory stop = stop_after(scene, scene.vehicles.front().now, -4.5, 4.5);
+  const SpeedProfile stop = stop_after(scene, scene.vehicles.front().now, -4.5, 4.5);
   EXPECT_TRUE(fits(stop));
   scene.forecasts.front().relies = true;
   EXPECT_FALSE(fits(stop));

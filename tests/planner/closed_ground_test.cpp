@@ -18,16 +18,16 @@ class ClosedGround : public Crossing {
     return v;
   }
 
-  PathTrajectory planned() {
+  SpeedProfile planned() {
     const auto t = plan_vehicle(RoadPairs(scene), scene.vehicles[0], {}, {});
     EXPECT_TRUE(t.has_value());
-    return t.value_or(PathTrajectory{});
+    return t.value_or(SpeedProfile{});
   }
 };
 
 TEST_F(ClosedGround, IsEnteredWhenItIsOpenAgainAndNotBefore) {
   arrives({{kFrom, kTo, 0, 150}});
-  const PathTrajectory t = planned();
+  const SpeedProfile t = planned();
   EXPECT_GE(arrival_step(t, kFrom), 150);
   EXPECT_LE(arrival_step(t, kFrom), 180);
 }
@@ -42,14 +42,14 @@ TEST_F(ClosedGround, IsLeftBeforeItIsClosed) {
 
 TEST_F(ClosedGround, BetweenTwoTimesIsUsedIfThereIsRoom) {
   arrives({{kFrom, kTo, 0, 100}, {kFrom, kTo, 160, 500}});
-  const PathTrajectory t = planned();
+  const SpeedProfile t = planned();
   EXPECT_GE(arrival_step(t, kFrom), 100);
   EXPECT_LE(arrival_step(t, kTo), 160);
 }
 
 TEST_F(ClosedGround, EndsAPlanThatLeadsOntoIt) {
   arrives({});
-  const PathTrajectory before = planned();
+  const SpeedProfile before = planned();
   EXPECT_TRUE(still_fits(RoadPairs(scene), scene.vehicles[0], before, {}, {}));
   scene.vehicles[0].closed = {{kFrom, kTo, 0, 150}};
   EXPECT_FALSE(still_fits(RoadPairs(scene), scene.vehicles[0], before, {}, {}));
@@ -57,7 +57,7 @@ TEST_F(ClosedGround, EndsAPlanThatLeadsOntoIt) {
 
 TEST_F(ClosedGround, OpenedEarlyIsUsedByThoseWhoAskAgain) {
   arrives({{kFrom, kTo, 0, 300}});
-  const JointPlan late{{{0, std::make_shared<PathTrajectory>(planned())}}};
+  const JointPlan late{{{0, std::make_shared<SpeedProfile>(planned())}}};
   CrossingOptions options;
   options.tries = 0;
   for (const bool asks : {false, true}) {

@@ -12,27 +12,27 @@
 namespace mvtp {
 namespace {
 
-std::vector<CbsRobot> all_robots(const PlanningProblem& fleet) {
+std::vector<CbsRobot> all_robots(const PlanningProblem& problem) {
   std::vector<CbsRobot> robots;
-  const Configuration starts = fleet.starts();
-  for (int i = 0; i < fleet.size(); ++i) {
-    robots.push_back({&fleet.car(i), &fleet.cost_to_go(i), starts[std::size_t(i)]});
+  const Configuration starts = problem.starts();
+  for (int i = 0; i < problem.size(); ++i) {
+    robots.push_back({&problem.car(i), &problem.cost_to_go(i), starts[std::size_t(i)]});
   }
   return robots;
 }
 
 /// Solves, and checks that nobody collides and everybody ends at its goal.
-CbsResult solved(const PlanningProblem& fleet, const CbsOptions& options) {
+CbsResult solved(const PlanningProblem& problem, const CbsOptions& options) {
   CbsResult result = conflict_based_search(
-      all_robots(fleet), {}, SpacetimeHybridAstar(fleet.curves()), options, Deadline::never());
+      all_robots(problem), {}, SpacetimeHybridAstar(problem.curves()), options, Deadline::never());
   EXPECT_EQ(result.failure, CbsFailure::kNone);
   if (result.failure != CbsFailure::kNone) return result;
-  std::vector<MovingObstacle> motions;
-  for (int i = 0; i < fleet.size(); ++i) {
-    Pose pose = fleet.starts()[std::size_t(i)];
-    motions.emplace_back(fleet.car(i), pose, result.steps[std::size_t(i)]);
-    for (const Arc& arc : result.steps[std::size_t(i)]) pose = fleet.after(i, pose, arc);
-    EXPECT_EQ(pose, fleet.goal(i));
+  std::vector<SweptTrajectory> motions;
+  for (int i = 0; i < problem.size(); ++i) {
+    Pose pose = problem.starts()[std::size_t(i)];
+    motions.emplace_back(problem.car(i), pose, result.steps[std::size_t(i)]);
+    for (const Arc& arc : result.steps[std::size_t(i)]) pose = problem.after(i, pose, arc);
+    EXPECT_EQ(pose, problem.goal(i));
   }
   EXPECT_TRUE(find_conflicts(motions).empty());
   return result;
@@ -51,15 +51,15 @@ class Cbs : public testing::TestWithParam<CbsOptions> {};
 
 TEST_P(Cbs, LetsTwoRobotsPassEachOther) {
   const Instance instance = circle(2);
-  const PlanningProblem fleet(instance, CollisionRule::kContinuous);
-  const CbsResult result = solved(fleet, GetParam());
+  const PlanningProblem problem(instance, CollisionRule::kContinuous);
+  const CbsResult result = solved(problem, GetParam());
   for (const auto& steps : result.steps) EXPECT_LE(steps.size(), 40U);  // 30 straight
 }
 
 TEST_P(Cbs, SolvesFourOnACircle) {
   const Instance instance = circle(4);
-  const PlanningProblem fleet(instance, CollisionRule::kContinuous);
-  (void)solved(fleet, GetParam());
+  const PlanningProblem problem(instance, CollisionRule::kContinuous);
+  (void)solved(problem, GetParam());
 }
 
 //   Robot 1 stands at its goal, right at the end of a lane 3.2 m wide that robot 0 comes through.
@@ -68,8 +68,8 @@ TEST(Eccr, MovesARobotOffItsGoalForAnother) {
   instance.map.polygons = {{{20, 0}, {40, 0}, {40, 28.4}, {20, 28.4}},
                            {{20, 31.6}, {40, 31.6}, {40, 60}, {20, 60}}};
   instance.agents = {agent({5, 30, 0}, {50, 40, 1}, 0), agent({41, 30, 0}, {41, 30, 0}, 1)};
-  const PlanningProblem fleet(instance, CollisionRule::kContinuous);
-  const CbsResult result = solved(fleet, kEccr);
+  const PlanningProblem problem(instance, CollisionRule::kContinuous);
+  const CbsResult result = solved(problem, kEccr);
   ASSERT_EQ(result.steps.size(), 2U);
   EXPECT_GT(result.steps[1].size(), 2U);
 }
@@ -77,8 +77,8 @@ TEST(Eccr, MovesARobotOffItsGoalForAnother) {
 TEST_P(Cbs, SaysSoWhenARobotHasNoWay) {
   Instance instance{.agents = {agent({10, 15, 0}, {20, 15, 0})}, .map = empty_map(30), .dt = 1.0};
   instance.map.polygons = {{{14.5, 0}, {15.5, 0}, {15.5, 30}, {14.5, 30}}};
-  const PlanningProblem fleet(instance, CollisionRule::kContinuous);
-  EXPECT_EQ(conflict_based_search(all_robots(fleet), {}, SpacetimeHybridAstar(fleet.curves()),
+  const PlanningProblem problem(instance, CollisionRule::kContinuous);
+  EXPECT_EQ(conflict_based_search(all_robots(problem), {}, SpacetimeHybridAstar(problem.curves()),
                                   GetParam(), Deadline::never())
                 .failure,
             CbsFailure::kNoPath);
@@ -86,8 +86,8 @@ TEST_P(Cbs, SaysSoWhenARobotHasNoWay) {
 
 TEST_P(Cbs, SaysSoWhenTimeIsUp) {
   const Instance instance = circle(4);
-  const PlanningProblem fleet(instance, CollisionRule::kContinuous);
-  EXPECT_EQ(conflict_based_search(all_robots(fleet), {}, SpacetimeHybridAstar(fleet.curves()),
+  const PlanningProblem problem(instance, CollisionRule::kContinuous);
+  EXPECT_EQ(conflict_based_search(all_robots(problem), {}, SpacetimeHybridAstar(problem.curves()),
                                   GetParam(), Deadline::in(0))
                 .failure,
             CbsFailure::kTimeout);
@@ -102,9 +102,9 @@ TEST(ClCbs, IsNoCostlierThanFocalSearch) {
   for (std::uint64_t seed = 300; seed < 310; ++seed) {
     SCOPED_TRACE(seed);
     const Instance instance = random_instance(seed, 3, 3, 26);
-    const PlanningProblem fleet(instance, CollisionRule::kContinuous);
-    const std::size_t least = sum_of_steps(solved(fleet, kClCbs));
-    const std::size_t some = sum_of_steps(solved(fleet, kEccr));
+    const PlanningProblem problem(instance, CollisionRule::kContinuous);
+    const std::size_t least = sum_of_steps(solved(problem, kClCbs));
+    const std::size_t some = sum_of_steps(solved(problem, kEccr));
     EXPECT_LE(least, some);
     optimal += least;
     focal += some;
@@ -114,24 +114,25 @@ TEST(ClCbs, IsNoCostlierThanFocalSearch) {
 
 TEST(Eccr, AvoidsRobotsOutsideTheGroupWhereThatIsCheap) {
   const Instance instance = circle(2);
-  const PlanningProblem fleet(instance, CollisionRule::kContinuous);
+  const PlanningProblem problem(instance, CollisionRule::kContinuous);
   // Robot 1 drives straight on; robot 0 is a group of its own.
-  const MovingObstacle straight(fleet.car(1), fleet.starts()[1], std::vector<Arc>(30, Arc{1, 0}));
-  const std::vector<const MovingObstacle*> others = {&straight};
-  const std::vector<CbsRobot> group = {all_robots(fleet)[0]};
+  const SweptTrajectory straight(problem.car(1), problem.starts()[1],
+                                 std::vector<Arc>(30, Arc{1, 0}));
+  const std::vector<const SweptTrajectory*> others = {&straight};
+  const std::vector<CbsRobot> group = {all_robots(problem)[0]};
   const CbsResult result = conflict_based_search(
-      group, others, SpacetimeHybridAstar(fleet.curves()), kEccr, Deadline::never());
+      group, others, SpacetimeHybridAstar(problem.curves()), kEccr, Deadline::never());
   ASSERT_EQ(result.failure, CbsFailure::kNone);
-  const MovingObstacle own(fleet.car(0), fleet.starts()[0], result.steps[0]);
+  const SweptTrajectory own(problem.car(0), problem.starts()[0], result.steps[0]);
   EXPECT_TRUE(find_conflicts_of(0, own, {{own, straight}}).empty());
 }
 
 TEST(Conflicts, OfOneRobotAreThoseOfAllThatNameIt) {
   const Instance instance = circle(4);
-  const PlanningProblem fleet(instance, CollisionRule::kContinuous);
-  std::vector<MovingObstacle> motions;
-  for (int i = 0; i < fleet.size(); ++i) {
-    motions.emplace_back(fleet.car(i), fleet.starts()[std::size_t(i)],
+  const PlanningProblem problem(instance, CollisionRule::kContinuous);
+  std::vector<SweptTrajectory> motions;
+  for (int i = 0; i < problem.size(); ++i) {
+    motions.emplace_back(problem.car(i), problem.starts()[std::size_t(i)],
                          std::vector<Arc>(30, Arc{1, 0}));
   }
   std::vector<Conflict> expected = find_conflicts(motions);

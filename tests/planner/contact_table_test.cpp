@@ -16,10 +16,10 @@ namespace {
 const Vehicle kCar = {.front = 3.6, .rear = 0.9, .width = 1.8, .min_turning_radius = 3.86};
 const Vehicle kBus = {.front = 9.0, .rear = 3.0, .width = 2.5, .min_turning_radius = 8.0};
 
-GuidePath straight(Point from, Point to) { return GuidePath(std::vector<Point>{from, to}); }
+ReferencePath straight(Point from, Point to) { return ReferencePath(std::vector<Point>{from, to}); }
 
 /// Straight on, a bend of any angle, and straight on again.
-GuidePath bent(Pose at, double straight_length, double turn, double radius) {
+ReferencePath bent(Pose at, double straight_length, double turn, double radius) {
   std::vector<Point> points;
   Pose p = at;
   for (double s = 0.0; s < straight_length; s += 0.5, p = drive(p, 0.5, 0.0)) {
@@ -32,11 +32,11 @@ GuidePath bent(Pose at, double straight_length, double turn, double radius) {
   for (double s = 0.0; s < straight_length; s += 0.5, p = drive(p, 0.5, 0.0)) {
     points.push_back({p.x, p.y});
   }
-  return GuidePath(points);
+  return ReferencePath(points);
 }
 
 /// A path that runs by the origin, from anywhere to anywhere.
-GuidePath any_path(Draws& draws) {
+ReferencePath any_path(Draws& draws) {
   const double heading = draws.share() * 6.28;
   const double aside = draws.share() * 8.0 - 4.0;
   const Pose start = compose(Pose{0, 0, heading}, Pose{-35, aside, 0});
@@ -63,7 +63,7 @@ struct Drive {
   }
 };
 
-bool bodies_touch(const GuidePath& a, const Vehicle& body_a, double s_a, const GuidePath& b,
+bool bodies_touch(const ReferencePath& a, const Vehicle& body_a, double s_a, const ReferencePath& b,
                   const Vehicle& body_b, double s_b) {
   return separation(footprint(body_a, a.at(s_a)), footprint(body_b, b.at(s_b))) < 0.0;
 }
@@ -103,8 +103,8 @@ TEST(ContactTable, TransposedSaysTheSameWithTheRolesExchanged) {
 
 // At 40 m/s each is 4 m further at the next look: at both looks they are apart.
 TEST(ContactTable, SeesCarsThatMeetBetweenTwoLooks) {
-  const GuidePath east = straight({-50, 0}, {50, 0});
-  const GuidePath north = straight({0, -50}, {0, 50});
+  const ReferencePath east = straight({-50, 0}, {50, 0});
+  const ReferencePath north = straight({0, -50}, {0, 50});
   const Vehicle tiny = {.front = 0.4, .rear = 0.4, .width = 0.5};
   const ContactTable table(east, tiny, north, tiny, Margins{});
   EXPECT_FALSE(table.touches(48.0, 48.0));
@@ -114,8 +114,8 @@ TEST(ContactTable, SeesCarsThatMeetBetweenTwoLooks) {
 }
 
 TEST(ContactTable, WhoStandsIsMetByWhoeverDrivesPast) {
-  const GuidePath east = straight({-50, 0}, {50, 0});
-  const GuidePath north = straight({0, -50}, {0, 50});
+  const ReferencePath east = straight({-50, 0}, {50, 0});
+  const ReferencePath north = straight({0, -50}, {0, 50});
   const ContactTable table(east, kCar, north, kCar, Margins{});
   EXPECT_TRUE(table.sweeps(49.0, 49.0, 0.0, 90.0));
   EXPECT_TRUE(table.sweeps(0.0, 90.0, 49.0, 49.0));
@@ -129,8 +129,9 @@ TEST(ContactTable, WhatItClearsIsClearAtEveryMillisecond) {
   int cleared = 0;
   int near_misses = 0;  // cleared, but close to each other
   for (int round = 0; round < 1500; ++round) {
-    const GuidePath a = any_path(draws);
-    const GuidePath b = draws.between(0, 3) == 0 ? a : any_path(draws);  // following, or crossing
+    const ReferencePath a = any_path(draws);
+    const ReferencePath b =
+        draws.between(0, 3) == 0 ? a : any_path(draws);  // following, or crossing
     const Vehicle& body_a = draws.between(0, 4) == 0 ? kBus : kCar;
     const ContactTable table(a, body_a, b, kCar, Margins{});
     const double v_a = draws.share() * 40.0;
@@ -187,7 +188,7 @@ class PathLibraryTest : public testing::Test {
 };
 
 TEST_F(PathLibraryTest, MakesTablesOnlyForPathsThatComeNearEachOther) {
-  library.prepare(std::vector{0, 1, 2, 3});
+  library.build_tables(std::vector{0, 1, 2, 3});
   EXPECT_EQ(library.tables(), 10U);  // 0, 1 and 3 with each other, 2 with itself
   EXPECT_TRUE(library.contacts(0, 2).empty());
   EXPECT_EQ(&library.contacts(0, 2), &library.contacts(2, 1));
@@ -197,7 +198,7 @@ TEST_F(PathLibraryTest, MakesTablesOnlyForPathsThatComeNearEachOther) {
 TEST_F(PathLibraryTest, WhatIsNotPreparedIsBuiltAtItsFirstUse) {
   PathLibrary prepared{Margins{}};
   for (int p = 0; p < library.size(); ++p) prepared.add(library.path(p), library.body(p));
-  prepared.prepare(std::vector{3, 0});
+  prepared.build_tables(std::vector{3, 0});
   EXPECT_EQ(prepared.tables(), 4U);
   for (const auto& [a, b] : {std::pair(0, 3), std::pair(3, 0), std::pair(3, 3)}) {
     for (double s_a = 0.0; s_a < 130.0; s_a += 0.5) {
@@ -210,7 +211,7 @@ TEST_F(PathLibraryTest, WhatIsNotPreparedIsBuiltAtItsFirstUse) {
 }
 
 TEST_F(PathLibraryTest, MakesNoTablesForForecastsAmongThemselves) {
-  library.prepare(std::vector{3}, std::vector{0, 1});
+  library.build_tables(std::vector{3}, std::vector{0, 1});
   EXPECT_EQ(library.tables(), 5U);  // 3 with itself, and with 0 and 1 both ways
 }
 
@@ -221,7 +222,7 @@ TEST_F(PathLibraryTest, BodiesThatMoveOtherwiseShareTheirContacts) {
   EXPECT_EQ(library.body(like).max_accel, weak.max_accel);
   EXPECT_EQ(library.body(3).max_accel, kCar.max_accel);
   EXPECT_EQ(&library.path(like), &library.path(3));
-  library.prepare(std::vector{0, 3, like});
+  library.build_tables(std::vector{0, 3, like});
   EXPECT_EQ(library.tables(), 4U);
   EXPECT_EQ(&library.contacts(like, 0), &library.contacts(3, 0));
   EXPECT_EQ(&library.contacts(0, like), &library.contacts(0, 3));
@@ -238,10 +239,10 @@ TEST_F(PathLibraryTest, ManyThreadsMayAskForTheSameTables) {
 }
 
 TEST_F(PathLibraryTest, ReferencesStayValidWhenPathsAreAdded) {
-  library.prepare(std::vector{0, 1});
+  library.build_tables(std::vector{0, 1});
   const ContactTable& table = library.contacts(0, 1);
   for (int i = 0; i < 100; ++i) library.add(straight({0, double(i)}, {50, double(i)}), kCar);
-  library.prepare(std::vector{0, 1, 50, 51});
+  library.build_tables(std::vector{0, 1, 50, 51});
   EXPECT_EQ(&table, &library.contacts(0, 1));
 }
 

@@ -21,7 +21,9 @@ inline const Vehicle kCar = {.front = 3.6,
                              .max_accel = 2.6,
                              .max_decel = 4.5};
 
-inline GuidePath straight(Point from, Point to) { return GuidePath(std::vector<Point>{from, to}); }
+inline ReferencePath straight(Point from, Point to) {
+  return ReferencePath(std::vector<Point>{from, to});
+}
 
 //            | 1        Path 0 leads east, path 1 north; they cross at the origin, where each has
 //            |          s = 100. Path 2 is path 0 again, path 3 runs beside it, 10 m to the south.
@@ -55,8 +57,8 @@ class Crossing : public testing::Test {
   }
 
   /// Do the true bodies touch at any moment of the two trajectories?
-  bool ever_touch(const RoadVehicle& a, const PathTrajectory& ta, const RoadVehicle& b,
-                  const PathTrajectory& tb) const {
+  bool ever_touch(const RoadVehicle& a, const SpeedProfile& ta, const RoadVehicle& b,
+                  const SpeedProfile& tb) const {
     std::int64_t end = std::max(ta.end(), tb.end());
     if (ta.complete) end = std::min(end, ta.end());
     if (tb.complete) end = std::min(end, tb.end());

@@ -125,7 +125,7 @@ TEST_F(StarParts, RemovingAndPlacingAgainChangesNothing) {
   const double cost = motion.cost();
   EXPECT_EQ(cost, double(before.size()) + 1.5);
   for (int i = 0; i < motion.size(); ++i) {
-    TimedTrack track = motion.remove(i);
+    ArcTrajectory track = motion.remove(i);
     EXPECT_TRUE(motion.conflicts_of(i).empty());
     motion.place(i, std::move(track));
   }
@@ -144,7 +144,7 @@ TEST_F(StarParts, OverlapsAreCountedBeforehand) {
   int most = 0;
   for (int i = 0; i < motion.size(); ++i) {
     const int expected = int(motion.conflicts_of(i).size());
-    TimedTrack track = motion.remove(i);
+    ArcTrajectory track = motion.remove(i);
     EXPECT_EQ(motion.overlaps(i, track, kAll), expected);
     EXPECT_EQ(motion.overlaps(i, track, 1), std::min(expected, 1));
     const int wait = 1 + i % 20;
@@ -185,7 +185,7 @@ TEST_F(StarParts, LoweringKeepsToTheLimit) {
   Repair repair(motion, alone, {}, 1, never);
   motion.place_all(alone);
   ASSERT_TRUE(repair.run(200'000, [] { return false; }));
-  const int limit = (motion.makespan() + int(fleet.lower_bound() / time.dt)) / 2;
+  const int limit = (motion.makespan() + int(planning_problem.lower_bound() / time.dt)) / 2;
   ASSERT_LT(limit, motion.makespan());
   bool unreachable = false;
   ASSERT_TRUE(repair.lower(
@@ -263,20 +263,20 @@ TEST_F(StarParts, ConflictsBehindTheHorizonDoNotCount) {
 
 TEST(Exchange, HandsTheBestPlanToEveryone) {
   Exchange exchange(1, 10);
-  Incumbent plan;
+  ConflictFreePlan plan;
   EXPECT_FALSE(exchange.meet(0, plan, false));
-  plan = {std::vector<TimedTrack>(1), 20, 20};
+  plan = {std::vector<ArcTrajectory>(1), 20, 20};
   EXPECT_FALSE(exchange.meet(0, plan, false));
-  Incumbent worse{std::vector<TimedTrack>(1), 30, 30};
+  ConflictFreePlan worse{std::vector<ArcTrajectory>(1), 30, 30};
   EXPECT_FALSE(exchange.meet(0, worse, false));
   EXPECT_EQ(worse.makespan, 20);
-  Incumbent good{std::vector<TimedTrack>(1), 9, 9};
+  ConflictFreePlan good{std::vector<ArcTrajectory>(1), 9, 9};
   EXPECT_TRUE(exchange.meet(0, good, false));
 }
 
 TEST(Exchange, EndsWhenEveryoneHas) {
   Exchange exchange(1, 0);
-  Incumbent none;
+  ConflictFreePlan none;
   EXPECT_TRUE(exchange.meet(0, none, true));
 }
 

@@ -21,11 +21,11 @@ class Departures : public testing::Test {
         motion_(scene_.robots, scene_.time) {}
 
   /// Straight ahead for so many time steps, begun `wait` macro steps later, and out.
-  [[nodiscard]] TimedTrack way_out(int i, int time_steps, int wait = 0) const {
+  [[nodiscard]] ArcTrajectory way_out(int i, int time_steps, int wait = 0) const {
     const std::vector<Arc> way(std::size_t(time_steps), Arc{0.1, 0.0});
     return motion_.track_after(i, wait, way, true);
   }
-  [[nodiscard]] TimedTrack long_way() const {
+  [[nodiscard]] ArcTrajectory long_way() const {
     return motion_.track_after(2, 0, std::vector<Arc>(300, Arc{0.1, 0.0}));
   }
 
@@ -61,20 +61,22 @@ TEST_F(Departures, TheWayOutItselfCounts) {
   motion_.place(0, way_out(0, 50));
   const MacroRobot& second = motion_.robot(1);
   const auto standing = [&] {
-    return TimedTrack(second.car->vehicle(), {9.5, 5, 0}, {}, scene_.time.macro_step);
+    return ArcTrajectory(second.car->vehicle(), {9.5, 5, 0}, {}, scene_.time.macro_step);
   };
   EXPECT_EQ(motion_.overlaps(1, standing(), 3), 1);
   const int gone = motion_.track(0).departure();
   EXPECT_EQ(gone, 60);
-  const TimedTrack late(second.car->vehicle(), {9.5 - 0.1 * gone, 12, 0},
-                        std::vector<Arc>(std::size_t(gone), Arc{0.1, 0.0}), scene_.time.macro_step);
+  const ArcTrajectory late(second.car->vehicle(), {9.5 - 0.1 * gone, 12, 0},
+                           std::vector<Arc>(std::size_t(gone), Arc{0.1, 0.0}),
+                           scene_.time.macro_step);
   EXPECT_EQ(motion_.overlaps(1, late, 3), 0);
 }
 
 TEST_F(Departures, WhoArrivesAtOnceIsThereForOneBucket) {
   EXPECT_EQ(way_out(0, 0).departure(), scene_.time.macro_step);
   motion_.place(0, way_out(0, 0));
-  const TimedTrack standing(motion_.robot(1).car->vehicle(), {4, 5, 0}, {}, scene_.time.macro_step);
+  const ArcTrajectory standing(motion_.robot(1).car->vehicle(), {4, 5, 0}, {},
+                               scene_.time.macro_step);
   EXPECT_EQ(motion_.overlaps(1, standing, 3), 1);
 }
 

@@ -18,16 +18,16 @@ namespace mvtp {
 struct JointScene {
   explicit JointScene(Instance which)
       : instance(std::move(which)),
-        fleet(instance, CollisionRule::kContinuous),
+        planning_problem(instance, CollisionRule::kContinuous),
         obstacles(instance.map, 6.0),
         clearance(instance.map, obstacles) {
     cars.reserve(instance.agents.size());
-    for (int i = 0; i < fleet.size(); ++i) {
+    for (int i = 0; i < planning_problem.size(); ++i) {
       const Agent& a = instance.agents[std::size_t(i)];
       cars.emplace_back(a.vehicle, time, instance.map, obstacles, clearance);
-      robots.push_back({&cars.back(), &fleet.cost_to_go(i), a.start});
+      robots.push_back({&cars.back(), &planning_problem.cost_to_go(i), a.start});
     }
-    alone = find_single_agent_tracks(fleet, robots, never);
+    alone = find_single_agent_tracks(planning_problem, robots, never);
     EXPECT_EQ(alone.size(), robots.size());
   }
   JointScene(const JointScene&) = delete;
@@ -42,7 +42,7 @@ struct JointScene {
       Pose pose = motion.track(i).start();
       const double wheelbase = cars[std::size_t(i)].vehicle().wheelbase;
       for (const Arc& arc : motion.track(i).steps()) {
-        pose = fleet.after(i, pose, arc);
+        pose = planning_problem.after(i, pose, arc);
         trajectory.push_back({pose, arc.length / time.dt, std::atan(arc.curvature * wheelbase)});
       }
       plan.names.push_back(instance.agents[std::size_t(i)].name);
@@ -61,13 +61,13 @@ struct JointScene {
 
   TimeGrid time{0.1, 12};
   Instance instance;
-  PlanningProblem fleet;
+  PlanningProblem planning_problem;
   Obstacles obstacles;
   Clearance clearance;
   std::vector<MotionPrimitives> cars;
   std::vector<MacroRobot> robots;
   Deadline never = Deadline::never();
-  std::vector<TimedTrack> alone;
+  std::vector<ArcTrajectory> alone;
 };
 
 }  // namespace mvtp

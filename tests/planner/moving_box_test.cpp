@@ -6,7 +6,7 @@
 
 #include "planner/geometry/frame.hpp"
 #include "planner/geometry/oriented_box.hpp"
-#include "planner/motion/timed_track.hpp"
+#include "planner/motion/arc_trajectory.hpp"
 
 namespace mvtp {
 namespace {
@@ -142,12 +142,12 @@ TEST(MovingBox, FindsOverlapsBetweenInstants) {
   EXPECT_TRUE(meet(right.data(), shape, left.data(), shape, 1));
 }
 
-TEST(TimedTrack, KnowsItsPosesAndRestsAtTheEnd) {
+TEST(ArcTrajectory, KnowsItsPosesAndRestsAtTheEnd) {
   std::vector<Arc> steps;
   for (int k = 0; k < 100; ++k) steps.push_back({k % 3 == 0 ? 0.0 : 0.1, k % 2 == 0 ? 0.3 : -0.2});
   steps.resize(120);  // waits at the end do not count
   const Pose start{3.0, 4.0, 0.5};
-  const TimedTrack track(kCar, start, steps, kSteps);
+  const ArcTrajectory track(kCar, start, steps, kSteps);
   EXPECT_EQ(track.arrival(), 99 + 1 - 1);
   Pose pose = start;
   for (int t = 0; t < 130; ++t) {

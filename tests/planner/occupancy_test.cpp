@@ -10,7 +10,7 @@ namespace {
 const Vehicle kCar{.front = 2.0, .rear = 1.0, .min_turning_radius = 3.0};
 constexpr TimeGrid kTime{0.1059, 14};
 
-TimedTrack random_track(std::mt19937_64& rng) {
+ArcTrajectory random_track(std::mt19937_64& rng) {
   std::uniform_real_distribution<double> place(5.0, 35.0);
   std::uniform_int_distribution<int> which(-1, 1);
   std::vector<Arc> steps;
@@ -35,7 +35,7 @@ class OccupancyOfMany : public testing::Test {
   std::mt19937_64 rng{5};
   BoxShape shape = box_shape(kCar, kTime.dt);
   Occupancy occupancy;
-  std::vector<TimedTrack> tracks;
+  std::vector<ArcTrajectory> tracks;
   std::vector<int> found;
 };
 

@@ -163,7 +163,7 @@ struct QuickPlaces : Places {
   [[nodiscard]] std::span<const int> near(int i) const { return near_[std::size_t(i)]; }
 
   /// Those whose motions can touch, in the order of priority.
-  void look_around(const std::vector<int>& from) {
+  void update_neighbours(const std::vector<int>& from) {
     near_.assign(from.size(), {});
     const auto motions = [&](int i) {
       auto all = candidates(i, from[std::size_t(i)]);
@@ -216,7 +216,7 @@ TEST_P(PbcrLaws, KnowingTheFirstChoiceAndTheNeighboursChangesNoDecision) {
   static_assert(LocalWorld<QuickPlaces> && DecisiveWorld<QuickPlaces>);
   for (int t = 0; t < 20; ++t) {
     const std::vector<int> order = in_order(scene.from.size());
-    quick.look_around(scene.from);
+    quick.update_neighbours(scene.from);
     const auto next = Pbcr{scene.world}.step(scene.from, order).value();
     ASSERT_EQ(Pbcr{quick}.step(scene.from, order).value(), next);
     scene.from = targets(next);

@@ -13,14 +13,14 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-StepPlan plan_for(const Instance& instance, const PrioritizedOptions& options = {}) {
-  const PlanningProblem fleet(instance, CollisionRule::kContinuous);
-  return plan_prioritized(fleet, options, Deadline::never());
+PlannerResult plan_for(const Instance& instance, const PrioritizedOptions& options = {}) {
+  const PlanningProblem problem(instance, CollisionRule::kContinuous);
+  return plan_prioritized(problem, options, Deadline::never());
 }
 
 /// Plans and lets the referee judge.
-StepPlan judged(const Instance& instance, const PrioritizedOptions& options = {}) {
-  StepPlan result = plan_for(instance, options);
+PlannerResult judged(const Instance& instance, const PrioritizedOptions& options = {}) {
+  PlannerResult result = plan_for(instance, options);
   EXPECT_EQ(result.status, Status::kSolved);
   Plan plan;
   for (const Agent& agent : instance.agents) plan.names.push_back(agent.name);
@@ -37,7 +37,7 @@ TEST(Prioritized, ALaterRobotDoesNotParkWhereAnEarlierOneHasYetToPass) {
   Instance instance{.agents = {}, .map = empty_map(50), .dt = 1.0};
   instance.agents = {agent({5, 25, 0}, {45, 25, 0}, 0),
                      agent({25, 15, kPi / 2}, {25, 24, kPi / 2}, 1)};
-  const StepPlan plan = judged(instance);
+  const PlannerResult plan = judged(instance);
   ASSERT_EQ(plan.trajectories.size(), 2U);
   EXPECT_EQ(arrival_step(plan.trajectories[0]), 40U);  // straight on
   EXPECT_GT(arrival_step(plan.trajectories[1]), 18U);  // 9 m to drive, but not before
@@ -56,7 +56,7 @@ TEST(Prioritized, ALaterRobotLeavesItsGoalForAnEarlierOne) {
 TEST(Prioritized, NobodyDrivesThroughARobotThatHasParked) {
   Instance instance{.agents = {}, .map = empty_map(60), .dt = 1.0};
   instance.agents = {agent({30, 40, 0}, {44, 30, kPi}, 0), agent({5, 30, 0}, {57, 30, 0}, 1)};
-  const StepPlan plan = judged(instance);
+  const PlannerResult plan = judged(instance);
   // The path of robot 1, which is planned first, is the longer one; robot 0 parks right on it.
   ASSERT_EQ(plan.trajectories.size(), 2U);
   EXPECT_EQ(arrival_step(plan.trajectories[1]), 52U);
@@ -86,7 +86,7 @@ TEST(Prioritized, ADifferentSeedTriesOtherOrders) {
 TEST(Prioritized, GivesUpAfterSoManyOrders) {
   Instance instance = circle(2);
   instance.map.polygons = {{{24.5, 0}, {25.5, 0}, {25.5, 50}, {24.5, 50}}};  // a wall between them
-  const StepPlan plan = plan_for(instance, {.max_expansions = 500, .max_orders = 5});
+  const PlannerResult plan = plan_for(instance, {.max_expansions = 500, .max_orders = 5});
   EXPECT_EQ(plan.status, Status::kExhausted);
   EXPECT_TRUE(plan.trajectories.empty());
 }

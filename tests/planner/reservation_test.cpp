@@ -81,8 +81,8 @@ TEST_F(ReservedGround, ATileIsNeverSharedAndBodiesOnOneGroundShareOne) {
   const ContactTable tiles = reserved(Reservation::kTiles, kFromWest, kFromSouth);
   for (double a = 92.0; a <= 113.0; a += 0.25) {
     for (double b = 92.0; b <= 113.0; b += 0.25) {
-      const OrientedBox on_a = east.boxes()[std::size_t(a / GuidePath::kSpacing + 0.5)];
-      const OrientedBox on_b = north.boxes()[std::size_t(b / GuidePath::kSpacing + 0.5)];
+      const OrientedBox on_a = east.boxes()[std::size_t(a / ReferencePath::kSpacing + 0.5)];
+      const OrientedBox on_b = north.boxes()[std::size_t(b / ReferencePath::kSpacing + 0.5)];
       const double gap = separation(on_a, on_b);
       if (gap <= 0.0) {
         EXPECT_TRUE(tiles.touches(a, b)) << a << ", " << b;
@@ -122,7 +122,7 @@ class Reserving : public Crossing {
     library->add(straight({100, 1.6}, {-100, 1.6}), kCar, {from_east});
     library->add(straight({1.6, -100}, {1.6, 100}), kCar, {kFromSouth});
     const std::vector<int> paths = {0, 1, 2};
-    library->prepare(paths);
+    library->build_tables(paths);
     scene.library = library.get();
   }
 
@@ -134,7 +134,7 @@ class Reserving : public Crossing {
       auto t = plan_vehicle(pairs, v, entries, {});
       EXPECT_TRUE(t.has_value()) << v.key;
       if (!t) return -1;
-      entries.push_back({v.key, std::make_shared<PathTrajectory>(*std::move(t))});
+      entries.push_back({v.key, std::make_shared<SpeedProfile>(*std::move(t))});
     }
     int steps = 0;
     for (std::int64_t k = 0; k < 1000; ++k) {
@@ -187,7 +187,7 @@ TEST_F(Reserving, TheLongerGroundIsReservedTheLaterTheSecondLeaves) {
     const RoadPairs pairs(scene);
     std::vector<JointPlan::Entry> first;
     first.push_back(
-        {0, std::make_shared<PathTrajectory>(*plan_vehicle(pairs, scene.vehicles[0], {}, {}))});
+        {0, std::make_shared<SpeedProfile>(*plan_vehicle(pairs, scene.vehicles[0], {}, {}))});
     const auto second = plan_vehicle(pairs, scene.vehicles[1], first, {});
     ASSERT_TRUE(second.has_value());
     leaves.push_back(arrival_step(*second, 170.0));

@@ -15,7 +15,7 @@ using OrderOfVehicles = Crossing;
 using TooClose = Crossing;
 using Forecasts = Crossing;
 
-RoadStepWorld::Motion motion_of(const RoadScene& scene, const PathTrajectory& t, std::int64_t k) {
+RoadStepWorld::Motion motion_of(const RoadScene& scene, const SpeedProfile& t, std::int64_t k) {
   const InertialState from = t.at(k);
   const InertialState to = t.at(k + scene.grid.steps_per_decision);
   return {from, held_acceleration(from, to, scene.grid.decision()), to};
@@ -35,8 +35,8 @@ TEST_F(RoadContactTest, WhatThePlannerAcceptsPbcrAccepts) {
     const RoadStepWorld world(pairs_now, result.plan, {});
     for (std::size_t i = 0; i < 3; ++i) {
       for (std::size_t j = 0; j < i; ++j) {
-        const PathTrajectory* a = result.plan.find(std::int64_t(i));
-        const PathTrajectory* b = result.plan.find(std::int64_t(j));
+        const SpeedProfile* a = result.plan.find(std::int64_t(i));
+        const SpeedProfile* b = result.plan.find(std::int64_t(j));
         if (!a || !b) continue;
         ++pairs;
         for (std::int64_t k = 0; k + 5 < std::min(a->end(), b->end()); k += 5) {
@@ -139,7 +139,7 @@ TEST_F(TooClose, TwoInsideTheirMarginsComeApartAgain) {
 //  4 --------.          other, so how far one is ahead is no measure of their distance.
 //             `--->
 TEST_F(TooClose, WhoSwingsIntoTheLaneBesideItKeepsToWhatBrakingLeaves) {
-  library.add(GuidePath(std::vector<Point>{{-100, 3}, {0, 3}, {30, -9}, {60, -30}}), kCar);
+  library.add(ReferencePath(std::vector<Point>{{-100, 3}, {0, 3}, {30, -9}, {60, -30}}), kCar);
   Draws draws(9);
   int kept = 0;
   for (int round = 0; round < 3000; ++round) {
@@ -201,7 +201,7 @@ TEST_F(TooClose, BehindALeaderWithItsOwnDriverItBrakesFully) {
   RoadVehicle leader = add(0, 74.5, 5.0);
   scene.vehicles.pop_back();
   leader.key = -1;
-  PathTrajectory motion;
+  SpeedProfile motion;
   for (int k = 0; k < 200; ++k) motion.states.push_back({74.5 + 0.5 * k, 5.0});
   scene.forecasts.push_back({leader, motion});
   add(0, 60.0, 9.0);
@@ -214,8 +214,8 @@ TEST_F(TooClose, BehindALeaderWhoIsLetThroughItBrakesFully) {
   RoadVehicle leader = add(0, 74.5, 0.3);
   scene.vehicles.pop_back();
   leader.key = -1;
-  PathTrajectory early;
-  PathTrajectory late;
+  SpeedProfile early;
+  SpeedProfile late;
   for (int k = 0; k < 400; ++k) {
     early.states.push_back({74.5 + 0.01 * k * k, 0.2 * k});
     late.states.push_back({74.5 + 0.0025 * k * k, 0.05 * k});
@@ -251,8 +251,8 @@ TEST_F(Forecasts, WhoHasNoPlanStaysOutOfThePassageOfAGuest) {
   RoadVehicle guest = add(1, 70.0, 4.0);
   scene.vehicles.pop_back();
   guest.key = -1;
-  PathTrajectory early;
-  PathTrajectory late;
+  SpeedProfile early;
+  SpeedProfile late;
   for (int k = 0; k < 400; ++k) {
     early.states.push_back({70.0 + 0.4 * k + 0.01 * k * k, 4.0 + 0.2 * k});
     late.states.push_back({70.0 + 0.4 * k, 4.0});
@@ -273,7 +273,7 @@ TEST_F(Forecasts, WhoHasUsInHisWayDoesNotBlockUs) {
   other.key = -1;
   other.path = 2;
   other.now = {50.0, 10.0};
-  PathTrajectory runs_into_us{.states = {other.now}};
+  SpeedProfile runs_into_us{.states = {other.now}};
   for (int k = 0; k < 150; ++k) {
     runs_into_us.states.push_back(advance(runs_into_us.states.back(), 0.0, 0.1));
   }
@@ -289,9 +289,9 @@ TEST_F(Forecasts, NobodyDrivesIntoAGuestThatMayStay) {
   RoadVehicle guest = add(2, 64.5 + 0.3, 0.0);
   scene.vehicles.pop_back();
   guest.key = -1;
-  PathTrajectory goes{.states = {guest.now}};
+  SpeedProfile goes{.states = {guest.now}};
   for (int k = 0; k < 150; ++k) goes.states.push_back(advance(goes.states.back(), 2.6, 0.1));
-  const PathTrajectory stays{.states = {guest.now}, .complete = false};
+  const SpeedProfile stays{.states = {guest.now}, .complete = false};
   scene.forecasts.push_back({guest, goes, stays, /*yields=*/false});
   const InertialState now = scene.vehicles[0].now;
   const RoadPairs pairs(scene);
@@ -306,8 +306,8 @@ TEST_F(Forecasts, BehindAGuestThatPassesThereIsRoomToStop) {
   RoadVehicle guest = add(2, 72.0, 12.0);
   scene.vehicles.pop_back();
   guest.key = -1;
-  PathTrajectory goes{.states = {guest.now}};
-  PathTrajectory crawls = goes;
+  SpeedProfile goes{.states = {guest.now}};
+  SpeedProfile crawls = goes;
   for (int k = 0; k < 150; ++k) {
     goes.states.push_back(advance(goes.states.back(), 0.5, 0.1));
     crawls.states.push_back(advance(crawls.states.back(), k < 80 ? -1.0 : 0.0, 0.1));
@@ -331,7 +331,7 @@ TEST_F(Forecasts, CrossTrafficCountsUntilWeAreInItsWay) {
   RoadVehicle other = add(1, 40.0, 12.0);
   scene.vehicles.clear();
   other.key = -1;
-  PathTrajectory crosses{.states = {other.now}};
+  SpeedProfile crosses{.states = {other.now}};
   for (int k = 0; k < 150; ++k) crosses.states.push_back(advance(crosses.states.back(), 0.0, 0.1));
   scene.forecasts.push_back({other, crosses});
   add(0, 40.0, 12.0);

@@ -45,8 +45,8 @@ TEST_F(Crossing, TheSecondVehicleLetsTheFirstOnePass) {
   add(1, 20.0, 13.9);
   const auto result = plan_crossing(scene, keys(), {}, {}, 0);
   ASSERT_TRUE(result.unplanned.empty());
-  const PathTrajectory& first = *result.plan.find(0);
-  const PathTrajectory& second = *result.plan.find(1);
+  const SpeedProfile& first = *result.plan.find(0);
+  const SpeedProfile& second = *result.plan.find(1);
   EXPECT_FALSE(ever_touch(scene.vehicles[0], first, scene.vehicles[1], second));
   // One passes at full speed, and the other is not far behind.
   EXPECT_LT(std::min(arrival_step(first, 110.0), arrival_step(second, 110.0)), 70);
@@ -82,8 +82,8 @@ TEST_F(Crossing, WaitsBeforeTheCrossingIfItCouldNotClearIt) {
   scene.forecasts.push_back({obstacle, {.states = std::vector<InertialState>(200, {107.5, 0.0})}});
   add(0, 60.0, 13.0);
   add(1, 20.0, 8.0);
-  const PathTrajectory crossing = plan_alone(scene, scene.vehicles[1], {});
-  const std::vector<JointPlan::Entry> before = {{1, std::make_shared<PathTrajectory>(crossing)}};
+  const SpeedProfile crossing = plan_alone(scene, scene.vehicles[1], {});
+  const std::vector<JointPlan::Entry> before = {{1, std::make_shared<SpeedProfile>(crossing)}};
   WholeTrajectoryOptions one_speed;
   one_speed.approach_speeds = {1.0};
 
@@ -131,7 +131,7 @@ TEST_F(Crossing, WhoStandsTooNearBehindAnotherOneHasAPlanOnceThatOneDrivesOn) {
   add(0, 139.7, 0.0);
   add_standing_forecast(2, 145.0);
   const RoadVehicle& car = scene.vehicles[0];
-  PathTrajectory& bus = scene.forecasts.front().trajectory;
+  SpeedProfile& bus = scene.forecasts.front().trajectory;
   bus.states.assign(200, {145.0, 0.0});  // 20 s
   while (bus.states.back().s < 190.0) {
     bus.states.push_back(advance(bus.states.back(), 1.0, scene.grid.dt));
@@ -221,7 +221,7 @@ TEST_F(Crossing, FollowersHaveTheirHeadwayAtHandBack) {
     const std::int64_t k = arrival_step(*result.plan.find(i), 170.0);
     const InertialState behind = result.plan.find(i)->at(k);
     const InertialState ahead = result.plan.find(i - 1)->at(k);
-    if (ahead.s >= PathTrajectory::kGone) continue;
+    if (ahead.s >= SpeedProfile::kDeparted) continue;
     EXPECT_GE(ahead.s - behind.s - kCar.length(), 2.5 + behind.v * 1.0);
   }
 }
@@ -243,7 +243,7 @@ TEST_F(Crossing, AFollowerIsPlannedAnewIfItsLeaderGoesOnMoreSlowly) {
   const RoadPairs pairs(scene);
   const RoadVehicle& follower = scene.vehicles[0];
   const JointPlan::Entry slow = {
-      1, std::make_shared<PathTrajectory>(plan_alone(pairs, scene.vehicles[1], {}))};
+      1, std::make_shared<SpeedProfile>(plan_alone(pairs, scene.vehicles[1], {}))};
   EXPECT_FALSE(leaves_room(pairs, follower, *alone.plan.find(0), std::span(&slow, 1), {}));
   EXPECT_TRUE(leaves_room(pairs, follower, *alone.plan.find(0), {}, {}));
 
@@ -261,10 +261,10 @@ TEST_F(Crossing, BehindItsHandBackTheRoomOfNowCounts) {
   add(0, 172.0, 10.0);
   add(2, 184.0, 10.0);
   scene.step = 5;
-  PathTrajectory own{.begin = 0, .states = {}};
+  SpeedProfile own{.begin = 0, .states = {}};
   for (int k = 0; k < 40; ++k) own.states.push_back({160.0 + 2.4 * k, 24.0});
   const JointPlan::Entry ahead = {
-      1, std::make_shared<PathTrajectory>(PathTrajectory{.begin = 5, .states = {{184.0, 10.0}}})};
+      1, std::make_shared<SpeedProfile>(SpeedProfile{.begin = 5, .states = {{184.0, 10.0}}})};
   EXPECT_FALSE(leaves_room(RoadPairs(scene), scene.vehicles[0], own, std::span(&ahead, 1), {}));
   own.states = {{150.0, 0.0}, {172.0, 0.5}, {172.0, 0.5}, {172.0, 0.5}, {172.0, 0.5}, {172.0, 0.5}};
   EXPECT_TRUE(leaves_room(RoadPairs(scene), scene.vehicles[0], own, std::span(&ahead, 1), {}));
@@ -280,8 +280,8 @@ TEST_F(Crossing, ALeaderCountsUntilItsTailHasLeftTheLane) {
   const auto keeps_room = [&](double line) {
     scene.vehicles[1].stop_lines = {line};
     const JointPlan::Entry ahead = {
-        1, std::make_shared<PathTrajectory>(PathTrajectory{.states = {{160.0, 2.0}}})};
-    const PathTrajectory handed_back{.states = {{170.0 - 14.0, 10.0}}};
+        1, std::make_shared<SpeedProfile>(SpeedProfile{.states = {{160.0, 2.0}}})};
+    const SpeedProfile handed_back{.states = {{170.0 - 14.0, 10.0}}};
     scene.vehicles[0].s_handback = 150.0;
     return leaves_room(RoadPairs(scene), scene.vehicles[0], handed_back, std::span(&ahead, 1), {});
   };

@@ -23,7 +23,7 @@ struct Scene {
 
   /// The other robot drives along the steps.
   void place_other(const Pose& start, const std::vector<Arc>& steps) {
-    tracks[1] = TimedTrack(kCar, start, steps, kTime.macro_step);
+    tracks[1] = ArcTrajectory(kCar, start, steps, kTime.macro_step);
     occupancy.place(1, tracks[1], car.shape());
   }
 
@@ -36,7 +36,7 @@ struct Scene {
     return result;
   }
 
-  [[nodiscard]] TimedTrack track(const Pose& start, const SoftPath& path) const {
+  [[nodiscard]] ArcTrajectory track(const Pose& start, const SoftCollisionPath& path) const {
     return {kCar, start, path.steps, kTime.macro_step};
   }
 
@@ -46,7 +46,7 @@ struct Scene {
   MotionPrimitives car;
   CostToGo cost_to_go;
   Occupancy occupancy{2, kTime};
-  std::vector<TimedTrack> tracks{2};
+  std::vector<ArcTrajectory> tracks{2};
   std::vector<BoxShape> shapes{box_shape(kCar, kTime.dt), box_shape(kCar, kTime.dt)};
   std::vector<float> soft_costs{10.0F, 10.0F};
 };
@@ -59,7 +59,8 @@ Map corridor() {
   return map;
 }
 
-std::optional<SoftPath> search(const SoftProblem& problem, const SoftOptions& options = {}) {
+std::optional<SoftCollisionPath> search(const SoftProblem& problem,
+                                        const SoftOptions& options = {}) {
   return SoftHybridAstar(2).search(problem, options, Deadline::never());
 }
 
@@ -67,7 +68,7 @@ TEST(SoftHybridAstar, DrivesTheShortestCurveIfAlone) {
   const Pose start{10, 10, 0.3};
   const Pose goal{30, 25, 2.0};
   const Scene scene(empty_map(50), goal);
-  const std::optional<SoftPath> path = search(scene.problem(start));
+  const std::optional<SoftCollisionPath> path = search(scene.problem(start));
   ASSERT_TRUE(path);
   const double length = reeds_shepp_length(start, goal, 3.0);
   EXPECT_GE(int(path->steps.size()) * kTime.dt, length);
@@ -100,7 +101,7 @@ TEST(SoftHybridAstar, SlowActionsLeadOutOfTightPlaces) {
   EXPECT_FALSE(search(scene.problem(start), quick));
   SoftOptions slow = quick;
   slow.slowly = true;
-  const std::optional<SoftPath> path = search(scene.problem(start), slow);
+  const std::optional<SoftCollisionPath> path = search(scene.problem(start), slow);
   ASSERT_TRUE(path);
   EXPECT_LT(distance(drive(start, path->steps), {21.5, 40, 1.5707963}), 1e-8);
   for (const Arc& step : path->steps) EXPECT_LE(std::abs(step.length), kTime.dt + 1e-9);
@@ -112,10 +113,10 @@ TEST(SoftHybridAstar, GivesWayToTheOther) {
   const Pose start{10, 25, 0};
   Scene scene(empty_map(50), {40, 25, 0});
   scene.place_other({40, 25, 3.14159265358979}, std::vector<Arc>(284, Arc{0.1059, 0.0}));
-  const std::optional<SoftPath> path = search(scene.problem(start));
+  const std::optional<SoftCollisionPath> path = search(scene.problem(start));
   ASSERT_TRUE(path);
   EXPECT_EQ(path->soft_cost, 0.0);
-  const TimedTrack track = scene.track(start, *path);
+  const ArcTrajectory track = scene.track(start, *path);
   for (int t = 0; t < 400; t += kTime.macro_step) {
     EXPECT_FALSE(meet(track.boxes(t), scene.shapes[0], scene.tracks[1].boxes(t), scene.shapes[1],
                       kTime.macro_step));
@@ -128,7 +129,7 @@ TEST(SoftHybridAstar, DrivesThroughTheOtherWhereItMust) {
   const Pose start{5, 1.5, 0};
   Scene scene(corridor(), {45, 1.5, 0});
   scene.place_other({25, 1.5, 0}, {});
-  const std::optional<SoftPath> path = search(scene.problem(start));
+  const std::optional<SoftCollisionPath> path = search(scene.problem(start));
   ASSERT_TRUE(path);
   EXPECT_GE(path->soft_cost, 10.0);
   EXPECT_NEAR(path->cost, path->soft_cost + double(path->steps.size()) * kTime.dt, 1e-6);
@@ -154,9 +155,9 @@ TEST(SoftHybridAstar, WaitsWhereItStands) {
   steps.insert(steps.end(), 400, Arc{0.1059, 0.0});
   scene.place_other({8.3, 1.5, 0}, steps);
   const Pose start{5, 1.5, 0};
-  const std::optional<SoftPath> path = search(scene.problem(start), {.hard = true});
+  const std::optional<SoftCollisionPath> path = search(scene.problem(start), {.hard = true});
   ASSERT_TRUE(path);
-  const TimedTrack track = scene.track(start, *path);
+  const ArcTrajectory track = scene.track(start, *path);
   for (int t = 0; t < 500; t += kTime.macro_step) {
     EXPECT_FALSE(meet(track.boxes(t), scene.shapes[0], scene.tracks[1].boxes(t), scene.shapes[1],
                       kTime.macro_step));
@@ -186,7 +187,8 @@ TEST(SoftHybridAstar, ArrivesAfterTheLastOneHasPassed) {
   std::vector<Arc> steps(100);  // waits
   steps.insert(steps.end(), 300, Arc{0.1059, 0.0});
   scene.place_other({25, 10, 1.5707963267949}, steps);
-  const std::optional<SoftPath> path = search(scene.problem({15, 25, 0}), {.max_expansions = 5000});
+  const std::optional<SoftCollisionPath> path =
+      search(scene.problem({15, 25, 0}), {.max_expansions = 5000});
   ASSERT_TRUE(path);
   EXPECT_EQ(path->soft_cost, 0.0);
   EXPECT_GT(path->steps.size(), 100U + 150U);
@@ -208,7 +210,8 @@ TEST(SoftHybridAstar, StaysClearOfObstaclesAndInsideTheMap) {
   for (int k = 0; k < 12; ++k) map.circles.push_back({20.0 + (k % 3), 4.0 + 2.5 * k, 0.8});
   const Pose start{8, 20, 0};
   const Scene scene(map, {32, 20, 0});
-  const std::optional<SoftPath> path = search(scene.problem(start), {.max_expansions = 20000});
+  const std::optional<SoftCollisionPath> path =
+      search(scene.problem(start), {.max_expansions = 20000});
   ASSERT_TRUE(path);
   Pose pose = start;
   for (const Arc& step : path->steps) {
@@ -244,7 +247,7 @@ TEST(SoftHybridAstar, PlansFromALaterBucketOn) {
   scene.place_other({25, 10, 1.5707963267949}, std::vector<Arc>(140, Arc{0.1059, 0.0}));
   SoftProblem problem = scene.problem(start);
   problem.start_macro_step = 10;  // the other has left by then
-  const std::optional<SoftPath> path = search(problem);
+  const std::optional<SoftCollisionPath> path = search(problem);
   ASSERT_TRUE(path);
   EXPECT_EQ(path->soft_cost, 0.0);
   EXPECT_NEAR(path->cost, (140.0 + double(path->steps.size())) * kTime.dt, 1e-6);

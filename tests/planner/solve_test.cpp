@@ -59,11 +59,11 @@ TEST(Pbcr, RobotsHeadOnGiveWayInTime) {
 //   same two would drive into it for ever.
 TEST(Escot, ADrawnActionIsNotPlannedAway) {
   const Instance instance = circle(2, 6.0);
-  const PlanningProblem fleet(instance, CollisionRule::kContinuous);
+  const PlanningProblem problem(instance, CollisionRule::kContinuous);
   const Deadline never = Deadline::never();
-  const Configuration q = fleet.starts();
-  SteppedWorld world(fleet, {}, never);
-  world.prepare(q);
+  const Configuration q = problem.starts();
+  SteppedWorld world(problem, {}, never);
+  world.update_reference_paths(q);
   ASSERT_THAT(SteppedWorld(world).group_robots(q), ElementsAre(Group{0, 1}));
   const auto next = [&q](SteppedWorld copy) { return generate_config(copy, q); };
   const std::vector<SteppedWorld::Motion> planned = next(world);
@@ -150,24 +150,24 @@ class Crowd : public testing::TestWithParam<std::uint64_t> {};
 //   The safe stop of a SteppedCar is its pose: after every step all may stay where they are.
 TEST_P(Crowd, AfterEveryStepEverybodyMayStopAtOnce) {
   const Instance instance = random_instance(GetParam(), 10, 5, 30);
-  const PlanningProblem fleet(instance, CollisionRule::kContinuous);
+  const PlanningProblem problem(instance, CollisionRule::kContinuous);
   const Deadline never = Deadline::never();
-  SteppedWorld world(fleet, {}, never);
+  SteppedWorld world(problem, {}, never);
   std::mt19937_64 rng(GetParam());
-  Configuration q = fleet.starts();
+  Configuration q = problem.starts();
   int moved = 0;
   for (int t = 0; t < 40; ++t) {
-    world.prepare(q);
+    world.update_reference_paths(q);
     if (t % 5 == 4) world.add_randomness(q, rng);
     const std::vector<SteppedWorld::Motion> motions = generate_config(world, q);
-    for (int i = 0; i < fleet.size(); ++i) {
+    for (int i = 0; i < problem.size(); ++i) {
       moved += motions[std::size_t(i)].end != q[std::size_t(i)] ? 1 : 0;
       q[std::size_t(i)] = motions[std::size_t(i)].end;
     }
     world.advance(motions);
-    for (int i = 0; i < fleet.size(); ++i) {
+    for (int i = 0; i < problem.size(); ++i) {
       const auto stop = world.safe_stop(i, q[std::size_t(i)]);
-      ASSERT_TRUE(fleet.car(i).is_free(q[std::size_t(i)], {}));
+      ASSERT_TRUE(problem.car(i).is_free(q[std::size_t(i)], {}));
       for (int j = 0; j < i; ++j) {
         ASSERT_FALSE(world.conflict(i, stop, j, world.safe_stop(j, q[std::size_t(j)])));
         ASSERT_FALSE(world.conflict(i, motions[std::size_t(i)], j, motions[std::size_t(j)]));
@@ -180,14 +180,14 @@ TEST_P(Crowd, AfterEveryStepEverybodyMayStopAtOnce) {
 //   Asked twice in one step, the second time nothing is taken as foreseen.
 TEST_P(Crowd, GroupsAreTheSameWhateverWasForeseen) {
   const Instance instance = random_instance(GetParam(), 16, 3, 40);
-  const PlanningProblem fleet(instance, CollisionRule::kContinuous);
+  const PlanningProblem problem(instance, CollisionRule::kContinuous);
   const Deadline never = Deadline::never();
-  SteppedWorld world(fleet, {}, never);
+  SteppedWorld world(problem, {}, never);
   std::mt19937_64 rng(GetParam());
-  Configuration q = fleet.starts();
+  Configuration q = problem.starts();
   int joined = 0;
   for (int t = 0; t < 60; ++t) {
-    world.prepare(q);
+    world.update_reference_paths(q);
     const std::vector<Group> groups = world.group_robots(q);
     ASSERT_EQ(groups, world.group_robots(q)) << "step " << t;
     for (const Group& group : groups) joined += group.size() > 1 ? 1 : 0;
@@ -203,16 +203,16 @@ TEST_P(Crowd, GroupsAreTheSameWhateverWasForeseen) {
 //   A group that could not be planned is in mind only until it may be tried again.
 TEST_P(Crowd, FailuresAreForgottenInTime) {
   const Instance instance = random_instance(GetParam(), 16, 3, 40);
-  const PlanningProblem fleet(instance, CollisionRule::kContinuous);
+  const PlanningProblem problem(instance, CollisionRule::kContinuous);
   const Deadline never = Deadline::never();
   SteppedWorldOptions options;
   options.eccr.max_nodes = 1;
   options.eccr.max_expansions = 1;  // no group is planned
-  SteppedWorld world(fleet, options, never);
-  Configuration q = fleet.starts();
+  SteppedWorld world(problem, options, never);
+  Configuration q = problem.starts();
   std::size_t most = 0;
   for (int t = 0; t < 60; ++t) {
-    world.prepare(q);
+    world.update_reference_paths(q);
     const std::vector<SteppedWorld::Motion> motions = generate_config(world, q);
     most = std::max(most, world.failures_kept());
     world.advance(motions);
@@ -221,7 +221,7 @@ TEST_P(Crowd, FailuresAreForgottenInTime) {
   EXPECT_GT(most, 0U);
   for (int t = 0; t < options.retry_after; ++t) {  // nobody moves: nothing is tried
     std::vector<SteppedWorld::Motion> waits;
-    for (int i = 0; i < fleet.size(); ++i) waits.push_back(world.safe_stop(i, q[std::size_t(i)]));
+    for (int i = 0; i < problem.size(); ++i) waits.push_back(world.safe_stop(i, q[std::size_t(i)]));
     world.advance(waits);
   }
   EXPECT_EQ(world.failures_kept(), 0U);

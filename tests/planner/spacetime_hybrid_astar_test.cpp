@@ -25,39 +25,43 @@ class SpacetimeSearch : public testing::Test {
   static Instance instance_of(const Map& map, std::vector<Agent> agents) {
     return {.agents = std::move(agents), .map = map, .dt = 1.0};
   }
-  static SearchProblem problem(const PlanningProblem& fleet, int i) {
+  static SearchProblem problem(const PlanningProblem& planning_problem, int i) {
     SearchProblem result;
-    result.car = &fleet.car(i);
-    result.cost_to_go = &fleet.cost_to_go(i);
-    result.start = fleet.starts()[std::size_t(i)];
+    result.car = &planning_problem.car(i);
+    result.cost_to_go = &planning_problem.cost_to_go(i);
+    result.start = planning_problem.starts()[std::size_t(i)];
     return result;
   }
-  static void expect_free_way_to_goal(const PlanningProblem& fleet, int i, const TimedPath& path) {
-    Pose pose = fleet.starts()[std::size_t(i)];
+  static void expect_free_way_to_goal(const PlanningProblem& planning_problem, int i,
+                                      const SpacetimePath& path) {
+    Pose pose = planning_problem.starts()[std::size_t(i)];
     for (const Arc& arc : path.steps) {
-      EXPECT_TRUE(fleet.car(i).is_free(pose, arc));
-      EXPECT_LE(std::abs(arc.length), fleet.car(i).step_length());
-      pose = fleet.after(i, pose, arc);
+      EXPECT_TRUE(planning_problem.car(i).is_free(pose, arc));
+      EXPECT_LE(std::abs(arc.length), planning_problem.car(i).step_length());
+      pose = planning_problem.after(i, pose, arc);
     }
-    EXPECT_EQ(pose, fleet.goal(i));
+    EXPECT_EQ(pose, planning_problem.goal(i));
   }
 };
 
 TEST_F(SpacetimeSearch, FindsTheReedsSheppPathWhereNothingIsInTheWay) {
   const Instance instance = instance_of(empty_map(50), {agent({10, 10, 0}, {30, 20, kPi / 2})});
-  const PlanningProblem fleet(instance, CollisionRule::kContinuous);
-  const auto path = SpacetimeHybridAstar(fleet.curves()).search(problem(fleet, 0), {}, kNever);
+  const PlanningProblem planning_problem(instance, CollisionRule::kContinuous);
+  const auto path = SpacetimeHybridAstar(planning_problem.curves())
+                        .search(problem(planning_problem, 0), {}, kNever);
   ASSERT_TRUE(path);
-  expect_free_way_to_goal(fleet, 0, *path);
-  EXPECT_LE(double(path->steps.size()), fleet.lower_bound() + 5.0);  // one short step per piece
+  expect_free_way_to_goal(planning_problem, 0, *path);
+  EXPECT_LE(double(path->steps.size()),
+            planning_problem.lower_bound() + 5.0);  // one short step per piece
 }
 
 TEST_F(SpacetimeSearch, GoesRoundAWall) {
   const Instance instance = instance_of(room(), {agent({7, 5, kPi / 2}, {23, 5, -kPi / 2})});
-  const PlanningProblem fleet(instance, CollisionRule::kContinuous);
-  const auto path = SpacetimeHybridAstar(fleet.curves()).search(problem(fleet, 0), {}, kNever);
+  const PlanningProblem planning_problem(instance, CollisionRule::kContinuous);
+  const auto path = SpacetimeHybridAstar(planning_problem.curves())
+                        .search(problem(planning_problem, 0), {}, kNever);
   ASSERT_TRUE(path);
-  expect_free_way_to_goal(fleet, 0, *path);
+  expect_free_way_to_goal(planning_problem, 0, *path);
   EXPECT_GT(path->steps.size(), 40U);
 }
 
@@ -65,8 +69,9 @@ TEST_F(SpacetimeSearch, GivesUpWhereThereIsNoWay) {
   Map map = empty_map(30);
   map.polygons = {{{14.5, 0}, {15.5, 0}, {15.5, 30}, {14.5, 30}}};
   const Instance instance = instance_of(map, {agent({7, 5, 0}, {23, 5, 0})});
-  const PlanningProblem fleet(instance, CollisionRule::kContinuous);
-  EXPECT_FALSE(SpacetimeHybridAstar(fleet.curves()).search(problem(fleet, 0), {}, kNever));
+  const PlanningProblem planning_problem(instance, CollisionRule::kContinuous);
+  EXPECT_FALSE(SpacetimeHybridAstar(planning_problem.curves())
+                   .search(problem(planning_problem, 0), {}, kNever));
 }
 
 //   [0>] ........ [<1]   robot 1 comes straight at robot 0, which gives way at the cost of a step
@@ -74,36 +79,38 @@ TEST_F(SpacetimeSearch, GivesUpWhereThereIsNoWay) {
 TEST_F(SpacetimeSearch, KeepsClearOfARobotThatComesTowardsIt) {
   const Instance instance = instance_of(empty_map(50), {agent({10, 25, 0}, {40, 25, 0}, 0),
                                                         agent({40, 25, -kPi}, {10, 25, -kPi}, 1)});
-  const PlanningProblem fleet(instance, CollisionRule::kContinuous);
-  const SpacetimeHybridAstar planner(fleet.curves());
-  const auto straight = planner.search(problem(fleet, 1), {}, kNever);
+  const PlanningProblem planning_problem(instance, CollisionRule::kContinuous);
+  const SpacetimeHybridAstar planner(planning_problem.curves());
+  const auto straight = planner.search(problem(planning_problem, 1), {}, kNever);
   ASSERT_TRUE(straight);
-  const MovingObstacle oncoming(fleet.car(1), fleet.starts()[1], straight->steps);
-  const std::vector<const MovingObstacle*> others = {&oncoming};
-  SearchProblem avoiding = problem(fleet, 0);
+  const SweptTrajectory oncoming(planning_problem.car(1), planning_problem.starts()[1],
+                                 straight->steps);
+  const std::vector<const SweptTrajectory*> others = {&oncoming};
+  SearchProblem avoiding = problem(planning_problem, 0);
   const TimedObstacles traffic(others);
   const std::vector<const TimedObstacles*> to_avoid = {&traffic};
   avoiding.to_avoid = to_avoid;
   const auto path = planner.search(avoiding, {}, kNever);
   ASSERT_TRUE(path);
-  expect_free_way_to_goal(fleet, 0, *path);
+  expect_free_way_to_goal(planning_problem, 0, *path);
   EXPECT_EQ(path->conflicts, 0);
   EXPECT_LE(path->cost, 1.5 * path->lower_bound + 1e-9);
-  const MovingObstacle own(fleet.car(0), fleet.starts()[0], path->steps);
+  const SweptTrajectory own(planning_problem.car(0), planning_problem.starts()[0], path->steps);
   for (int t = 0; t < 60; ++t) EXPECT_FALSE(collide(own.at(t), oncoming.at(t)));
 }
 
 //   The robot stands at its goal when another one has to pass: it leaves and comes back.
 TEST_F(SpacetimeSearch, LeavesItsGoalForAConstraintAndComesBack) {
   const Instance instance = instance_of(empty_map(30), {agent({15, 15, 0}, {15, 15, 0})});
-  const PlanningProblem fleet(instance, CollisionRule::kContinuous);
-  const std::vector<Constraint> constraints = {{5, 8, fleet.car(0).sweep({15, 15, kPi / 2}, {})}};
-  SearchProblem constrained = problem(fleet, 0);
+  const PlanningProblem planning_problem(instance, CollisionRule::kContinuous);
+  const std::vector<Constraint> constraints = {
+      {5, 8, planning_problem.car(0).sweep({15, 15, kPi / 2}, {})}};
+  SearchProblem constrained = problem(planning_problem, 0);
   constrained.constraints = constraints;
-  const auto path = SpacetimeHybridAstar(fleet.curves()).search(constrained, {}, kNever);
+  const auto path = SpacetimeHybridAstar(planning_problem.curves()).search(constrained, {}, kNever);
   ASSERT_TRUE(path);
-  expect_free_way_to_goal(fleet, 0, *path);
-  const MovingObstacle own(fleet.car(0), fleet.starts()[0], path->steps);
+  expect_free_way_to_goal(planning_problem, 0, *path);
+  const SweptTrajectory own(planning_problem.car(0), planning_problem.starts()[0], path->steps);
   for (int t = 5; t <= 8; ++t) EXPECT_FALSE(collide(own.at(t), constraints[0].sweep));
 }
 
@@ -114,13 +121,14 @@ TEST_F(SpacetimeSearch, ShorterArcsFindTheWayOutOfATightPlace) {
   map.polygons = {{{13.2, 13}, {14.2, 13}, {14.2, 17}, {13.2, 17}},
                   {{18.6, 13}, {19.6, 13}, {19.6, 17}, {18.6, 17}}};
   const Instance instance = instance_of(map, {agent({15.2, 15, 0}, {15.2, 22, 0})});
-  const PlanningProblem fleet(instance, CollisionRule::kContinuous);
-  const SpacetimeHybridAstar planner(fleet.curves());
-  EXPECT_FALSE(planner.search(problem(fleet, 0), {.w = 1.2, .max_expansions = 20000}, kNever));
-  const auto path = planner.search(problem(fleet, 0),
+  const PlanningProblem planning_problem(instance, CollisionRule::kContinuous);
+  const SpacetimeHybridAstar planner(planning_problem.curves());
+  EXPECT_FALSE(
+      planner.search(problem(planning_problem, 0), {.w = 1.2, .max_expansions = 20000}, kNever));
+  const auto path = planner.search(problem(planning_problem, 0),
                                    {.w = 1.2, .max_expansions = 20000, .arc_scale = 0.5}, kNever);
   ASSERT_TRUE(path);
-  expect_free_way_to_goal(fleet, 0, *path);
+  expect_free_way_to_goal(planning_problem, 0, *path);
 }
 
 //   Another robot drives over the goal at steps 25 ... 30: it is reached only after that.
@@ -128,46 +136,48 @@ TEST_F(SpacetimeSearch, ArrivesWhenNobodyComesByTheGoalAnyMore) {
   const Instance instance = instance_of(
       empty_map(50),
       {agent({20, 25, 0}, {30, 25, 0}, 0), agent({31, 5, kPi / 2}, {31, 45, kPi / 2}, 1)});
-  const PlanningProblem fleet(instance, CollisionRule::kContinuous);
+  const PlanningProblem planning_problem(instance, CollisionRule::kContinuous);
   std::vector<Arc> late(8);  // waits
   late.resize(48, Arc{1, 0});
-  const MovingObstacle passing(fleet.car(1), fleet.starts()[1], late);
-  const std::vector<const MovingObstacle*> others = {&passing};
+  const SweptTrajectory passing(planning_problem.car(1), planning_problem.starts()[1], late);
+  const std::vector<const SweptTrajectory*> others = {&passing};
   const TimedObstacles traffic(others);
-  SearchProblem careful = problem(fleet, 0);
+  SearchProblem careful = problem(planning_problem, 0);
   careful.to_keep_clear_of = &traffic;
-  const auto path = SpacetimeHybridAstar(fleet.curves()).search(careful, {.w = 1.0}, kNever);
+  const auto path =
+      SpacetimeHybridAstar(planning_problem.curves()).search(careful, {.w = 1.0}, kNever);
   ASSERT_TRUE(path);
-  expect_free_way_to_goal(fleet, 0, *path);
+  expect_free_way_to_goal(planning_problem, 0, *path);
   EXPECT_GT(path->steps.size(), 28U);
   EXPECT_LT(path->steps.size(), 36U);
-  const MovingObstacle own(fleet.car(0), fleet.starts()[0], path->steps);
+  const SweptTrajectory own(planning_problem.car(0), planning_problem.starts()[0], path->steps);
   for (int t = 0; t < 60; ++t) EXPECT_FALSE(collide(own.at(t), passing.at(t)));
 }
 
 TEST_F(SpacetimeSearch, FindsNoWayToAGoalThatAnotherRobotKeeps) {
   const Instance instance = instance_of(
       empty_map(50), {agent({20, 25, 0}, {30, 25, 0}, 0), agent({30, 5, 0}, {30, 26, 0}, 1)});
-  const PlanningProblem fleet(instance, CollisionRule::kContinuous);
-  const MovingObstacle standing(fleet.car(1), {30, 26, 0}, {});
-  const std::vector<const MovingObstacle*> others = {&standing};
+  const PlanningProblem planning_problem(instance, CollisionRule::kContinuous);
+  const SweptTrajectory standing(planning_problem.car(1), {30, 26, 0}, {});
+  const std::vector<const SweptTrajectory*> others = {&standing};
   const TimedObstacles traffic(others);
-  SearchProblem careful = problem(fleet, 0);
+  SearchProblem careful = problem(planning_problem, 0);
   careful.to_keep_clear_of = &traffic;
-  EXPECT_FALSE(SpacetimeHybridAstar(fleet.curves()).search(careful, {}, kNever));
+  EXPECT_FALSE(SpacetimeHybridAstar(planning_problem.curves()).search(careful, {}, kNever));
 }
 
 TEST_F(SpacetimeSearch, EndsAtTheDeadline) {
   const Instance instance = instance_of(empty_map(50), {agent({10, 10, 0}, {30, 20, kPi / 2})});
-  const PlanningProblem fleet(instance, CollisionRule::kContinuous);
-  EXPECT_FALSE(SpacetimeHybridAstar(fleet.curves()).search(problem(fleet, 0), {}, Deadline::in(0)));
+  const PlanningProblem planning_problem(instance, CollisionRule::kContinuous);
+  EXPECT_FALSE(SpacetimeHybridAstar(planning_problem.curves())
+                   .search(problem(planning_problem, 0), {}, Deadline::in(0)));
 }
 
 TEST(SteppedCar, PrimitivesAreItsStepsFromAnywhere) {
   const Instance instance = circle(2);
   for (const CollisionRule rule : {CollisionRule::kContinuous, CollisionRule::kSteps}) {
-    const PlanningProblem fleet(instance, rule);
-    const SteppedCar& car = fleet.car(0);
+    const PlanningProblem planning_problem(instance, rule);
+    const SteppedCar& car = planning_problem.car(0);
     const std::vector<Primitive> primitives = car.primitives(0.5);
     ASSERT_EQ(primitives.size(), 7U);
     EXPECT_EQ(primitives.back().arc, Arc{});
@@ -189,11 +199,11 @@ TEST(SteppedCar, PrimitivesAreItsStepsFromAnywhere) {
 
 TEST(TimedObstacles, NobodyIsLookedAtFromTheGivenStepOn) {
   const Instance instance = circle(2);
-  const PlanningProblem fleet(instance, CollisionRule::kContinuous);
-  const MovingObstacle parked(fleet.car(0), {}, std::vector<Arc>(5));
-  const std::vector<const MovingObstacle*> pointers = {&parked};
+  const PlanningProblem planning_problem(instance, CollisionRule::kContinuous);
+  const SweptTrajectory parked(planning_problem.car(0), {}, std::vector<Arc>(5));
+  const std::vector<const SweptTrajectory*> pointers = {&parked};
   const TimedObstacles traffic(pointers, 3);
-  const Sweep there = fleet.car(1).sweep({}, {});
+  const Sweep there = planning_problem.car(1).sweep({}, {});
   EXPECT_TRUE(traffic.hit(there, 2));
   EXPECT_FALSE(traffic.hit(there, 3));
   EXPECT_EQ(traffic.count(there, 7), 0);
@@ -202,22 +212,24 @@ TEST(TimedObstacles, NobodyIsLookedAtFromTheGivenStepOn) {
 
 TEST(TimedObstacles, CountsWhoeverCollidesAtAStep) {
   const Instance instance = random_instance(11, 12, 0, 30);
-  const PlanningProblem fleet(instance, CollisionRule::kContinuous);
-  std::vector<MovingObstacle> robots;
-  for (int i = 1; i < fleet.size(); ++i) {
-    const std::vector<Arc> steps(std::size_t(2 * i), fleet.car(i).arcs()[std::size_t(i % 6)]);
-    robots.emplace_back(fleet.car(i), fleet.starts()[std::size_t(i)], steps);
+  const PlanningProblem planning_problem(instance, CollisionRule::kContinuous);
+  std::vector<SweptTrajectory> robots;
+  for (int i = 1; i < planning_problem.size(); ++i) {
+    const std::vector<Arc> steps(std::size_t(2 * i),
+                                 planning_problem.car(i).arcs()[std::size_t(i % 6)]);
+    robots.emplace_back(planning_problem.car(i), planning_problem.starts()[std::size_t(i)], steps);
   }
-  std::vector<const MovingObstacle*> pointers;
-  for (const MovingObstacle& robot : robots) pointers.push_back(&robot);
+  std::vector<const SweptTrajectory*> pointers;
+  for (const SweptTrajectory& robot : robots) pointers.push_back(&robot);
   const TimedObstacles traffic(pointers);
   EXPECT_EQ(traffic.end(), 22);
   int collisions = 0;
   for (int t = 0; t < 40; ++t) {
     for (double x = 2; x < 30; x += 2) {
-      const Sweep sweep = fleet.car(0).sweep({x, 30 - x, x}, fleet.car(0).arcs()[1]);
+      const Sweep sweep =
+          planning_problem.car(0).sweep({x, 30 - x, x}, planning_problem.car(0).arcs()[1]);
       const auto expected = int(std::ranges::count_if(
-          robots, [&](const MovingObstacle& other) { return collide(sweep, other.at(t)); }));
+          robots, [&](const SweptTrajectory& other) { return collide(sweep, other.at(t)); }));
       EXPECT_EQ(traffic.count(sweep, t), expected);
       EXPECT_EQ(traffic.hit(sweep, t), expected > 0);
       collisions += expected;

@@ -21,7 +21,7 @@ class BeforeADriver : public Crossing {
     driver.vehicle.key = -1;
     driver.relies = relies;
     const auto drive = [](double v) {
-      PathTrajectory t{.states = {}};
+      SpeedProfile t{.states = {}};
       for (int k = 0; k < 100; ++k) t.states.push_back({88.0 + v * 0.1 * k, v});
       return t;
     };
@@ -40,9 +40,8 @@ TEST_F(BeforeADriver, BrakingIsAWayOutIfHeBrakesToo) { EXPECT_TRUE(may_brake_ful
 
 TEST_F(BeforeADriver, BrakingIsNoneIfHeReliesOnHisSignal) { EXPECT_FALSE(may_brake_fully(true)); }
 
-//   It is on the crossing already, where it would come to rest; a driver who does not yield comes
-//   from `before` metres before his path meets this one, so fast that driving on is the only way
-//   out.
+//   It is on the crossing already, where it would come to rest; a driver who does not yield is
+//   `before` metres away. Where it brakes he meets it: only driving on may avoid him.
 class OnTheCrossing : public Crossing {
  protected:
   [[nodiscard]] bool may_drive_on(double before) {
@@ -75,12 +74,12 @@ using NoWaiting = Crossing;
 TEST_F(NoWaiting, KeepsAStretchFree) {
   add(0, 40.0, 10.0);
   add(1, 100.0, 0.0);
-  PathTrajectory stands{.states = std::vector<InertialState>(200, {100.0, 0.0})};
+  SpeedProfile stands{.states = std::vector<InertialState>(200, {100.0, 0.0})};
   while (stands.states.back().s < 190.0) {
     const InertialState last = stands.states.back();
     stands.states.push_back(advance(last, last.v < 13.0 ? 2.0 : 0.0, 0.1));
   }
-  const std::vector<JointPlan::Entry> before = {{1, std::make_shared<PathTrajectory>(stands)}};
+  const std::vector<JointPlan::Entry> before = {{1, std::make_shared<SpeedProfile>(stands)}};
   const auto rests_within = [&](double from, double to) {
     const RoadPairs pairs(scene);
     const auto plan = plan_vehicle(pairs, scene.vehicles[0], before, {});
@@ -99,7 +98,7 @@ class BesideADriver : public Crossing {
  protected:
   BesideADriver() {
     library.add(
-        GuidePath(smooth(
+        ReferencePath(smooth(
             resample(std::vector<Point>{{-100, 3.4}, {-60, 3.4}, {-40, 0}, {100, 0}}, 0.25), 3.0)),
         kCar);
   }
@@ -116,7 +115,7 @@ class BesideADriver : public Crossing {
     InertialState from{30.0, 10.0};
     while (!contact.is_ahead(advance(from, -b, 0.5), {0.0, 13.0})) from.s += 0.25;
     from.s += 0.25;
-    PathTrajectory t{.states = {}};
+    SpeedProfile t{.states = {}};
     const double place = from.s - ahead;
     for (int k = 0; k < 100; ++k) t.states.push_back({place + 1.3 * (k - 5), 13.0});
     driver.now = t.states.front();
@@ -142,7 +141,7 @@ TEST_F(BesideADriver, ANewPlanDoesNotComeOverOntoHim) {
     RoadVehicle driver = add(0, 30.0 - ahead, 10.0);
     scene.vehicles.pop_back();
     driver.key = -1;
-    PathTrajectory t{.states = {}};
+    SpeedProfile t{.states = {}};
     for (double s = driver.now.s; s < 190.0; s += 1.0) t.states.push_back({s, 10.0});
     scene.forecasts = {{.vehicle = driver, .trajectory = t}};
     const RoadPairs pairs(scene);
@@ -162,10 +161,10 @@ class HeldDriver : public Crossing {
     RoadVehicle driver = add(1, 98.0, 0.0);
     scene.vehicles.pop_back();
     driver.key = -1;
-    PathTrajectory t{.states = std::vector<InertialState>(100, {98.0, 0.0})};
+    SpeedProfile t{.states = std::vector<InertialState>(100, {98.0, 0.0})};
     while (t.states.back().s < 190.0) t.states.push_back(advance(t.states.back(), 1.0, 0.1));
     Forecast forecast{.vehicle = driver, .trajectory = t};
-    if (is_held) forecast.held = PathTrajectory{.states = {{98.0, 0.0}}, .complete = false};
+    if (is_held) forecast.held = SpeedProfile{.states = {{98.0, 0.0}}, .complete = false};
     scene.forecasts = {forecast};
     const RoadPairs pairs(scene);
     return plan_vehicle(pairs, vehicle, {}, {}).has_value();

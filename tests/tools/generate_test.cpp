@@ -132,8 +132,8 @@ TEST(GeneratedInstance, LetsEachRobotFindItsWayAlone) {
   const Cell crammed{Suite::kCrowd, Layout::kRandom, 16, 25, 2, 10};
   for (int index = 0; index < crammed.instances; ++index) {
     const GeneratedInstance made = generate_instance(crammed, {}, index);
-    const PlanningProblem fleet(made.instance, CollisionRule::kContinuous);
-    for (int i = 0; i < fleet.size(); ++i) EXPECT_TRUE(solvable_alone(fleet, i)) << index;
+    const PlanningProblem problem(made.instance, CollisionRule::kContinuous);
+    for (int i = 0; i < problem.size(); ++i) EXPECT_TRUE(solvable_alone(problem, i)) << index;
   }
 }
 
@@ -148,9 +148,9 @@ TEST(SolvableAlone, TellsAWalledGoalFromAFreeOne) {
                            wall(21, 9, 22, 21)};
   instance.agents = {{"agent0", {}, {5, 15, 0}, {18, 15, 0}},
                      {"agent1", {}, {5, 5, 0}, {25, 15, 1}}};
-  const PlanningProblem fleet(instance, CollisionRule::kContinuous);
-  EXPECT_FALSE(solvable_alone(fleet, 0));
-  EXPECT_TRUE(solvable_alone(fleet, 1));
+  const PlanningProblem problem(instance, CollisionRule::kContinuous);
+  EXPECT_FALSE(solvable_alone(problem, 0));
+  EXPECT_TRUE(solvable_alone(problem, 1));
 }
 
 TEST(GeneratedInstance, OnACircleEachGoalIsStraightAhead) {
@@ -252,8 +252,8 @@ TEST(GeneratedParking, HasAllSizesAndBothWaysRound) {
 
 TEST(GeneratedParking, EachFindsItsWayAlone) {
   const Instance instance = generate_parking({6, 6, 1}, 1, 0).instance;
-  const PlanningProblem fleet(instance, CollisionRule::kContinuous);
-  for (int i = 0; i < fleet.size(); ++i) EXPECT_TRUE(solvable_alone(fleet, i)) << i;
+  const PlanningProblem problem(instance, CollisionRule::kContinuous);
+  for (int i = 0; i < problem.size(); ++i) EXPECT_TRUE(solvable_alone(problem, i)) << i;
 }
 
 //   Cars queue two abreast, in and out by one road each: nobody gets anywhere but in turn.

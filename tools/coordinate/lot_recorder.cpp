@@ -57,7 +57,7 @@ void LotRecorder::observe(double time) {
 LotReport LotRecorder::report(const std::map<std::string, double>& at_gate) const {
   LotReport report{.lot = lot_.lot().id, .slots = int(lot_.lot().slots.size())};
   for (const auto& [id, visit] : lot_.visits()) {
-    VisitRecord record{visit, std::nullopt};
+    ParkingRecord record{visit, std::nullopt};
     const auto gate = at_gate.find(id);
     if (gate != at_gate.end() && !visit.there_at_start) record.at_gate = gate->second;
     report.visits.push_back(record);

@@ -72,12 +72,12 @@ bool is_between(const Point& a, const Point& p, const Point& b) {
 }
 
 /// The path from one place to another with the samples that show how it bends.
-std::vector<Point> drawn(const GuidePath& path, double from, double to) {
+std::vector<Point> drawn(const ReferencePath& path, double from, double to) {
   std::vector<Point> kept;
   std::vector<Point> skipped;
-  const auto steps = int(std::ceil((to - from) / GuidePath::kSpacing));
+  const auto steps = int(std::ceil((to - from) / ReferencePath::kSpacing));
   for (int i = 0; i <= steps; ++i) {
-    const Pose pose = path.at(std::min(from + i * GuidePath::kSpacing, to));
+    const Pose pose = path.at(std::min(from + i * ReferencePath::kSpacing, to));
     const Point point{pose.x, pose.y};
     const bool bends = !kept.empty() && std::ranges::any_of(skipped, [&](const Point& p) {
       return !is_between(kept.back(), p, point);
@@ -236,7 +236,7 @@ void RunRecorder::add_corridors(const RunReport& report) {
       lanes.emplace_back(piece.lane, piece.target);
     }
     if (!known.insert(lanes).second) continue;
-    const GuidePath& path = corridors.library().path(corridor.path);
+    const ReferencePath& path = corridors.library().path(corridor.path);
     const double line = corridor.lines.front();
     recorder_.add_corridor(
         {.zone = zone_at(path.at(line), report.zones, traffic_.network()),

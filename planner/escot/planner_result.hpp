@@ -9,7 +9,7 @@
 namespace mvtp {
 
 /// What an algorithm found: one trajectory per robot if solved, else as far as it came, or none.
-struct StepPlan {
+struct PlannerResult {
   Status status = Status::kExhausted;
   std::vector<Trajectory> trajectories;
   std::optional<double> dt = std::nullopt;  ///< of one step [s], if it is not the instance's
@@ -18,7 +18,7 @@ struct StepPlan {
 };
 
 /// The trajectory of robot i that drives `steps` from its start.
-[[nodiscard]] Trajectory trajectory_of(const PlanningProblem& fleet, int i,
+[[nodiscard]] Trajectory trajectory_of(const PlanningProblem& problem, int i,
                                        const std::vector<Arc>& steps);
 
 }  // namespace mvtp

@@ -1,4 +1,4 @@
-#include "planner/motion/guide_path.hpp"
+#include "planner/motion/reference_path.hpp"
 
 #include <algorithm>
 #include <cassert>
@@ -106,7 +106,7 @@ std::vector<Point> smooth_even(std::span<const Point> in, double spacing, double
   return out;
 }
 
-GuidePath::GuidePath(std::span<const Point> points) {
+ReferencePath::ReferencePath(std::span<const Point> points) {
   const std::vector<Point> even = even_chords(points, kSpacing);
   const std::size_t n = even.size();
   for (std::size_t i = 0; i < n; ++i) {
@@ -117,7 +117,7 @@ GuidePath::GuidePath(std::span<const Point> points) {
   set_curvatures();
 }
 
-GuidePath::GuidePath(std::span<const Pose> poses) {
+ReferencePath::ReferencePath(std::span<const Pose> poses) {
   std::vector<Point> points;
   for (const Pose& p : poses) points.push_back({p.x, p.y});
   std::size_t i = 1;
@@ -133,7 +133,7 @@ GuidePath::GuidePath(std::span<const Pose> poses) {
   set_curvatures();
 }
 
-void GuidePath::set_curvatures() {
+void ReferencePath::set_curvatures() {
   const std::size_t n = poses_.size();
   for (std::size_t i = 0; i < n; ++i) {
     const std::size_t a = i == 0 ? 0 : i - 1;
@@ -143,7 +143,7 @@ void GuidePath::set_curvatures() {
   }
 }
 
-Pose GuidePath::at(double s) const {
+Pose ReferencePath::at(double s) const {
   if (s <= 0.0) return drive(poses_.front(), s, 0.0);
   if (s >= length()) return drive(poses_.back(), s - length(), 0.0);
   const double cell = s / kSpacing;
@@ -159,7 +159,7 @@ Pose GuidePath::at(double s) const {
           wrap_to_pi(a.theta + f * turn)};
 }
 
-double GuidePath::curvature(double s) const {
+double ReferencePath::curvature(double s) const {
   if (s <= 0.0 || s >= length()) return 0.0;
   const double cell = s / kSpacing;
   const auto i = std::size_t(cell);
@@ -167,13 +167,13 @@ double GuidePath::curvature(double s) const {
   return (1.0 - f) * curvatures_[i] + f * curvatures_[std::min(i + 1, curvatures_.size() - 1)];
 }
 
-double GuidePath::max_abs_curvature() const {
+double ReferencePath::max_abs_curvature() const {
   double worst = 0.0;
   for (const double k : curvatures_) worst = std::max(worst, std::abs(k));
   return worst;
 }
 
-double GuidePath::project(const Point& p, double from, double to) const {
+double ReferencePath::project(const Point& p, double from, double to) const {
   const double end = double(poses_.size() - 1);
   const auto first = std::size_t(std::clamp(from / kSpacing, 0.0, end));
   const auto last = std::size_t(std::clamp(to / kSpacing + 1.0, 0.0, end));

@@ -11,16 +11,16 @@ namespace mvtp {
 ///
 /// The vehicle's heading is the tangent, so a curvature within 1 / R_min is all that a car-like
 /// vehicle needs to follow it exactly.
-class GuidePath {
+class ReferencePath {
  public:
   static constexpr double kSpacing = 0.25;  ///< [m] between samples
 
   /// The curve through `points` (at least two, no two neighbours equal), resampled evenly.
-  explicit GuidePath(std::span<const Point> points);
+  explicit ReferencePath(std::span<const Point> points);
 
   /// The curve through `poses` (at least two, no two neighbours at one place) with the headings
   /// given, of a body that does not keep to its tangent.
-  explicit GuidePath(std::span<const Pose> poses);
+  explicit ReferencePath(std::span<const Pose> poses);
 
   [[nodiscard]] double length() const { return kSpacing * double(poses_.size() - 1); }
   [[nodiscard]] std::size_t samples() const { return poses_.size(); }

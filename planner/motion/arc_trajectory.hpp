@@ -24,13 +24,13 @@ struct TimeGrid {
 /// One robot's motion: one arc per time step from time 0 on, then at rest for ever, or departed.
 ///
 /// The arcs are exact; the boxes, in single precision, are what collision tests read.
-class TimedTrack {
+class ArcTrajectory {
  public:
-  TimedTrack() = default;
+  ArcTrajectory() = default;
   /// @param padding  so many boxes at rest follow the last one: the size of a macro step.
   /// @param leaves   the robot has departed after the macro step in which it arrives
-  TimedTrack(const Vehicle& vehicle, const Pose& start, std::vector<Arc> steps, int padding,
-             bool leaves = false);
+  ArcTrajectory(const Vehicle& vehicle, const Pose& start, std::vector<Arc> steps, int padding,
+                bool leaves = false);
 
   /// The time step from which on the robot rests.
   [[nodiscard]] int arrival() const { return int(steps_.size()); }

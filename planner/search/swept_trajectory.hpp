@@ -11,9 +11,9 @@ namespace mvtp {
 
 /// The sweeps of a robot's steps, and then its footprint at rest for ever. Copies and parts share
 /// them, so that they cost nothing.
-class MovingObstacle {
+class SweptTrajectory {
  public:
-  MovingObstacle(const SteppedCar& car, Pose start, const std::vector<Arc>& steps) {
+  SweptTrajectory(const SteppedCar& car, Pose start, const std::vector<Arc>& steps) {
     std::vector<Sweep> sweeps;
     sweeps.reserve(steps.size() + 1);
     for (const Arc& arc : steps) {
@@ -27,9 +27,9 @@ class MovingObstacle {
   }
 
   /// Its steps from t on, at most so many; then at rest. @pre t >= 0, steps > 0
-  [[nodiscard]] MovingObstacle part(int t, int steps) const {
+  [[nodiscard]] SweptTrajectory part(int t, int steps) const {
     const int first = std::min(t, makespan_);
-    MovingObstacle result = *this;
+    SweptTrajectory result = *this;
     result.first_ += first;
     result.makespan_ = std::min(makespan_ - first, steps);
     return result;

@@ -1,4 +1,4 @@
-#include "planner/motion/timed_track.hpp"
+#include "planner/motion/arc_trajectory.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -21,8 +21,8 @@ std::vector<Arc> by_time_steps(const std::vector<Arc>& arcs, double step_length)
   return steps;
 }
 
-TimedTrack::TimedTrack(const Vehicle& vehicle, const Pose& start, std::vector<Arc> steps,
-                       int padding, bool leaves)
+ArcTrajectory::ArcTrajectory(const Vehicle& vehicle, const Pose& start, std::vector<Arc> steps,
+                             int padding, bool leaves)
     : start_(start), steps_(std::move(steps)) {
   while (!steps_.empty() && steps_.back().length == 0.0) steps_.pop_back();
   boxes_.reserve(steps_.size() + 1 + std::size_t(padding));
@@ -44,7 +44,7 @@ TimedTrack::TimedTrack(const Vehicle& vehicle, const Pose& start, std::vector<Ar
   boxes_.resize(boxes_.size() + std::size_t(padding), boxes_.back());
 }
 
-Pose TimedTrack::pose(int t) const {
+Pose ArcTrajectory::pose(int t) const {
   const std::size_t end = std::size_t(std::min(t, arrival()));
   Pose pose = poses_[end / kStride];
   for (std::size_t k = end / kStride * kStride; k < end; ++k) pose = drive(pose, steps_[k]);

@@ -1,4 +1,4 @@
-#include "planner/motion/guide_path.hpp"
+#include "planner/motion/reference_path.hpp"
 
 #include <gtest/gtest.h>
 
@@ -24,22 +24,22 @@ TEST(Smooth, KeepsTheStraightEndsOfABentLine) {
   EXPECT_NEAR(line.back().y, 30.0, 1e-9);
 }
 
-TEST(GuidePath, AdvancesAsFarAsItsParameterSays) {
-  const GuidePath path(smooth(kCorner, 2.5));
+TEST(ReferencePath, AdvancesAsFarAsItsParameterSays) {
+  const ReferencePath path(smooth(kCorner, 2.5));
   for (double s = 0.0; s + 0.1 < path.length(); s += 0.037) {
     EXPECT_NEAR(distance(path.at(s), path.at(s + 0.1)), 0.1, 1e-4) << "at s = " << s;
   }
 }
 
-TEST(GuidePath, TurnsByTheIntegralOfItsCurvature) {
-  const GuidePath path(smooth(kCorner, 2.5));
+TEST(ReferencePath, TurnsByTheIntegralOfItsCurvature) {
+  const ReferencePath path(smooth(kCorner, 2.5));
   double turned = 0.0;
   for (double s = 0.0; s < path.length(); s += 0.01) turned += 0.01 * path.curvature(s);
   EXPECT_NEAR(turned, std::numbers::pi / 2, 0.01);
 }
 
-TEST(GuidePath, HasTheHeadingOfItsMotion) {
-  const GuidePath path(smooth(kCorner, 2.5));
+TEST(ReferencePath, HasTheHeadingOfItsMotion) {
+  const ReferencePath path(smooth(kCorner, 2.5));
   for (double s = 1.0; s < path.length() - 1.0; s += 0.31) {
     const Pose a = path.at(s - 0.2);
     const Pose b = path.at(s + 0.2);
@@ -47,14 +47,14 @@ TEST(GuidePath, HasTheHeadingOfItsMotion) {
   }
 }
 
-TEST(GuidePath, GoesOnStraightBeyondItsEnds) {
-  const GuidePath path(std::vector<Point>{{0, 0}, {10, 0}});
+TEST(ReferencePath, GoesOnStraightBeyondItsEnds) {
+  const ReferencePath path(std::vector<Point>{{0, 0}, {10, 0}});
   EXPECT_EQ(path.at(-3.0), (Pose{-3, 0, 0}));
   EXPECT_NEAR(path.at(path.length() + 2.0).x, path.length() + 2.0, 1e-9);
 }
 
-TEST(GuidePath, ProjectsItsOwnPointsOntoThemselves) {
-  const GuidePath path(smooth(kCorner, 2.5));
+TEST(ReferencePath, ProjectsItsOwnPointsOntoThemselves) {
+  const ReferencePath path(smooth(kCorner, 2.5));
   for (double s = 0.0; s < path.length(); s += 0.7) {
     const Pose p = path.at(s);
     EXPECT_NEAR(path.project({p.x, p.y}, s - 3.0, s + 3.0), s, 0.01);
