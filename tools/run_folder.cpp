@@ -81,12 +81,11 @@ std::string failed_assertion(const fs::path& log) {
 
 }  // namespace
 
-RunFolder::RunFolder(const std::string& folder, const std::string& option) : folder_(folder) {
+RunFolder::RunFolder(const std::string& folder, const std::string& option)
+    : folder_(folder), option_(option) {
   make_output_folder(folder, option);
   for (const char* name : kFiles) check_writable(path(name));
-  std::error_code error;
-  const fs::space_info space = fs::space(folder_, error);
-  if (!error && space.available < kLeastSpace) {
+  if (is_full()) {
     throw InputError(folder,
                      fmt::format("the disk is full; make room or choose another {}", option));
   }
@@ -117,8 +116,26 @@ void RunFolder::drop(const std::string& name) {
   parts_.erase(name);
 }
 
+bool RunFolder::is_full() const {
+  std::error_code error;
+  const fs::space_info space = fs::space(folder_, error);
+  return !error && space.available < kLeastSpace;
+}
+
 void RunFolder::write(const std::string& name, std::string_view content) {
-  write_text_file(part(name), content);
+  try {
+    write_text_file(part(name), content);
+  } catch (const InputError&) {
+    if (!is_full()) throw;
+    throw InputError(path(name), fmt::format("cannot be written: the disk is full; make room or "
+                                             "choose another {}",
+                                             option_));
+  }
+}
+
+void RunFolder::discard() {
+  remove_old_results(folder_);
+  parts_.clear();
 }
 
 void RunFolder::commit() {

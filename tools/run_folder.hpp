@@ -32,9 +32,14 @@ class RunFolder {
   void write(const std::string& name, std::string_view content);
   /// Gives every file its name. @throws InputError
   void commit();
+  /// Removes all results, also those that others wrote.
+  void discard();
 
  private:
+  [[nodiscard]] bool is_full() const;
+
   std::filesystem::path folder_;
+  std::string option_;
   int lock_ = -1;
   std::set<std::string> parts_;
 };

@@ -16,7 +16,7 @@ class OutputFile {
 
   /// What to tell the writer: without the prefix.
   [[nodiscard]] std::string part() const { return path_ + ".part"; }
-  /// Gives the file its name. Throws InputError.
+  /// Gives the file (XML) its name. Throws InputError, also if its end is missing.
   void commit();
   /// It stays as it is, whatever happens.
   void keep() { pending_ = false; }

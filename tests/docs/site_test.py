@@ -58,6 +58,16 @@ def broken_links_of_repository(root):
                 yield f"{page.relative_to(root)}: {link}: no such file in the repository"
 
 
+def blocks_that_are_none(root):
+    """MkDocs takes no block of code that is indented, and no test runs its commands."""
+    for page in root.rglob("*.md"):
+        if page.relative_to(root).parts[0] in ("build", "out"):
+            continue
+        for number, line in enumerate(page.read_text(encoding="utf-8").splitlines(), 1):
+            if re.match(r"\s+```", line):
+                yield f"{page.relative_to(root)}:{number}: begin the block in the first column"
+
+
 def stale_drawings(root, work):
     subprocess.run([root / "tools/docs/drawings.py", "-o", work / "drawings"], check=True)
     for drawn in (work / "drawings").iterdir():
@@ -70,7 +80,7 @@ def main():
     shutil.rmtree(work, ignore_errors=True)
     subprocess.run([root / "tools/docs.sh", reference, work], check=True)
     faults = [*broken_links_of_site(work / "site"), *broken_links_of_repository(root),
-              *stale_drawings(root, work)]
+              *blocks_that_are_none(root), *stale_drawings(root, work)]
     print("\n".join(sorted(faults)))
     sys.exit(1 if faults else 0)
 

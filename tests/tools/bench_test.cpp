@@ -160,6 +160,17 @@ TEST_F(BenchCommand, WithoutATemporaryFolderNothingIsRecorded) {
   EXPECT_THAT(outcome.err, MatchesRegex("mvtp: TMPDIR: names no folder [^\n]*; set it to another\n"));
 }
 
+TEST_F(BenchCommand, AFullDiskIsNoResult) {
+  const std::string bench = std::string("'") + MVTP_PROGRAM + "' bench in/easy.yaml -q -o r.csv";
+  const Outcome outcome = shell("trap '' XFSZ; ulimit -f 1; " + bench);
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_THAT(outcome.err, MatchesRegex("mvtp: [^\n]*: the disk is full; make room or set TMPDIR to "
+                                        "another folder, and use --resume\n"));
+  EXPECT_THAT(results(), IsEmpty());
+  EXPECT_EQ(shell(bench + " --resume").exit_code, 0);
+  EXPECT_THAT(results(), SizeIs(1));
+}
+
 TEST_F(BenchCommand, ShardsTogetherAreTheWhole) {
   for (const char* shard : {"1", "2", "3"}) {
     const std::string i = shard;

@@ -199,6 +199,40 @@ TEST_F(CoordinateRun, AFolderInUseIsBadInput) {
   EXPECT_EQ(summary()["status"], "interrupted");
 }
 
+//   No file can grow beyond so many blocks, as if the disk were full from there on.
+TEST_F(CoordinateRun, AFileOfSumosThatIsCutOffIsNoneAndTheRestIsKept) {
+  write(vehicle("a", 0, "Wi Eo"), kStep);
+  const Outcome outcome = shell(std::string("trap '' XFSZ; ulimit -f 40; '") + MVTP_PROGRAM +
+                                "' coordinate -c x.sumocfg --no-view --quiet --output-dir out");
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_EQ(outcome.err,
+            "mvtp: out/fcd.xml: is cut off: is the disk full? Make room, or choose "
+            "another directory\n");
+  EXPECT_FALSE(fs::exists(directory_.path("out/fcd.xml")));
+  EXPECT_TRUE(is_xml("out/tripinfo.xml"));
+  EXPECT_EQ(summary()["status"], "failed");
+  EXPECT_EQ(summary()["completed"], 1);
+}
+
+TEST_F(CoordinateRun, APageThatCannotBeWrittenIsTheOnlyLoss) {
+  write(vehicle("a", 0, "Wi Eo"), kStep);
+  const Outcome outcome = shell(std::string("trap '' XFSZ; ulimit -f 40; '") + MVTP_PROGRAM +
+                                "' coordinate -c x.sumocfg --no-fcd --quiet --output-dir out");
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_THAT(outcome.err, testing::MatchesRegex("mvtp: out/view.html[^\n]*\n"));
+  EXPECT_FALSE(fs::exists(directory_.path("out/view.html")));
+  EXPECT_EQ(summary()["status"], "finished");
+}
+
+TEST_F(CoordinateRun, WithoutRoomForTheSummaryNothingIsLeft) {
+  write(vehicle("a", 0, "Wi Eo"), kStep);
+  const Outcome outcome = shell(std::string("trap '' XFSZ; ulimit -f 1; '") + MVTP_PROGRAM +
+                                "' coordinate -c x.sumocfg --no-view --quiet --output-dir out");
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_THAT(outcome.err, testing::MatchesRegex("mvtp: out/summary.json[^\n]*\n"));
+  EXPECT_TRUE(fs::is_empty(directory_.path("out")));
+}
+
 TEST_F(CoordinateRun, WarningsOfSumoAreToldAndKept) {
   // SUMO drops what is not sorted by departure.
   write(vehicle("a", 300, "Wi Eo") + vehicle("b", 0, "Wi Eo"), kStep);

@@ -194,6 +194,35 @@ TEST_F(SweepCommand, GoesOnWhereItEnded) {
   EXPECT_TRUE(content_of(directory_.path("s.csv")).starts_with(before));
 }
 
+TEST_F(SweepCommand, RunsWithDifferentOptionsNeverShareATable) {
+  ASSERT_EQ(run(sweep("-o s.csv")).exit_code, 0);
+  expect_refused(sweep("--resume --zone-radius 50 -o s.csv"),
+                 "s.csv: has runs with --configuration=[^\n]*, not with "
+                 "[^\n]*--zone-radius=50[^\n]*; give the same, [^\n]*");
+  //   Another scenario may have the same name.
+  namespace fs = std::filesystem;
+  const fs::path there = fs::path(kScenario).parent_path();
+  fs::create_directory_symlink(there.parent_path().parent_path() / "networks",
+                               directory_.path("networks"));
+  fs::create_directories(directory_.path("own/elsewhere"));
+  fs::copy(there, directory_.path("own/elsewhere"));
+  const std::string name = fs::path(kScenario).filename();
+  expect_refused("sweep -c own/elsewhere/" + name + " --end 30 --seeds 1 -o s.csv --resume",
+                 "s.csv: has runs with --configuration=[^\n]*, not with "
+                 "--configuration=elsewhere/[^\n]*");
+}
+
+TEST_F(SweepCommand, AFullDiskIsNoResult) {
+  const std::string words = std::string("'") + MVTP_PROGRAM + "' " + sweep("-o s.csv");
+  const Outcome outcome = shell("trap '' XFSZ; ulimit -f 4; " + words);
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_THAT(outcome.err, testing::MatchesRegex("mvtp: [^\n]*: the disk is full; make room or set "
+                                                 "TMPDIR to another folder, and use --resume\n"));
+  EXPECT_THAT(rows("s.csv"), IsEmpty());
+  EXPECT_EQ(run(sweep("--resume -o s.csv")).exit_code, 0);
+  EXPECT_EQ(rows("s.csv").size(), 1U);
+}
+
 TEST_F(SweepCommand, BadInputIsOneLineAndNoFile) {
   expect_refused(sweep("-o s.csv --scale 0"), "--scale: is \"0\"; give numbers from [^\n]*");
   expect_refused(sweep("-o s.csv --penetration 2"), "--penetration: is \"2\"; [^\n]*");

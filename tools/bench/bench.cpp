@@ -70,8 +70,9 @@ std::string first_line(const fs::path& file) {
 /// Each run is two jobs: `solve`, and if it wrote a plan `validate`.
 class Bench : public JobSource {
  public:
-  Bench(const BenchOptions& options, std::vector<Run> runs, ResultFile& results)
-      : options_(options), results_(results), runs_(std::move(runs)) {}
+  Bench(const BenchOptions& options, const TemporaryFolder& scratch, std::vector<Run> runs,
+        ResultFile& results)
+      : options_(options), scratch_(scratch), results_(results), runs_(std::move(runs)) {}
 
   int run() {
     progress_.emplace("bench", options_.quiet);
@@ -168,13 +169,21 @@ class Bench : public JobSource {
     row.runtime = end.seconds;
     row.peak_rss = end.peak_rss;
     row.version = version();
-    const std::string file = scratch(i, "statistics").string();
-    if (!end.out_of_time && WIFEXITED(end.status) && fs::exists(file)) {
-      fill_in(i, read_plan(file).statistics, row);
+    if (const std::optional<Statistics> told = statistics_of(i, end)) {
+      fill_in(i, *told, row);
     } else {
       fill_in_failure(i, end, row);
     }
     return row;
+  }
+
+  /// None if the solver did not get as far, or its plan could not be written.
+  [[nodiscard]] std::optional<Statistics> statistics_of(std::size_t i, const JobEnd& end) const {
+    const std::string file = scratch(i, "statistics").string();
+    if (end.out_of_time || !WIFEXITED(end.status) || !fs::exists(file)) return std::nullopt;
+    Statistics told = read_plan(file).statistics;
+    if (told.status == "solved" && !fs::exists(plan_file(i))) return std::nullopt;
+    return told;
   }
 
   void fill_in(std::size_t i, const Statistics& statistics, ResultRow& row) {
@@ -193,11 +202,7 @@ class Bench : public JobSource {
 
   void fill_in_failure(std::size_t i, const JobEnd& end, ResultRow& row) {
     const std::string said = first_line(scratch(i, "messages"));
-    if (WIFEXITED(end.status) && said.empty()) {  // whoever fails says why, if there is room for it
-      throw InputError(scratch_.path().string(),
-                       "the disk is full; make room or set TMPDIR to another folder, and use "
-                       "--resume");
-    }
+    if (WIFEXITED(end.status)) scratch_.rule_out_full_disk(said);
     row.status = end.out_of_time                                                 ? "killed"
                  : WIFEXITED(end.status) && WEXITSTATUS(end.status) == kBadInput ? "refused"
                                                                                  : "crashed";
@@ -249,10 +254,10 @@ class Bench : public JobSource {
   }
 
   const BenchOptions& options_;
+  const TemporaryFolder& scratch_;
   ResultFile& results_;
   std::vector<Run> runs_;
   std::string program_ = fs::read_symlink("/proc/self/exe").string();
-  TemporaryFolder scratch_;
   std::optional<Progress> progress_;  ///< while jobs run
   std::size_t next_ = 0;
   std::deque<std::size_t> to_judge_;
@@ -269,10 +274,11 @@ class Bench : public JobSource {
 int run_bench(const BenchOptions& options) {
   const std::vector<InstancePath> instances = find_instances(options.paths);
   if (!options.plans.empty()) make_output_folder(options.plans, "--plans");
+  const TemporaryFolder scratch;  // before any file
   ResultFile results(options.output,
                      options.resume ? ResultFile::Mode::kResume : ResultFile::Mode::kCreate);
   require_same_options(options.output, options.solve_words, options.resume);
-  return Bench(options, runs_of(options, instances, results.done()), results).run();
+  return Bench(options, scratch, runs_of(options, instances, results.done()), results).run();
 }
 
 }  // namespace mvtp

@@ -152,7 +152,12 @@ class SumoRun::Impl {
     report_.wall_time = std::chrono::duration<double>(Clock::now() - start_).count();
     const std::vector<Trip> trips = close(status);
     judge(trips);
-    write_files();
+    try {
+      write_files();
+    } catch (const InputError&) {
+      folder_.discard();  // no summary: nothing says what the rest is worth
+      throw;
+    }
     return report_;
   }
 
@@ -285,7 +290,7 @@ class SumoRun::Impl {
     folder_.write("vehicles.csv", vehicles_csv(report_));
     folder_.write("replans.csv", replans_csv(report_));
     folder_.write("events.csv", events_csv(report_));
-    if (recorder_) folder_.write("view.html", recorder_->page(report_));
+    if (recorder_) write_page();
     folder_.commit();
     if (cut_off_) (void)complete_crashed_run(options_.output_dir, report_.message);
     for (const std::string& note : copy_outputs(scenario_, options_.configuration)) {
@@ -302,10 +307,21 @@ class SumoRun::Impl {
                     folder_.path("sumo.log"), fmt::join(warnings.first, " | ")));
   }
 
+  /// The largest file by far: what else there is does not depend on it.
+  void write_page() {
+    try {
+      folder_.write("view.html", recorder_->page(report_));
+    } catch (const InputError& error) {
+      say(error.what());
+      folder_.drop("view.html");
+      page_is_missing_ = true;
+    }
+  }
+
   [[nodiscard]] int conclude() {
     if (!options_.quiet) fmt::print("{}", table());
     if (report_.status == to_string(RunStatus::kInterrupted)) return kInterrupted;
-    if (succeeded(report_)) return kDone;
+    if (succeeded(report_)) return page_is_missing_ ? kNotAchieved : kDone;
     complain();
     return kNotAchieved;
   }
@@ -370,6 +386,7 @@ class SumoRun::Impl {
   std::optional<RunStatus> status_;  ///< none: it goes on
   double next_checkpoint_ = 0.0;     ///< [s] simulated
   bool cut_off_ = false;             ///< SUMO's own files lack their ends
+  bool page_is_missing_ = false;     ///< it could not be written
 };
 
 SumoRun::SumoRun(const CoordinateOptions& options, const std::string& command, RunFolder& folder,

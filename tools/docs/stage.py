@@ -17,6 +17,7 @@ PAGES = ("README.md", "CHANGELOG.md", "CONTRIBUTING.md", "docs/**/*.md", "planne
          "coordinator/**/README.md", "scenarios/**/README.md", "tests/**/README.md",
          "tools/**/README.md")
 PICTURES = ("docs/**/*.png", "docs/**/*.svg")
+STYLE = ("docs/site.css",)
 LANGUAGES = {".cpp": "cpp", ".hpp": "cpp", ".py": "python", ".sh": "sh", ".yaml": "yaml"}
 LINK = re.compile(r"(?<=\]\()([^)#:\s]+)")
 
@@ -80,10 +81,10 @@ def stage(reference, folder):
         stage_page(page.relative_to(ROOT), page.read_text(encoding="utf-8"), folder)
     stage_page("docs/reference/commands.md", reference.read_text(encoding="utf-8"), folder)
     stage_page("docs/reference/library.md", library_page(), folder)
-    for picture in found(PICTURES):
-        target = folder / picture.relative_to(ROOT)
+    for asset in found(PICTURES + STYLE):
+        target = folder / asset.relative_to(ROOT)
         target.parent.mkdir(parents=True, exist_ok=True)
-        shutil.copyfile(picture, target)
+        shutil.copyfile(asset, target)
 
 
 def main():

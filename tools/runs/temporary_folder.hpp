@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cerrno>
+#include <cstdint>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
@@ -14,6 +15,7 @@ namespace mvtp {
 /// A folder for what only this process needs, removed with all that is in it.
 class TemporaryFolder {
  public:
+  /// @throws InputError if it cannot be made, or there is no room in it.
   TemporaryFolder() {
     std::error_code error;
     const std::filesystem::path parent = std::filesystem::temp_directory_path(error);
@@ -26,6 +28,10 @@ class TemporaryFolder {
                                  "); set TMPDIR to another");
     }
     path_ = name;
+    if (is_full()) {
+      std::filesystem::remove(path_, error);
+      throw InputError(name, "the disk is full; make room or set TMPDIR to another folder");
+    }
   }
   TemporaryFolder(const TemporaryFolder&) = delete;
   TemporaryFolder& operator=(const TemporaryFolder&) = delete;
@@ -36,7 +42,29 @@ class TemporaryFolder {
 
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
 
+  /// A job that failed for want of room tells nothing of what it was to measure.
+  /// @param said  its last words.
+  /// @throws InputError if it was that.
+  void rule_out_full_disk(const std::string& said) const {
+    bool full = is_full() || said.find("disk full") != std::string::npos;
+    for (const int error : {ENOSPC, EDQUOT, EFBIG}) {
+      full = full || said.find(std::strerror(error)) != std::string::npos;
+    }
+    if (!full) return;
+    throw InputError(said.empty() ? path_.string() : said.substr(0, said.find(": ")),
+                     "the disk is full; make room or set TMPDIR to another folder, and use "
+                     "--resume");
+  }
+
  private:
+  static constexpr std::uintmax_t kLeastSpace = 1'000'000;  ///< [bytes]
+
+  [[nodiscard]] bool is_full() const {
+    std::error_code error;
+    const std::filesystem::space_info space = std::filesystem::space(path_, error);
+    return !error && space.available < kLeastSpace;
+  }
+
   std::filesystem::path path_;
 };
 

@@ -70,8 +70,9 @@ std::vector<Run> runs_to_do(const SweepOptions& options, const std::set<SweepKey
 
 class Sweep : public JobSource {
  public:
-  Sweep(const SweepOptions& options, std::vector<Run> runs, SweepFile& results)
-      : options_(options), results_(results), runs_(std::move(runs)) {}
+  Sweep(const SweepOptions& options, const TemporaryFolder& scratch, std::vector<Run> runs,
+        SweepFile& results)
+      : options_(options), scratch_(scratch), results_(results), runs_(std::move(runs)) {}
 
   int run() {
     progress_.emplace("sweep", options_.quiet);
@@ -145,9 +146,10 @@ class Sweep : public JobSource {
     } else {
       row.status = exited && WEXITSTATUS(end.status) == kBadInput ? "refused" : "crashed";
     }
-    complaints_.push_back(fmt::format(
-        "{} x {}, penetration {}, seed {}: {}: {}", row.controller, row.scale, row.penetration,
-        row.seed, row.status, exited ? what_it_said(job) : strsignal(WTERMSIG(end.status))));
+    const std::string said = exited ? what_it_said(job) : strsignal(WTERMSIG(end.status));
+    if (exited) scratch_.rule_out_full_disk(said);
+    complaints_.push_back(fmt::format("{} x {}, penetration {}, seed {}: {}: {}", row.controller,
+                                      row.scale, row.penetration, row.seed, row.status, said));
   }
 
   [[nodiscard]] static std::string what_it_said(const Job& job) {
@@ -162,25 +164,35 @@ class Sweep : public JobSource {
   }
 
   const SweepOptions& options_;
+  const TemporaryFolder& scratch_;
   SweepFile& results_;
   std::vector<Run> runs_;
   std::string program_ = fs::read_symlink("/proc/self/exe").string();
-  TemporaryFolder scratch_;
   std::optional<Progress> progress_;  ///< while jobs run
   std::size_t next_ = 0;
   std::size_t finished_ = 0;
   std::vector<std::string> complaints_;
 };
 
+/// What the rows of one table share; of the scenario, whose folder may move, the last two names.
+std::vector<std::string> shared_options(const SweepOptions& options) {
+  const fs::path scenario = fs::weakly_canonical(options.run.configuration);
+  const fs::path named = scenario.parent_path().filename() / scenario.filename();
+  std::vector<std::string> shared = {"--configuration=" + named.string()};
+  shared.insert(shared.end(), options.run_arguments.begin(), options.run_arguments.end());
+  return shared;
+}
+
 }  // namespace
 
 int run_sweep(const SweepOptions& options) {
   ::unsetenv(kRunFolderNote);  // each run has a folder of its own
   (void)named_controls(options.run.configuration, options.controllers);  // before any file
+  const TemporaryFolder scratch;
   SweepFile results(options.output,
                     options.resume ? RowFile::Mode::kResume : RowFile::Mode::kCreate);
-  require_same_options(options.output, options.run_arguments, options.resume);
-  return Sweep(options, runs_to_do(options, results.done()), results).run();
+  require_same_options(options.output, shared_options(options), options.resume);
+  return Sweep(options, scratch, runs_to_do(options, results.done()), results).run();
 }
 
 }  // namespace mvtp
