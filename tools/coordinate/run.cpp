@@ -225,10 +225,10 @@ class SumoRun::Impl {
     next_checkpoint_ += kCheckpointEvery;
     report_.status = to_string(RunStatus::kFailed);
     judge(log_.trips());
-    folder_.write("summary.json", summary_json(report_));
     folder_.write("vehicles.csv", vehicles_csv(report_));
     folder_.write("replans.csv", replans_csv(report_));
     folder_.write("events.csv", events_csv(report_));
+    folder_.write("summary.json", summary_json(report_));  // last: where it is, the others are
   }
 
   void tell_progress(const Snapshot& now) {
