@@ -48,7 +48,7 @@ struct CoordinatorOptions {
   /// Signals run their own programs, and this is the ground of drivers with green; none: signals
   /// are the coordinator's, where there are human drivers.
   std::optional<GreenGround> greens = {};
-  SignalTiming signals;      ///< where human-driven vehicles get their greens from us
+  SignalTiming signals;  ///< where human-driven vehicles get their greens from us
   KnownIntent intent = KnownIntent::kRoute;  ///< of those
 };
 
@@ -210,6 +210,7 @@ class Coordinator : public Controller {
   void see_guest(const VehicleState& state, const CourseQuery& query);
   [[nodiscard]] bool is_first_on_lane(const VehicleState& v) const;
   void remember_lanes();
+  [[nodiscard]] bool is_watched(const VehicleState& v);
 
   // The plan to be accepted: coordinator_trials.cpp
   [[nodiscard]] static std::vector<std::int64_t> without_plan(
@@ -252,6 +253,7 @@ class Coordinator : public Controller {
   struct Trail {
     int lane = LaneGraph::kNone;
     int before = LaneGraph::kNone;
+    std::optional<Pose> watched;  ///< where it was last on a lane that matters; see is_watched()
   };
   Traffic& traffic_;
   CoordinatorOptions options_;

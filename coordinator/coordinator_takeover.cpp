@@ -231,9 +231,22 @@ void Coordinator::remember_lanes() {
       if (!changed) trail.before = trail.lane;
       trail.lane = lane;
     }
+    if (lane != LaneGraph::kNone && predictor_.watches(lane)) trail.watched = v.pose;
     trails.emplace(v.id, trail);
   }
   trails_ = std::move(trails);
+}
+
+/// Is it on a lane that matters to those under control, or its tail still beside one, as it turns
+/// off?
+bool Coordinator::is_watched(const VehicleState& v) {
+  constexpr double kFork = 15.0;  // [m] along which two lanes that part are beside each other
+  const int lane = graph_.find_lane(v.lane);
+  if (lane == LaneGraph::kNone) return false;
+  if (predictor_.watches(lane)) return true;
+  const auto trail = trails_.find(v.id);
+  return trail != trails_.end() && trail->second.watched &&
+         distance(*trail->second.watched, v.pose) < type_of(v.type).body.length() + kFork;
 }
 
 std::vector<Coordinator::Newcomer> Coordinator::find_newcomers() {

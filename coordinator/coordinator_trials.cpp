@@ -250,8 +250,7 @@ std::vector<Forecast> Coordinator::predict_others(
   };
   std::vector<Forecast> forecasts;
   for (const VehicleState& v : traffic_.vehicles()) {
-    const int lane = graph_.find_lane(v.lane);
-    if (lane == LaneGraph::kNone || !predictor_.watches(lane) || present.contains(v.id)) continue;
+    if (!is_watched(v) || present.contains(v.id)) continue;
     if (!is_near({v.pose.x, v.pose.y})) continue;
     for (Forecast& forecast : predict_one(v, guests)) forecasts.push_back(std::move(forecast));
   }

@@ -136,6 +136,27 @@ TEST(HumanDrivers, DoNotWaitForEverBesideAStreamOfControlledCars) {
   EXPECT_FALSE(still_there);
 }
 
+// The driver stands on a lane that no controlled vehicle uses, its tail on one that they do.
+TEST(HumanDrivers, AreSeenUntilTheirTailsHaveLeftTheLane) {
+  FakeTrip truck{.id = "truck", .from = "E-C", .to = "D-Y", .type = "truck"};
+  truck.stop = FakeStop{"D-Y_0", 4.0, 30.0};
+  std::vector<FakeTrip> trips = {truck};
+  for (int i = 0; i < 6; ++i) trips.push_back({fmt::format("s{}", i), 4.0 + 2.0 * i, "S-C", "D-X"});
+  CoordinatorOptions options;
+  options.share.human_types = {"truck"};
+  ClosedLoop run(fork_shape(), trips, 0.1, options);
+  bool stood = false;
+  while (run.traffic.running() && run.traffic.time() < 150.0) {
+    run.step();
+    const auto v = std::ranges::find(run.traffic.vehicles(), "truck", &VehicleState::id);
+    stood = stood || (v != run.traffic.vehicles().end() && v->lane == "D-Y_0" && v->halted_by_stop);
+  }
+  EXPECT_TRUE(stood);
+  EXPECT_THAT(run.broken, IsEmpty());
+  EXPECT_EQ(run.audit.figures().overlap_pairs, 0);
+  EXPECT_EQ(run.traffic.arrived(), 7);
+}
+
 /// Who sees at each step what the lights show.
 class WatchedTraffic : public FakeTraffic {
  public:

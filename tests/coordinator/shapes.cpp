@@ -492,6 +492,26 @@ NetworkShape seam_shape() {
   return shape;
 }
 
+NetworkShape fork_shape() {
+  NetworkShape shape{.name = "fork"};
+  NetworkMaker maker;
+  maker.node("C", {0, 0});
+  maker.node("D", {-42, 0}, 9.0);
+  maker.node("X", {-140, 0}, 0.0);
+  maker.node("Y", {-110, 75}, 0.0);
+  maker.node("S", {0, -110}, 0.0);
+  maker.node("E", {110, 0}, 0.0);
+  maker.node("N", {0, 110}, 0.0);
+  maker.one_way("C", "D");
+  for (const std::string end : {"X", "Y"}) {
+    maker.one_way("D", end);
+    shape.sinks.push_back("D-" + end);
+  }
+  add_arms(maker, "C", {"S", "E", "N"}, 1, shape);
+  shape.network = maker.make();
+  return shape;
+}
+
 NetworkShape with_signals(NetworkShape shape) {
   for (auto& [id, junction] : shape.network.junctions) {
     if (!junction.has_conflicts) continue;

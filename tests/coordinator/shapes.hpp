@@ -95,6 +95,8 @@ struct NetworkShape {
 [[nodiscard]] NetworkShape u_turn_shape();
 /// Two arms with a bend of a small node in one, which has no conflicts, just before crossroads.
 [[nodiscard]] NetworkShape seam_shape();
+/// Crossroads with a one-way road out that forks, without conflicts, just behind them.
+[[nodiscard]] NetworkShape fork_shape();
 
 /// The same with a traffic signal at every junction with conflicts, named as that.
 [[nodiscard]] NetworkShape with_signals(NetworkShape shape);
