@@ -171,7 +171,7 @@ Forecast GreenLanes::waits_at(const RoadVehicle& road, double stop, std::int64_t
   Forecast forecast{.vehicle = road,
                     .trajectory = predict_leader(road, std::nullopt, grid_, step),
                     .latest = std::nullopt};
-  SpeedProfile held = predict_leader(road, stop, grid_, step);
+  SpeedProfile held = predict_leader(road, StopLine{stop}, grid_, step);
   const auto rest = std::ranges::find(held.states, 0.0, &InertialState::v);
   if (rest == held.states.end()) return forecast;
   held.states.erase(rest + 1, held.states.end());

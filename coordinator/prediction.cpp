@@ -16,21 +16,25 @@ constexpr double kStand = 60.0;         ///< [s] that he stands there
 constexpr std::size_t kLongest = 3000;  ///< steps that are predicted
 
 /// The acceleration of a driver who would take `a` but is to stop before a line [m/s^2].
-double before_line(const InertialState& now, double a, double line, double dt) {
+double before_line(const InertialState& now, double a, const StopLine& line, double dt) {
   constexpr double kShort = 1.0;  // [m] before the line
   const auto stays_short = [&](double acceleration) {
     const InertialState next = advance(now, acceleration, dt);
-    return next.s + stopping_distance(next.v, kBraking) <= line - kShort;
+    return next.s + stopping_distance(next.v, kBraking) <= line.s - kShort;
   };
   if (stays_short(a)) return a;
-  return stays_short(0.0) ? 0.0 : -kBraking;
+  if (stays_short(0.0)) return 0.0;
+  if (!line.at_lane_end) return -kBraking;
+  const double room = line.s - now.s - now.v * dt;
+  const double needed = room > 0.0 ? now.v * now.v / (2.0 * room) : now.v / dt;
+  return -std::min(std::max(kBraking, needed), now.v / dt);
 }
 
 /// Appends states until the end of the path, each with the acceleration that `wish` asks for; on
 /// the way, a stand at `line`.
 template <class Wish>
 void drive_on(SpeedProfile& t, const RoadVehicle& v, const DecisionGrid& grid,
-              std::optional<double> line, const Wish& wish) {
+              const std::optional<StopLine>& line, const Wish& wish) {
   double stood = 0.0;
   while (t.states.back().s < v.s_end && t.states.size() < kLongest) {
     const InertialState last = t.states.back();
@@ -43,7 +47,7 @@ void drive_on(SpeedProfile& t, const RoadVehicle& v, const DecisionGrid& grid,
 
 /// Held speed until step `hold`, then gentle acceleration.
 void drive_on(SpeedProfile& t, const RoadVehicle& v, const DecisionGrid& grid, std::size_t hold,
-              std::optional<double> line = std::nullopt) {
+              const std::optional<StopLine>& line = std::nullopt) {
   drive_on(t, v, grid, line, [&](const InertialState& last) {
     const bool holds = t.states.size() <= hold || last.v >= v.cruise_speed;
     return holds ? 0.0 : kAcceleration;
@@ -61,6 +65,7 @@ std::optional<SpeedProfile> held_at_line(const SpeedProfile& t, const DecisionGr
 
 constexpr double kNearEnd = 60.0;     ///< [m] before the end of its corridor it needs a longer path
 constexpr double kHorizon = 120.0;    ///< [m] along its route for which a vehicle is predicted
+constexpr double kRest = 1.0;         ///< [m] of path that there is at least ahead of it
 constexpr double kAlongside = 40.0;   ///< [m] behind the place of the takeover
 constexpr double kExitSight = 250.0;  ///< [m] behind a junction in which leaders matter
 
@@ -116,7 +121,11 @@ int Predictor::path_of(const VehicleState& v, const CourseQuery& query, const Ve
     last_corridor_.erase(known);
   }
   const int own = corridors_.corridor_for(finder_.follow(query, kHorizon), body);
-  return place_on(corridors_[own], corridors_[own].stations.front(), 1.0) ? own : LaneGraph::kNone;
+  const Corridor& corridor = corridors_[own];
+  if (place_on(corridor, corridor.stations.front(), kRest)) return own;
+  if (!corridor.course.dead_end) return LaneGraph::kNone;
+  station = corridors_.library().path(corridor.path).length() - kRest;  // it waits at the very end
+  return own;
 }
 
 std::optional<Predictor::Placed> Predictor::place(const VehicleState& v, const CourseQuery& query,
@@ -143,11 +152,13 @@ std::optional<Predictor::Placed> Predictor::place(const VehicleState& v, const C
   return Placed{number, road};
 }
 
-std::optional<double> Predictor::dead_end(const Placed& placed) const {
+std::optional<StopLine> Predictor::lane_end(const Placed& placed) const {
   const Corridor& corridor = corridors_[placed.corridor];
   if (!corridor.course.dead_end) return std::nullopt;
   const double length = graph_.lane(corridor.course.pieces.back().lane).length;
-  return corridor.stations.back() + corridor.ratios.back() * length;
+  // The path is made of pieces of a given length, and may end a little before the lane does.
+  const double end = corridors_.library().path(corridor.path).length() - kRest / 2.0;
+  return StopLine{std::min(end, corridor.stations.back() + corridor.ratios.back() * length), true};
 }
 
 std::vector<Forecast> Predictor::predict(const VehicleState& v, const CourseQuery& query,
@@ -180,8 +191,9 @@ std::vector<Forecast> Predictor::predict(const VehicleState& v, const CourseQuer
     return {forecast};
   }
   const bool at_line = to_line && *to_line <= takeover_ && s + *to_line < road.s_end;
-  std::optional<double> stop = dead_end(*placed);
-  const bool ends_before_line = stop && at_line && *stop < s + *to_line + 1.0;
+  std::optional<StopLine> stop = lane_end(*placed);
+  constexpr double kSame = 1.0;  // [m] between the end of a lane and the line there
+  const bool ends_before_line = stop && at_line && stop->s < s + *to_line + kSame;
   if (intent == Intent::kPasses && !ends_before_line && (at_line || is_inside)) {
     // How quickly it goes nobody knows: it may speed up as it can, or slow down to a crawl, and
     // wait where its lane ends.
@@ -193,17 +205,17 @@ std::vector<Forecast> Predictor::predict(const VehicleState& v, const CourseQuer
   bool is_held = false;
   if (to_line) {
     // It is held at the end of its lane, or driven as soon as it is nearer.
-    const double lane_end = graph_.lane(query.lane).length - query.position;
+    const double to_end = graph_.lane(query.lane).length - query.position;
     is_held = at_line && !is_inside;
-    const double line = s + (is_held ? std::min(*to_line, lane_end) : *to_line);
-    stop = std::min(line, stop.value_or(line));
+    const double line = s + (is_held ? std::min(*to_line, to_end) : *to_line);
+    if (!stop || line < stop->s - kSame) stop = StopLine{line};
   }
   forecast.trajectory = predict_leader(road, stop, grid, step);
   if (is_held) forecast.held = held_at_line(forecast.trajectory, grid);
   return {forecast};
 }
 
-SpeedProfile predict_leader(const RoadVehicle& v, std::optional<double> line,
+SpeedProfile predict_leader(const RoadVehicle& v, std::optional<StopLine> line,
                             const DecisionGrid& grid, std::int64_t step) {
   SpeedProfile t{.begin = step, .states = {v.now}};
   drive_on(t, v, grid, std::size_t(kHold / grid.dt), line);
@@ -228,7 +240,7 @@ SpeedProfile predict_breakdown(const RoadVehicle& v, double decel, const Decisio
   return t;
 }
 
-SpeedProfile predict_crawl(const RoadVehicle& v, std::optional<double> line,
+SpeedProfile predict_crawl(const RoadVehicle& v, std::optional<StopLine> line,
                            const DecisionGrid& grid, std::int64_t step) {
   SpeedProfile t{.begin = step, .states = {v.now}};
   drive_on(t, v, grid, line, [&](const InertialState& last) {

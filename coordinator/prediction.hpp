@@ -21,6 +21,12 @@ struct ExitRoot {
 /// over it, as it is let through; or nobody knows, of one that does not do what it was told to.
 enum class Intent { kWaits, kPasses, kUnknown };
 
+/// Where a driver halts for long.
+struct StopLine {
+  double s = 0.0;            ///< station [m]
+  bool at_lane_end = false;  ///< his lane does not lead on: he stops there, however hard he brakes
+};
+
 /// What vehicles that nobody controls are expected to do.
 class Predictor {
  public:
@@ -46,7 +52,7 @@ class Predictor {
   };
   /// Where the rear axle is when it waits at the end of its lane until it can change to one that
   /// leads on; nullopt if its own does.
-  [[nodiscard]] std::optional<double> dead_end(const Placed& placed) const;
+  [[nodiscard]] std::optional<StopLine> lane_end(const Placed& placed) const;
   /// nullopt if the lanes it is on do not lead along its route.
   [[nodiscard]] std::optional<Placed> place(const VehicleState& vehicle, const CourseQuery& query,
                                             const Vehicle& body);
@@ -75,8 +81,8 @@ class Predictor {
 
 /// A driver on his way: holds his speed for a while, then speeds up gently. Predicting that a
 /// standing leader stands for ever would leave the vehicles behind it without a complete plan.
-/// @param line  where he halts for long, if he is to wait: the station of a stop line [m].
-[[nodiscard]] SpeedProfile predict_leader(const RoadVehicle& vehicle, std::optional<double> line,
+/// @param line  none: he need not wait
+[[nodiscard]] SpeedProfile predict_leader(const RoadVehicle& vehicle, std::optional<StopLine> line,
                                           const DecisionGrid& grid, std::int64_t step);
 
 /// A driver at a scheduled stop: he goes on after `stands` seconds.
@@ -93,8 +99,8 @@ class Predictor {
                                              const DecisionGrid& grid, std::int64_t step);
 
 /// The slowest passage to be expected of him: at a crawl in the end.
-/// @param line  where he may have to wait behind the junction: the station of his lane's end [m].
-[[nodiscard]] SpeedProfile predict_crawl(const RoadVehicle& vehicle, std::optional<double> line,
+/// @param line  where he may have to wait behind the junction
+[[nodiscard]] SpeedProfile predict_crawl(const RoadVehicle& vehicle, std::optional<StopLine> line,
                                          const DecisionGrid& grid, std::int64_t step);
 
 }  // namespace mvtp

@@ -82,6 +82,21 @@ TEST(Predictor, WhoIsInAWrongLaneHaltsAtItsEndEvenIfItMayPass) {
   }
 }
 
+// Faster than he could gently stop there: whoever is behind him must not count on the road beyond.
+TEST(Predictor, NobodyDrivesBeyondALaneThatDoesNotLeadOn) {
+  Prediction p(two_lanes_shape());
+  const double end = p.shape.network.lanes.at("W-C_0").length;
+  for (const double room : {1.0, 4.0, 10.0, 20.0}) {
+    const auto forecasts = p.predict("W-C_0", end - room, 13.9, {"W-C", "C-N"}, Intent::kWaits);
+    ASSERT_THAT(forecasts, SizeIs(1));
+    for (std::int64_t k = 7; k < 7 + 500; ++k) {
+      ASSERT_LT(forecasts[0].trajectory.at(k).s, SpeedProfile::kDeparted) << room;
+      ASSERT_LT(p.place(forecasts[0], k).x, -12.0 + 2.0) << room;
+    }
+    EXPECT_EQ(forecasts[0].trajectory.at(7 + 400).v, 0.0) << room;
+  }
+}
+
 /// W ---- C ====(2 lanes)==== D ---- E, with roads to the south at C and D. The right lane between
 /// C and D leads on to E only, the left one to the south.
 NetworkShape wrong_lane_behind_shape() {
