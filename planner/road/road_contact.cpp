@@ -56,6 +56,10 @@ BesidePath beside_path(const PathLibrary& library, int path_a, double s_a, int p
   return {foot - s_b, std::abs(local.y), std::abs(local.theta), std::abs(local.x)};
 }
 
+bool is_in_next_lane(const BesidePath& at) {
+  return at.off < kAside && at.aside >= kAside && at.aside < kNextLane && at.turned < kTurned;
+}
+
 }  // namespace
 
 RoadContact::RoadContact(const RoadScene& scene, const RoadVehicle& a, const RoadVehicle& b,
@@ -106,8 +110,20 @@ bool RoadContact::b_blocks(const InertialState& a, const InertialState& b) const
 }
 
 bool RoadContact::a_is_beside(const InertialState& a, const InertialState& b) const {
+  return is_in_next_lane(beside_path(*library_, a_->path, a.s, b_->path, b.s));
+}
+
+bool RoadContact::a_is_alongside(const InertialState& a, const InertialState& b,
+                                 double closing) const {
+  const Vehicle& body_a = library_->body(a_->path);
+  const Vehicle& body_b = library_->body(b_->path);
+  const Pose pose_a = library_->path(a_->path).at(a.s);
+  const Pose pose_b = library_->path(b_->path).at(b.s);
+  const double reach = body_a.length() + body_b.length() + kNextLane + closing;
+  if (distance(pose_a, pose_b) > reach) return false;
   const BesidePath at = beside_path(*library_, a_->path, a.s, b_->path, b.s);
-  return at.off < kAside && at.aside >= kAside && at.aside < kNextLane && at.turned < kTurned;
+  return is_in_next_lane(at) && at.along > -(body_a.front + body_b.rear) &&
+         at.along < body_b.front + body_a.rear + closing;
 }
 
 bool RoadContact::cuts_off(const InertialState& a, const InertialState& b) const {

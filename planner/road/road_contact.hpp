@@ -72,6 +72,10 @@ class RoadContact {
   /// Is `a` not in the lane of `b` yet, although they drive the same way? Its driver does not see
   /// it there.
   [[nodiscard]] bool a_is_beside(const InertialState& a, const InertialState& b) const;
+  /// The same, with some part of `a` level with some part of `b`, once `b` has closed in by so much
+  /// [m].
+  [[nodiscard]] bool a_is_alongside(const InertialState& a, const InertialState& b,
+                                    double closing) const;
   /// If `a` brakes now, does the driver of `b` run into it, who takes his time to notice?
   [[nodiscard]] bool cuts_off(const InertialState& a, const InertialState& b) const;
 

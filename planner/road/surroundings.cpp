@@ -222,21 +222,27 @@ bool Surroundings::meets(const Other& other, std::int64_t k, const InertialState
   while (t.at(k + last).s >= SpeedProfile::kDeparted) --last;
   const InertialState other_to = t.at(k + last);
   const double other_reach = other_to.s + stopping_distance(other_to.v, other.body->max_decel);
-  if (!contacts.reaches(from.s, reach, other_from.s, other_reach)) return false;
+  const InertialState then =
+      last == grid_.steps_per_decision ? to : advance(from, a, last * grid_.dt);
+  if (!contacts.reaches(from.s, reach, other_from.s, other_reach)) {
+    return brakes_onto_lane(other, k + last, then);
+  }
   if (is_followed_by(other, from, other_from)) return false;
 
-  // Too close to a leader with a driver of its own there is no choice but full braking: "no worse
-  // than braking now" would begin anew at every decision, nearer each time.
-  const bool lenient = other.contact.is_close(from, other_from) &&
-                       !(other.forecast && other.contact.contact->is_behind(from, other_from));
+  // Too close to a driver ahead, or beside one who need not brake, there is no choice but full
+  // braking: "no worse than braking now" would begin anew at every decision, nearer each time.
+  const bool must_brake = other.forecast && (other.contact.contact->is_behind(from, other_from) ||
+                                             comes_over(other, from, other_from));
+  const bool lenient = other.contact.is_close(from, other_from) && !must_brake;
   const auto position = [&](int i) { return advance(from, a, i * grid_.dt).s; };
   const auto other_position = [&](int i) { return t.at(k + i).s; };
   if (other.contact.touch(position, other_position, last, lenient)) return true;
   // Who leaves within the decision drives on where this vehicle does not see it.
-  const InertialState then =
-      last == grid_.steps_per_decision ? to : advance(from, a, last * grid_.dt);
-  return other.contact.touch_braking(then, other_to, lenient) ||
-         (is_followed_by(other, then, other_to) && other.contact.contact->cuts_off(then, other_to));
+  if (other.contact.touch_braking(then, other_to, lenient)) return true;
+  if (is_followed_by(other, then, other_to)) {
+    return other.contact.contact->cuts_off(then, other_to);
+  }
+  return brakes_onto_lane(other, k + last, then);
 }
 
 bool Surroundings::enters_closed(std::int64_t k, const InertialState& from, double a) const {
@@ -308,6 +314,20 @@ bool Surroundings::brakes_into(const Other& other, std::int64_t k,
 bool Surroundings::comes_over(const Other& other, const InertialState& state,
                               const InertialState& other_state) const {
   return is_new_ && other.contact.contact->a_is_beside(state, other_state);
+}
+
+bool Surroundings::brakes_onto_lane(const Other& other, std::int64_t k,
+                                    const InertialState& state) const {
+  if (!is_new_ || !other.forecast || !other.yields) return false;
+  const ContactTable& contacts = other.contact.table();
+  const InertialState there = other.trajectory->at(k);
+  const double end = other.trajectory->states.back().s;
+  const InertialState rest{state.s + stopping_distance(state.v, body_.max_decel), 0.0};
+  if (!contacts.reaches(state.s, rest.s, there.s, end)) return false;
+  const double meanwhile = there.v * state.v / body_.max_decel - (rest.s - state.s);
+  if (!other.contact.contact->a_is_alongside(state, there, std::max(0.0, meanwhile))) return false;
+  return brakes_into(other, k, state) ||
+         (comes_over(other, rest, there) && contacts.blocks(rest.s, there.s, end));
 }
 
 bool Surroundings::is_followed_by(const Other& other, const InertialState& state,

@@ -125,6 +125,10 @@ class Surroundings {
   /// has no choice any more.
   [[nodiscard]] bool comes_over(const Other& other, const InertialState& state,
                                 const InertialState& other_state) const;
+  /// Level with such a driver at step k, does this vehicle get onto his lane if it brakes? He does
+  /// not brake because of that, but drives on.
+  [[nodiscard]] bool brakes_onto_lane(const Other& other, std::int64_t k,
+                                      const InertialState& state) const;
   /// Has the driver of a forecast this vehicle in his way, and not the other way round? Then he
   /// keeps clear of it.
   [[nodiscard]] bool is_followed_by(const Other& other, const InertialState& state,

@@ -301,7 +301,7 @@ class WaitTest::Impl {
        std::span<const JointPlan::Entry> planned, const WholeTrajectoryOptions& options)
       : step(pairs.scene().step),
         all(pairs, vehicle, planned, options),
-        forecasts(pairs, vehicle, {}, options) {}
+        forecasts(pairs, vehicle, {}, options, Surroundings::Forecasts::kWithSlack) {}
 
   std::int64_t step;
   Surroundings all;

@@ -153,6 +153,39 @@ TEST_F(BesideADriver, ANewPlanDoesNotComeOverOntoHim) {
   EXPECT_GT(plans, 10);
 }
 
+// Nor onto his lane where it could only brake, which he would not see: he drives on meanwhile.
+TEST_F(BesideADriver, ANewPlanDoesNotBrakeOntoHisLane) {
+  int plans = 0;
+  for (double ahead = -4.0; ahead <= 4.0; ahead += 1.0) {
+    for (double s = 16.0; s <= 46.0; s += 1.0) {
+      scene.vehicles.clear();
+      const RoadVehicle vehicle = add(4, s, 13.0);
+      RoadVehicle driver = add(0, s - ahead, 8.0);
+      scene.vehicles.pop_back();
+      driver.key = -1;
+      SpeedProfile t{.states = {}};
+      for (double there = driver.now.s; there < 190.0; there += 0.8) {
+        t.states.push_back({there, 8.0});
+      }
+      scene.forecasts = {{.vehicle = driver, .trajectory = t}};
+      const RoadPairs pairs(scene);
+      const auto plan = plan_vehicle(pairs, scene.vehicles.front(), {}, {});
+      if (!plan || pairs.follows(0, 0)) continue;
+      ++plans;
+      const auto braking_after = [&](std::ptrdiff_t steps) {
+        SpeedProfile braking{.states = {plan->states.begin(), plan->states.begin() + 1 + steps}};
+        while (braking.states.size() < 60) {
+          braking.states.push_back(advance(braking.states.back(), -kCar.max_decel, 0.1));
+        }
+        return braking;
+      };
+      if (ever_touch(vehicle, braking_after(0), driver, t)) continue;  // too late
+      EXPECT_FALSE(ever_touch(vehicle, braking_after(5), driver, t)) << s << " m, " << ahead;
+    }
+  }
+  EXPECT_GT(plans, 10);
+}
+
 //   A driver stands on the crossing, as if for 10 s. He is held there until others have passed.
 class HeldDriver : public Crossing {
  protected:
