@@ -92,7 +92,8 @@ std::set<std::string> Coordinator::better_later(const Trial& trial,
     const bool refused = std::ranges::any_of(trial.refused, [&](std::size_t g) {
       return std::ranges::binary_search(trial.decision.members[g], arrival.key);
     });
-    const bool has_plan = trial.decision.plan.find(arrival.key)->complete;
+    const bool has_plan =
+        trial.decision.plan.find(arrival.key)->complete || !options_.escot.plans_groups;
     if ((refused && (whole_groups || touching.contains(arrival.key))) ||
         (!has_plan && may_come_later(id, arrival))) {
       later.insert(id);

@@ -6,6 +6,7 @@
 // One line per controller: the function of its name says what it is, in a file of its own.
 #define MVTP_CONTROLLERS(ENTRY) \
   ENTRY(escot)                  \
+  ENTRY(pbcr)                   \
   ENTRY(prioritized)            \
   ENTRY(aim)                    \
   ENTRY(fcfs_light)             \

@@ -117,7 +117,7 @@ RoadDecision decide_group(const RoadScene& scene, const Keys& group, const Joint
   }
   const std::uint64_t seed = options.seed + std::uint64_t(scene.step) * 1000003U +
                              std::uint64_t(group.front()) * 0x9e3779b97f4a7c15U;
-  RoadWorld world(pairs, std::move(keys), std::move(own), options.crossing, seed,
+  RoadWorld world(pairs, std::move(keys), std::move(own), options, seed,
                   WorkBudget{options.work, time_is_up});
   const std::vector<RoadWorld::State> q = world.states();
   return decision_of(part, world, generate_config(world, q));

@@ -21,6 +21,8 @@ struct GroupBudget {
 
 struct RoadEscotOptions {
   CrossingOptions crossing;
+  /// PreCheck; false: PBCR decides every motion of everybody, and nobody has a complete plan.
+  bool plans_groups = true;
   GroupBudget budget;
   /// Looks at one other vehicle during one decision that a group may take per call; see WorkBudget.
   std::int64_t work = 4'000'000;

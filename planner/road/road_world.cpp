@@ -9,8 +9,8 @@ namespace mvtp {
 static_assert(GroupWorld<RoadWorld> && LocalWorld<RoadWorld>);
 
 RoadStepWorld::RoadStepWorld(const RoadPairs& pairs, const JointPlan& complete,
-                             const WholeTrajectoryOptions& options)
-    : pairs_(pairs), complete_(complete), options_(options) {
+                             const WholeTrajectoryOptions& options, bool complete_plans)
+    : pairs_(pairs), complete_(complete), options_(options), complete_plans_(complete_plans) {
   const std::size_t n = pairs.scene().vehicles.size();
   near_.resize(n);
   for (std::size_t i = 0; i < n; ++i) {
@@ -23,7 +23,7 @@ RoadStepWorld::RoadStepWorld(const RoadPairs& pairs, const JointPlan& complete,
 namespace {
 
 /// Could the vehicle stop before a line, but not any longer after this decision? Then it has to be
-/// stopped: only a complete plan leads over a stop line.
+/// stopped.
 bool runs_over_a_line(const RoadVehicle& v, const Vehicle& body, const InertialState& from,
                       const InertialState& to) {
   const auto line =
@@ -45,15 +45,29 @@ std::vector<RoadStepWorld::Motion> RoadStepWorld::candidates(int i, const State&
        {body.max_accel, 0.5 * body.max_accel, 0.0, -0.5 * body.max_decel, -body.max_decel}) {
     const Motion m{state, a, advance(state, a, h)};
     if (a > -body.max_decel && m.to.v > v.envelope->at(m.to.s)) continue;
-    if (a > -body.max_decel && runs_over_a_line(v, body, state, m.to)) continue;
+    if (a > -body.max_decel && complete_plans_ && runs_over_a_line(v, body, state, m.to)) continue;
     if (a > -body.max_decel && !wait.clear_of_forecasts(state, a, m.to)) continue;
     // Who stands where somebody passes who does not yield is run into.
     if (a > -body.max_decel && !wait.leaves_passages_free(then, m.to)) continue;
-    const bool keeps_clear = wait.can_wait(then, m.to);
+    const double rest = m.to.s + stopping_distance(m.to.v, body.max_decel);
+    const bool keeps_clear =
+        wait.can_wait(then, m.to) && (complete_plans_ || is_clear_of_earlier(i, rest));
     (keeps_clear ? clear : blocking).push_back(m);
   }
   clear.insert(clear.end(), blocking.begin(), blocking.end());
   return clear;
+}
+
+/// Does it rest off all that those of higher priority, but for its leaders, have still before
+/// them? So no circle of vehicles waits for each other on a junction.
+bool RoadStepWorld::is_clear_of_earlier(int i, double rest) const {
+  for (const int j : near(i)) {
+    if (j >= i || pairs_.leads(std::size_t(j), std::size_t(i))) continue;
+    const RoadVehicle& other = vehicle(j);
+    const ContactView contact = pairs_.between(std::size_t(i), std::size_t(j));
+    if (contact.table().blocks(rest, other.now.s, other.s_end)) return false;
+  }
+  return true;
 }
 
 RoadStepWorld::Motion RoadStepWorld::safe_stop(int i, const State& state) const {
@@ -76,14 +90,14 @@ bool RoadStepWorld::conflict(int i, const Motion& a, int j, const Motion& b) con
 }
 
 RoadWorld::RoadWorld(const RoadPairs& pairs, std::vector<std::int64_t> keys, JointPlan incumbent,
-                     const CrossingOptions& options, std::uint64_t seed, WorkBudget work)
+                     const RoadEscotOptions& options, std::uint64_t seed, WorkBudget work)
     : pairs_(pairs),
       keys_(std::move(keys)),
       incumbent_(std::move(incumbent)),
       options_(options),
       seed_(seed),
       work_(work),
-      steps_(pairs, found_.plan, options.trajectory) {}
+      steps_(pairs, found_.plan, options.crossing.trajectory, options.plans_groups) {}
 
 std::vector<RoadWorld::State> RoadWorld::states() const {
   std::vector<State> states;
@@ -105,7 +119,7 @@ std::vector<int> RoadWorld::order(const std::vector<State>& q) const {
 
 std::vector<std::optional<RoadWorld::Motion>> RoadWorld::get_opt_traj(
     const std::vector<State>& /*q*/, const Group& group) {
-  found_ = plan_crossing(pairs_, keys_, incumbent_, options_, seed_, work_);
+  found_ = plan_crossing(pairs_, keys_, incumbent_, options_.crossing, seed_, work_);
   std::vector<std::optional<Motion>> motions;
   for (const int i : group) {
     const SpeedProfile* t = found_.plan.find(scene().vehicles[std::size_t(i)].key);

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "planner/escot/generate_config.hpp"
-#include "planner/road/crossing.hpp"
+#include "planner/road/road_escot.hpp"
 
 namespace mvtp {
 
@@ -26,8 +26,11 @@ class RoadStepWorld {
     friend bool operator==(const Motion&, const Motion&) = default;
   };
 
+  /// @param complete  the plans of those who have one.
+  /// @param complete_plans  without one nobody drives over a stop line; false: nobody has one, and
+  ///     those of lower priority keep clear of the others.
   RoadStepWorld(const RoadPairs& pairs, const JointPlan& complete,
-                const WholeTrajectoryOptions& options);
+                const WholeTrajectoryOptions& options, bool complete_plans = true);
 
   /// Robots are numbered as the scene's vehicles.
   [[nodiscard]] std::vector<Motion> candidates(int i, const State& state) const;
@@ -36,12 +39,14 @@ class RoadStepWorld {
   [[nodiscard]] std::span<const int> near(int i) const { return near_[std::size_t(i)]; }
 
  private:
+  [[nodiscard]] bool is_clear_of_earlier(int i, double rest) const;
   [[nodiscard]] const RoadScene& scene() const { return pairs_.scene(); }
   [[nodiscard]] const RoadVehicle& vehicle(int i) const { return scene().vehicles[std::size_t(i)]; }
 
   const RoadPairs& pairs_;
   const JointPlan& complete_;
   const WholeTrajectoryOptions& options_;
+  bool complete_plans_;
   std::vector<std::vector<int>> near_;
 };
 
@@ -57,7 +62,7 @@ class RoadWorld {
   /// @param keys  the group, the highest priority first.
   /// @param incumbent  what its vehicles follow now.
   RoadWorld(const RoadPairs& pairs, std::vector<std::int64_t> keys, JointPlan incumbent,
-            const CrossingOptions& options, std::uint64_t seed, WorkBudget work);
+            const RoadEscotOptions& options, std::uint64_t seed, WorkBudget work);
   RoadWorld(const RoadWorld&) = delete;  // steps_ refers to found_
   RoadWorld& operator=(const RoadWorld&) = delete;
 
@@ -83,7 +88,7 @@ class RoadWorld {
   // GroupWorld
   [[nodiscard]] std::vector<Group> group_robots(const std::vector<State>& q) const;
   /// Instead of the size of a group its work is bounded.
-  [[nodiscard]] bool pre_check(const Group& /*group*/) const { return true; }
+  [[nodiscard]] bool pre_check(const Group& /*group*/) const { return options_.plans_groups; }
   [[nodiscard]] std::vector<std::optional<Motion>> get_opt_traj(const std::vector<State>& q,
                                                                 const Group& group);
   /// The longest in the zone first.
@@ -97,7 +102,7 @@ class RoadWorld {
   const RoadPairs& pairs_;
   std::vector<std::int64_t> keys_;
   JointPlan incumbent_;
-  const CrossingOptions& options_;
+  const RoadEscotOptions& options_;
   std::uint64_t seed_;
   WorkBudget work_;
   CrossingResult found_;

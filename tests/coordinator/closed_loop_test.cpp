@@ -99,6 +99,30 @@ INSTANTIATE_TEST_SUITE_P(LongSteps, CarsBusesAndTrucks,
                          [](const auto& run) { return name_of(roomy(), run.param); });
 
 // Drivers keep to the left or to the right of their lanes; nobody is pulled aside at a takeover.
+/// PBCR alone is safe in whatever traffic; so few vehicles also arrive.
+class PbcrAlone : public testing::TestWithParam<unsigned> {};
+
+TEST_P(PbcrAlone, TouchesNobody) {
+  const NetworkShape shape = crossroads_shape();
+  CoordinatorOptions options;
+  options.escot.plans_groups = false;
+  const unsigned seed = GetParam();
+  ClosedLoop sparse(shape, random_trips(shape, {.vehicles = 8, .seed = seed}), 0.1, options);
+  sparse.run_until(200.0);
+  expect_laws(sparse);
+  EXPECT_EQ(sparse.traffic.arrived(), sparse.number_of_trips);
+  EXPECT_TRUE(std::ranges::none_of(sparse.coordinator.replans(), [](const Replan& r) {
+    return r.stepped < r.vehicles - r.newcomers;
+  })) << "nobody has a complete plan";
+
+  const Demand dense{.vehicles = 40, .duration = 30.0, .seed = seed};
+  ClosedLoop crowd(shape, random_trips(shape, dense), 0.1, options);
+  crowd.run_until(120.0);
+  expect_laws(crowd);
+}
+
+INSTANTIATE_TEST_SUITE_P(Seeds, PbcrAlone, Range(1U, 7U));
+
 TEST(Takeover, BeginsWhereTheVehicleIs) {
   const NetworkShape shape = crossroads_shape();
   std::vector<FakeTrip> trips = random_trips(shape, {.vehicles = 12, .seed = 9});
