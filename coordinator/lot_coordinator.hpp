@@ -19,6 +19,7 @@ namespace mvtp {
 enum class LotController {
   kEscot,        ///< everyone at once; groups are planned anew where that pays
   kPrioritized,  ///< everyone at once; each plans once, against all earlier ones
+  kPbcr,         ///< everyone at once, every step by priorities; nobody plans ahead
   kOneAtATime,   ///< one vehicle drives, the others wait
 };
 
@@ -149,6 +150,7 @@ class LotCoordinator : public Controller {
   [[nodiscard]] bool fits(const Vehicle& body, const ParkingSlot& slot) const;
   [[nodiscard]] std::vector<Pose> places(const Vehicle& body, const ParkingSlot& slot) const;
   [[nodiscard]] std::vector<StandingCar> standing(bool asking, const std::string& except) const;
+  [[nodiscard]] std::vector<StandingCar> in_place(const std::string& except) const;
   [[nodiscard]] std::vector<StandingCar> solid(std::span<const int> free_to_use) const;
   [[nodiscard]] std::vector<double> halts();
   void advance();

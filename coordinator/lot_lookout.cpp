@@ -110,7 +110,7 @@ double LotLookout::halt(const LotMotion& motion, const LotCar& car, double turn,
   if (car.at_end()) return kInfinity;
   const double sight = rest(car, motion.limits()) + kSight;
   const int here = car.cells.cell_at(car.s);
-  const bool inside = std::ranges::any_of(car.cells.stretches(), [&](const auto& stretch) {
+  const bool inside = std::ranges::any_of(car.cells.kept_clear(), [&](const auto& stretch) {
     return here <= stretch.last && too_late_for(stretch.first, car, motion.limits());
   });
   const Look look{motion, car, turn, view, here, car.cells.cell_at(sight), inside};
@@ -136,10 +136,10 @@ double LotLookout::before_people(const Look& look) {
 
 double LotLookout::before_footpath(const Look& look) {
   const LotCar& car = look.car;
-  const auto next = std::ranges::find_if(car.cells.stretches(), [&](const auto& stretch) {
+  const auto next = std::ranges::find_if(car.cells.kept_clear(), [&](const auto& stretch) {
     return !too_late_for(stretch.first, car, look.motion.limits());
   });
-  if (look.view.people.empty() || next == car.cells.stretches().end()) return kInfinity;
+  if (look.view.people.empty() || next == car.cells.kept_clear().end()) return kInfinity;
   if (next->first > look.last) return kInfinity;
   const auto [first, last] = *next;
   const double enters = look.motion.time_until(car, first * PathCells::kLength, look.turn);

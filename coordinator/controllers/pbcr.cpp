@@ -11,7 +11,8 @@ ControllerKind pbcr_controller() {
             options.escot.plans_groups = false;
             return std::make_unique<Coordinator>(setup.traffic, setup.area, options);
           },
-          .drives = true};
+          .drives = true,
+          .on_lots = true};
 }
 
 }  // namespace mvtp

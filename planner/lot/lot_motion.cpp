@@ -57,6 +57,10 @@ void LotMotion::remove(std::int64_t key) {
   });
 }
 
+void LotMotion::grant(std::int64_t key, double stop) {
+  cars_[std::size_t(find(key))].granted = stop;
+}
+
 void LotMotion::set_order(std::int64_t first, std::int64_t second, Precedence order) {
   if (order.empty()) {
     orders_.erase({first, second});
@@ -74,10 +78,13 @@ void LotMotion::strand(std::int64_t key) {
 
 std::vector<std::int64_t> LotMotion::strand_the_blocked() {
   std::vector<std::int64_t> stranded;
-  for (LotForecast now = forecast(); !now.complete; now = forecast()) {
+  for (bool more = true; more;) {
+    const LotForecast now = forecast();
+    more = false;
     for (std::size_t i = 0; i < cars_.size(); ++i) {
-      if (now.arrives[i] != 0 || cars_[i].stranded) continue;
+      if (now.arrives[i] != 0 || cars_[i].stranded || !cars_[i].planned) continue;
       stranded.push_back(cars_[i].key);
+      more = true;
     }
     for (const std::int64_t key : stranded) strand(key);
   }
@@ -97,7 +104,8 @@ std::vector<LotMotion::Link> LotMotion::links() const {
 }
 
 std::vector<double> LotMotion::turns() const {
-  std::vector<double> ends(cars_.size(), kInfinity);
+  std::vector<double> ends;
+  for (const LotCar& car : cars_) ends.push_back(car.granted);
   for (Link& link : links()) {
     double& end = ends[link.waiting];
     end = std::min(end, link.order->limit(cars_[link.first].s, link.hint));
@@ -116,6 +124,15 @@ double LotMotion::time_until(const LotCar& car, double s, double stop) const {
     now = next;
   }
   return time;
+}
+
+double LotMotion::rest_after(const LotCar& car, double time) const {
+  constexpr double kTimeStep = 0.1;  // [s]
+  State now{car.s, car.v};
+  for (double t = 0.0; t < time - kTimeStep / 2; t += kTimeStep) {
+    now = advance(car, now, kInfinity, kTimeStep);
+  }
+  return std::min(now.s + stopping_distance(now.v, limits_.braking), car.path.stop_after(now.s));
 }
 
 double LotMotion::speed_limit(const ArcPath::Piece& piece) const {
@@ -177,7 +194,9 @@ LotForecast LotMotion::forecast(double dt) const {
   result.arrives.assign(cars_.size(), 0);
   int still = 0;
   while (still < kStalled) {
-    std::ranges::fill(stops, kInfinity);
+    std::ranges::transform(cars_, stops.begin(), [](const LotCar& car) {
+      return car.planned ? kInfinity : car.granted;  // what delays a plan is not known
+    });
     for (Link& link : links) {
       const LotCar& first = cars_[link.first];
       const double driven = states[link.first].s;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <map>
 #include <optional>
 #include <span>
@@ -31,8 +32,11 @@ struct LotCar {
   Pose goal;
   bool leaves = false;    ///< it drives on at the end of the path, out of reach, and does not stop
   bool stranded = false;  ///< the path ends where the car comes to rest, short of its goal
-  double s = 0.0;         ///< driven [m]
-  double v = 0.0;         ///< >= 0, in the direction of the path [m/s]
+  bool planned = true;    ///< its path is part of a plan in which everyone arrives
+  /// [m] It may drive so far until the next decision; infinity: as far as it is its turn.
+  double granted = std::numeric_limits<double>::infinity();
+  double s = 0.0;  ///< driven [m]
+  double v = 0.0;  ///< >= 0, in the direction of the path [m/s]
 
   [[nodiscard]] bool at_end() const { return s >= path.length(); }
   /// Does it stop at the end of the path?
@@ -74,6 +78,8 @@ class LotMotion {
   /// Adds the car, or replaces the one with the same key; it has no orders yet.
   void put(LotCar car);
   void remove(std::int64_t key);
+  /// The car may drive so far until the next decision [m].
+  void grant(std::int64_t key, double stop);
   /// `first` waits for `second` as said.
   void set_order(std::int64_t first, std::int64_t second, Precedence order);
 
@@ -90,6 +96,9 @@ class LotMotion {
   /// When the car has driven `s` [m] if nothing but `stop` [m] holds it up; [s] from now, infinity
   /// if that takes more than a minute.
   [[nodiscard]] double time_until(const LotCar& car, double s, double stop) const;
+
+  /// Where the car comes to rest if it drives as fast as it may for `time` [s] and brakes then [m].
+  [[nodiscard]] double rest_after(const LotCar& car, double time) const;
 
   /// Until everyone has arrived, or nobody gets on any more.
   [[nodiscard]] LotForecast forecast(double dt = 0.1) const;

@@ -41,9 +41,12 @@ struct LotPlannerOptions {
   double ahead = 2.5;     ///< [s] for which no path is changed; long enough to brake to rest
   int expansions = 2000;  ///< of one search
   double weight = 1.5;    ///< of the cost-to-go
-  int max_group = 5;      ///< PreCheck: cars that are planned anew together, at most
-  bool regroup = true;    ///< plan groups anew; false: each car once, against all earlier ones
-  double worth = 2.0;     ///< [s] of waiting ahead, from which on a group is planned anew
+  double decision = 0.5;  ///< [s] from one to the next
+  /// GroupRobots; false: PBCR decides every motion, and nobody has a complete plan.
+  bool plans_groups = true;
+  int max_group = 5;    ///< PreCheck: cars that are planned anew together, at most
+  bool regroup = true;  ///< plan groups anew; false: each car once, against all earlier ones
+  double worth = 2.0;   ///< [s] of waiting ahead, from which on a group is planned anew
 };
 
 struct LotAdmission {
@@ -54,12 +57,10 @@ struct LotAdmission {
 
 /// Plans on an open lot for cars that come and go while others are under way: ESCoT, lifelong.
 ///
-/// The frame is that of Algorithm 2. Every car under way has a complete path (soft space-time
-/// hybrid A* over MotionPrimitives), and all of them an order that lets everyone arrive; a new plan
-/// replaces it only if that holds for it too, as told by a forecast of the motion itself.
-/// GroupRobots: a car and those who block the path that it would take; PreCheck: the group's size;
-/// GetOptTraj: paths for the group in other orders, kept if they cost less. Who has no path stays
-/// where it is. All poses in the lot's own frame: ground in x, y > 0.
+/// Each call is one generate_config() over a World. Every car under way has a complete path (soft
+/// space-time hybrid A* over MotionPrimitives), and all of them an order that lets everyone arrive;
+/// a new plan replaces it only if that holds for it too, as told by a forecast of the motion
+/// itself. All poses in the lot's own frame: ground in x, y > 0.
 class LotPlanner {
  public:
   /// So far a car drives on beyond a goal in an exit lane [m].
@@ -79,8 +80,9 @@ class LotPlanner {
   [[nodiscard]] std::optional<LotAdmission> admit(LotMotion& motion, const LotRequest& request,
                                                   std::span<const StandingCar> waiting);
 
-  /// Looks for an order in which the car that loses most gets on earlier. @return cars replanned
-  int improve(LotMotion& motion, std::span<const StandingCar> waiting);
+  /// One decision for those under way: looks for an order in which the car that loses most gets on
+  /// earlier; PBCR moves those without a plan. @return cars replanned
+  int decide(LotMotion& motion, std::span<const StandingCar> waiting);
 
   /// How far it is to a goal, about [m].
   [[nodiscard]] double distance(const Vehicle& body, const Pose& from, const Pose& goal);
@@ -96,7 +98,7 @@ class LotPlanner {
 
  private:
   class ReplanningSession;
-  class RequestPlanner;
+  class World;
   using GoalKey = std::tuple<double, double, double, double, double>;
 
   static constexpr double kTimeStep = 0.05;  ///< [s]

@@ -62,6 +62,10 @@ class LotPlanner::ReplanningSession {
 
   /// The motion in which the given robots drive as placed here, the others as before.
   [[nodiscard]] LotMotion result(std::span<const int> changed) const;
+  /// The robot on its way along `track`.
+  [[nodiscard]] LotCar car(int robot, const ArcTrajectory& track) const;
+  /// The next one follows in the lane: a car may leave it only forwards, and for good.
+  [[nodiscard]] bool comes_back_into_entry(int robot, const std::vector<Arc>& steps) const;
   /// Arrival of a robot that drives `track` with nobody else there [s from now].
   [[nodiscard]] double duration_alone(int robot, const ArcTrajectory& track) const;
 
@@ -85,14 +89,12 @@ class LotPlanner::ReplanningSession {
   void add(Robot robot, const Pose& start, bool in_entry);
   [[nodiscard]] ArcTrajectory forecast_track(int car) const;
   [[nodiscard]] bool drive_alone_later(int robot, const ArcTrajectory& alone);
-  [[nodiscard]] bool comes_back_into_entry(int robot, const std::vector<Arc>& steps) const;
   [[nodiscard]] SoftProblem problem(int robot) const;
   [[nodiscard]] std::optional<SoftCollisionPath> search_alone(SoftProblem problem, int expansions);
   [[nodiscard]] std::optional<SoftCollisionPath> search_alone_backwards(int robot, int expansions);
   [[nodiscard]] std::optional<std::vector<Arc>> sample_alone(int robot) const;
   [[nodiscard]] std::vector<Arc> tail(const ArcTrajectory& alone) const;
   [[nodiscard]] ArcPath way(int robot, const ArcTrajectory& track) const;
-  [[nodiscard]] LotCar car(int robot, const ArcTrajectory& track) const;
   [[nodiscard]] std::vector<float> times_of_kept(int car) const;
   [[nodiscard]] std::vector<float> times_of_planned(const LotCar& car, int robot) const;
   [[nodiscard]] double ahead() const { return planner_.options_.ahead; }

@@ -58,18 +58,25 @@ void PathCells::bound_blocks() {
   }
 }
 
+bool PathCells::touch(Range own, const PathCells& other, Range theirs) const {
+  bool result = false;
+  for_each_contact(own, other, theirs, [&](int, int) { result = true; });
+  return result;
+}
+
 void PathCells::keep_clear(const KeepClear& ground) {
-  stretches_.clear();
+  kept_clear_.clear();
   for (int cell = 0; cell < size(); ++cell) {
     if (!ground.touches(box(cell), shape(cell))) continue;
-    if (stretches_.empty() || stretches_.back().last < cell - 1) stretches_.push_back({cell, cell});
-    stretches_.back().last = cell;
+    if (kept_clear_.empty() || kept_clear_.back().last < cell - 1)
+      kept_clear_.push_back({cell, cell});
+    kept_clear_.back().last = cell;
   }
-  if (!stretches_.empty() && stretches_.back().last == size() - 1) stretches_.pop_back();
+  if (!kept_clear_.empty() && kept_clear_.back().last == size() - 1) kept_clear_.pop_back();
 }
 
 int PathCells::waits_before(int cell, int here) const {
-  for (auto stretch = stretches_.rbegin(); stretch != stretches_.rend(); ++stretch) {
+  for (auto stretch = kept_clear_.rbegin(); stretch != kept_clear_.rend(); ++stretch) {
     const bool would_stand_there = cell > stretch->first && cell <= stretch->last + 1;
     if (would_stand_there && here <= stretch->last) cell = std::max(stretch->first, here);
   }
@@ -95,7 +102,9 @@ std::pair<Precedence, Precedence> precedence(const PlannedPath& first, const Pla
   std::vector<double> need_of_second(std::size_t(second.cells->size()), 0.0);
   // Where two cells meet a car is in both: who waits there has not left the one behind it.
   const auto beyond = [](int cell) { return (cell + 1) * PathCells::kLength + kOut; };
-  first.cells->for_each_contact(first.first, *second.cells, second.first, [&](int a, int b) {
+  const PathCells::Range own = first.cells->from(first.first);
+  const PathCells::Range theirs = second.cells->from(second.first);
+  first.cells->for_each_contact(own, *second.cells, theirs, [&](int a, int b) {
     const auto i = std::size_t(a);
     const auto j = std::size_t(b);
     if (first.times[i] <= second.times[j]) {

@@ -18,8 +18,8 @@ class PathCells {
  public:
   static constexpr double kLength = 0.2;  ///< [m]
 
-  /// Cells in a row on ground that is to be kept clear.
-  struct Stretch {
+  /// Cells in a row, both ends among them.
+  struct Range {
     int first;
     int last;
   };
@@ -29,7 +29,7 @@ class PathCells {
 
   /// From now on the car may not wait on that ground, unless it is its goal.
   void keep_clear(const KeepClear& ground);
-  [[nodiscard]] const std::vector<Stretch>& stretches() const { return stretches_; }
+  [[nodiscard]] const std::vector<Range>& kept_clear() const { return kept_clear_; }
   /// The cell before which a car in cell `here` waits that may not enter `cell` yet; `here` itself
   /// if it is on ground to be kept clear already and would have to wait there: too late.
   [[nodiscard]] int waits_before(int cell, int here) const;
@@ -43,10 +43,16 @@ class PathCells {
   [[nodiscard]] const BoxPose& box(int cell) const { return boxes_[std::size_t(cell)]; }
   [[nodiscard]] const BoxShape& shape(int cell) const { return shapes_[std::size_t(cell)]; }
 
-  /// Calls visitor(a, b) for all pairs of cells, a of this path from `first_a` on and b of the
-  /// other from `first_b` on, that overlap.
+  /// All from this one on.
+  [[nodiscard]] Range from(int first) const { return {first, size() - 1}; }
+  /// All that a car uses that has driven from `s` to `stop` [m].
+  [[nodiscard]] Range between(double s, double stop) const { return {cell_at(s), cell_at(stop)}; }
+
+  /// Calls visitor(a, b) for all pairs of cells, a of this path and b of the other, that overlap.
   template <class Visitor>
-  void for_each_contact(int first_a, const PathCells& other, int first_b, Visitor&& visitor) const;
+  void for_each_contact(Range own, const PathCells& other, Range theirs, Visitor&& visitor) const;
+  /// Does any cell of this path overlap one of the other?
+  [[nodiscard]] bool touch(Range own, const PathCells& other, Range theirs) const;
 
  private:
   static constexpr int kBlock = 16;  ///< cells that share a circle
@@ -63,23 +69,28 @@ class PathCells {
   std::vector<BoxPose> boxes_;
   std::vector<BoxShape> shapes_;
   std::vector<Circle> circles_;
-  std::vector<Stretch> stretches_;  ///< ascending
+  std::vector<Range> kept_clear_;  ///< ascending
 };
 
 template <class Visitor>
-void PathCells::for_each_contact(int first_a, const PathCells& other, int first_b,
+void PathCells::for_each_contact(Range own, const PathCells& other, Range theirs,
                                  Visitor&& visitor) const {
-  for (int p = first_a / kBlock; p < blocks(); ++p) {
-    const Circle& own = circles_[std::size_t(p)];
-    for (int q = first_b / kBlock; q < other.blocks(); ++q) {
-      const Circle& theirs = other.circles_[std::size_t(q)];
-      const float reach = own.radius + theirs.radius;
-      const float dx = own.x - theirs.x;
-      const float dy = own.y - theirs.y;
+  const auto part_of = [](Range range, int block) {
+    return Range{std::max(range.first, block * kBlock),
+                 std::min(range.last, (block + 1) * kBlock - 1)};
+  };
+  for (int p = own.first / kBlock; p <= own.last / kBlock; ++p) {
+    const Circle& circle = circles_[std::size_t(p)];
+    for (int q = theirs.first / kBlock; q <= theirs.last / kBlock; ++q) {
+      const Circle& other_circle = other.circles_[std::size_t(q)];
+      const float reach = circle.radius + other_circle.radius;
+      const float dx = circle.x - other_circle.x;
+      const float dy = circle.y - other_circle.y;
       if (dx * dx + dy * dy >= reach * reach) continue;
-      for (int a = std::max(first_a, p * kBlock); a < std::min(size(), (p + 1) * kBlock); ++a) {
-        for (int b = std::max(first_b, q * kBlock); b < std::min(other.size(), (q + 1) * kBlock);
-             ++b) {
+      const Range as = part_of(own, p);
+      const Range bs = part_of(theirs, q);
+      for (int a = as.first; a <= as.last; ++a) {
+        for (int b = bs.first; b <= bs.last; ++b) {
           if (gap(box(a), shape(a), other.box(b), other.shape(b)) < 0.0F) visitor(a, b);
         }
       }

@@ -145,6 +145,34 @@ INSTANTIATE_TEST_SUITE_P(All, LotControllers,
                          testing::Values(LotController::kEscot, LotController::kPrioritized,
                                          LotController::kOneAtATime));
 
+// It jams, as nobody backs out for another one; but nobody touches anybody, and whoever comes alone
+// is served.
+TEST(LotPbcr, TouchesNobody) {
+  LotOptions options;
+  options.controller = LotController::kPbcr;
+  LotRun run(busy(), options);
+  (void)run.finish(300.0);
+  EXPECT_FALSE(run.coordinator.motion().cars().empty());
+  expect_clean(run.audit);
+
+  LotRun alone(arrivals(3, 150.0), options);
+  EXPECT_TRUE(alone.finish(600.0));
+  EXPECT_EQ(alone.traffic.arrived(), 3);
+  expect_clean(alone.audit);
+}
+
+// A car that has to leave its slot while another one passes waits for it, and drives then.
+TEST(LotPbcr, LetsOneAfterTheOtherPass) {
+  LotOptions options;
+  options.controller = LotController::kPbcr;
+  std::vector<FakeStay> stays;
+  for (int k = 0; k < 4; ++k) stays.push_back({"p" + std::to_string(k), 0.0, 5.0, 2 * k});
+  LotRun run(stays, options);
+  EXPECT_TRUE(run.finish(400.0));
+  EXPECT_EQ(run.traffic.arrived(), 4);
+  expect_clean(run.audit);
+}
+
 double mean_time(const LotRun& run) {
   double sum = 0.0;
   int n = 0;

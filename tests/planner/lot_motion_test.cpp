@@ -236,11 +236,11 @@ const Footpath kFootpath{{{10, -5}, {10, 5}}, 2.0};
 
 TEST(PathCells, WaitsBeforeAFootpathAndNotOnIt) {
   LotCar car = make_car(0, {0, 0, 0}, {{30.0, 0.0}});
-  EXPECT_THAT(car.cells.stretches(), IsEmpty());
+  EXPECT_THAT(car.cells.kept_clear(), IsEmpty());
   EXPECT_EQ(car.cells.waits_before(40, 0), 40);
   car.cells.keep_clear(KeepClear(std::array{kFootpath}));
-  ASSERT_EQ(car.cells.stretches().size(), 1u);
-  const auto [first, last] = car.cells.stretches().front();
+  ASSERT_EQ(car.cells.kept_clear().size(), 1u);
+  const auto [first, last] = car.cells.kept_clear().front();
   EXPECT_NEAR(first * PathCells::kLength, 9.0 - kCar.front, 0.3);
   EXPECT_NEAR(last * PathCells::kLength, 11.0 + kCar.rear, 0.3);
   EXPECT_EQ(car.cells.waits_before(first - 1, 0), first - 1);
@@ -255,7 +255,7 @@ TEST(PathCells, WaitsBeforeAFootpathAndNotOnIt) {
 TEST(PathCells, AGoalOnAFootpathIsNotRefused) {
   LotCar car = make_car(0, {0, 0, 0}, {{10.0, 0.0}});
   car.cells.keep_clear(KeepClear(std::array{kFootpath}));
-  EXPECT_THAT(car.cells.stretches(), IsEmpty());
+  EXPECT_THAT(car.cells.kept_clear(), IsEmpty());
 }
 
 //   The other stands 2 m beyond the footpath: there is no room to wait in between.

@@ -51,7 +51,7 @@ TEST(Rooms, UseOnlyThoseBelowThem) {
   add("escot", {"search"});
   add("anytime", {"escot"});
   add("road", {"escot"});
-  add("lot", {"search"});
+  add("lot", {"escot"});
   add(".", {"anytime"});  // solve()
 
   const Rooms rooms = included();

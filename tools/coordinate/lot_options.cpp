@@ -10,6 +10,7 @@ namespace {
 
 LotController controller_of(const std::string& name) {
   if (name == "one-at-a-time") return LotController::kOneAtATime;
+  if (name == "pbcr") return LotController::kPbcr;
   return name == "prioritized" ? LotController::kPrioritized : LotController::kEscot;
 }
 
