@@ -10,9 +10,9 @@
 #include <ranges>
 #include <utility>
 
-#include "planner/geometry/oriented_box.hpp"
 #include "planner/motion/obstacles.hpp"
 #include "planner/problem/input_error.hpp"
+#include "traci_bridge/parking_geometry.hpp"
 #include "traci_bridge/xml.hpp"
 
 namespace mvtp {
@@ -20,7 +20,6 @@ namespace {
 
 using Element = tinyxml2::XMLElement;
 
-constexpr double kTolerance = 0.05;      // of what touches, or is straight [m]
 constexpr double kSmallestLength = 2.0;  // of a slot [m]
 constexpr double kSmallestWidth = 1.0;   // of a slot [m]
 constexpr double kAisle = 1.0;           // so deep is the ground at the open side of a slot [m]
@@ -40,147 +39,6 @@ struct Area {
   std::vector<std::string> where;  ///< of each slot
   std::string place;
 };
-
-std::size_t next(const Polygon& polygon, std::size_t i) { return (i + 1) % polygon.size(); }
-
-OrientedBox edge(const Polygon& polygon, std::size_t i) {
-  return segment(polygon[i], polygon[next(polygon, i)]);
-}
-
-OrientedBox point(const Point& p) { return {p.x, p.y, 1.0, 0.0, 0.0, 0.0}; }
-
-/// The gap between a shape and the outline of a polygon [m], <= 0 where they meet.
-double gap(const OrientedBox& box, const Polygon& polygon) {
-  double least = kFarthest;
-  for (std::size_t i = 0; i < polygon.size(); ++i) {
-    least = std::min(least, separation(box, edge(polygon, i)));
-  }
-  return least;
-}
-
-bool strictly_inside(const Polygon& polygon, const Point& p) {
-  return contains(polygon, p) && gap(point(p), polygon) > kTolerance;
-}
-
-/// A point inside the polygon, close to the middle of a side.
-Point beside(const Polygon& polygon, std::size_t i) {
-  const OrientedBox side = edge(polygon, i);
-  const Point left{side.x - 2 * kTolerance * side.uy, side.y + 2 * kTolerance * side.ux};
-  const Point right{side.x + 2 * kTolerance * side.uy, side.y - 2 * kTolerance * side.ux};
-  return contains(polygon, left) ? left : right;
-}
-
-/// Do two polygons share more than borders?
-bool overlap(const Polygon& a, const Polygon& b) {
-  const auto enters = [](const Polygon& one, const Polygon& other) {
-    for (std::size_t i = 0; i < one.size(); ++i) {
-      if (strictly_inside(other, one[i]) || strictly_inside(other, beside(one, i))) return true;
-      if (gap(edge(one, i), other) < -kTolerance) return true;
-    }
-    return false;
-  };
-  return enters(a, b) || enters(b, a);
-}
-
-/// The slot's rectangle, smaller by the tolerance on every side.
-OrientedBox inner_box(const ParkingSlot& slot) {
-  return {slot.middle.x,
-          slot.middle.y,
-          std::cos(slot.middle.theta),
-          std::sin(slot.middle.theta),
-          slot.length / 2 - kTolerance,
-          slot.width / 2 - kTolerance};
-}
-
-/// Does the polygon share ground with the box?
-bool covers(const Polygon& polygon, const OrientedBox& box) {
-  return contains(polygon, {box.x, box.y}) || gap(box, polygon) < 0.0;
-}
-
-bool inside(const OrientedBox& box, const Polygon& polygon) {
-  return contains(polygon, {box.x, box.y}) && gap(box, polygon) >= 0.0;
-}
-
-/// Where a polygon is not simple: the first two sides that meet, or fold back on each other.
-std::optional<std::pair<std::size_t, std::size_t>> self_contact(const Polygon& polygon) {
-  constexpr double kTouch = 1e-6;
-  const std::size_t n = polygon.size();
-  for (std::size_t i = 0; i < n; ++i) {
-    for (std::size_t j = i + 1; j < n; ++j) {
-      double apart = 0.0;
-      if (j == next(polygon, i)) {
-        apart = std::min(separation(point(polygon[next(polygon, j)]), edge(polygon, i)),
-                         separation(point(polygon[i]), edge(polygon, j)));
-      } else if (i == next(polygon, j)) {
-        apart = std::min(separation(point(polygon[next(polygon, i)]), edge(polygon, j)),
-                         separation(point(polygon[j]), edge(polygon, i)));
-      } else {
-        apart = separation(edge(polygon, i), edge(polygon, j));
-      }
-      if (apart <= kTouch) return std::pair(i, j);
-    }
-  }
-  return std::nullopt;
-}
-
-double distance(const Point& a, const Point& b) { return std::hypot(b.x - a.x, b.y - a.y); }
-
-double length_of(const std::vector<Point>& line) {
-  double length = 0.0;
-  for (std::size_t i = 1; i < line.size(); ++i) length += distance(line[i - 1], line[i]);
-  return length;
-}
-
-constexpr double kOnItsWay = 1e-6;  // of a segment, until it has left a border that it begins on
-
-/// How far along the segment from `a` to `b`, in (0, 1], it first meets the outline; none: never.
-std::optional<double> first_crossing(const Point& a, const Point& b, const Polygon& polygon) {
-  std::optional<double> first;
-  for (std::size_t i = 0; i < polygon.size(); ++i) {
-    const Point& p = polygon[i];
-    const Point& q = polygon[next(polygon, i)];
-    const double across = (b.x - a.x) * (q.y - p.y) - (b.y - a.y) * (q.x - p.x);
-    if (across == 0.0) continue;  // parallel
-    const double along = ((p.x - a.x) * (q.y - p.y) - (p.y - a.y) * (q.x - p.x)) / across;
-    const double on_side = ((p.x - a.x) * (b.y - a.y) - (p.y - a.y) * (b.x - a.x)) / across;
-    const bool meets = along > kOnItsWay && along <= 1.0 && on_side >= 0.0 && on_side <= 1.0;
-    if (meets && (!first || along < *first)) first = along;
-  }
-  return first;
-}
-
-/// A line from a point on the ground as far as it stays there.
-struct Piece {
-  std::vector<Point> line;
-  bool leaves = false;  ///< the ground before its end
-};
-
-Piece piece_on_ground(const std::vector<Point>& line, const Polygon& ground) {
-  Piece piece{.line = {line.front()}};
-  for (std::size_t i = 1; i < line.size(); ++i) {
-    const Point& a = line[i - 1];
-    const Point& b = line[i];
-    const Point ahead{a.x + (b.x - a.x) * kOnItsWay, a.y + (b.y - a.y) * kOnItsWay};
-    const std::optional<double> crossing =
-        contains(ground, ahead) ? first_crossing(a, b, ground) : std::optional(0.0);
-    const double share = crossing.value_or(1.0);
-    piece.line.push_back({a.x + share * (b.x - a.x), a.y + share * (b.y - a.y)});
-    piece.leaves = crossing.has_value() && (i + 1 < line.size() || share < 1.0);
-    if (crossing) break;
-  }
-  return piece;
-}
-
-/// The farthest that a line is from the straight line between its ends [m].
-double bend(const std::vector<Point>& line) {
-  const OrientedBox chord = segment(line.front(), line.back());
-  double farthest = 0.0;
-  for (const Point& p : line) {
-    const double aside = (p.y - chord.y) * chord.ux - (p.x - chord.x) * chord.uy;
-    farthest = std::max(farthest, std::abs(aside));
-  }
-  return farthest;
-}
 
 class ParkingReader {
  public:
@@ -408,7 +266,7 @@ class ParkingReader {
   static LotLane lot_lane(const Lane& lane, const Point& begin, const Point& end) {
     return {.lane = lane.id,
             .begin = {begin.x, begin.y, std::atan2(end.y - begin.y, end.x - begin.x)},
-            .length = distance(begin, end),
+            .length = length_of({begin, end}),
             .offset = 0.0};
   }
 

@@ -12,17 +12,16 @@
 
 #include "coordinator/faults/faulty_traffic.hpp"
 #include "coordinator/interrupt.hpp"
-#include "coordinator/lateral_limits.hpp"
 #include "coordinator/report.hpp"
 #include "coordinator/simulation.hpp"
 #include "coordinator/trip_log.hpp"
 #include "planner/problem/input_error.hpp"
 #include "tools/compare/report.hpp"
 #include "tools/coordinate/drivers.hpp"
-#include "tools/coordinate/fault_options.hpp"
 #include "tools/coordinate/misbehaviour.hpp"
 #include "tools/coordinate/run_recorder.hpp"
 #include "tools/coordinate/scenario.hpp"
+#include "tools/coordinate/traffic.hpp"
 #include "tools/program.hpp"
 #include "tools/progress.hpp"
 #include "tools/run_folder.hpp"
@@ -35,33 +34,6 @@ namespace {
 
 constexpr double kCheckpointEvery = 60.0;      ///< [s] simulated
 constexpr double kAfterLastDeparture = 120.0;  ///< [s] that a run goes on about, for the progress
-
-/// SUMO at the begin of the scenario, every limit set.
-std::unique_ptr<SumoTraffic> open_traffic(const CoordinateOptions& options,
-                                          const Scenario& scenario) {
-  std::unique_ptr<SumoTraffic> traffic = open_sumo(scenario.sumo);
-  if (scenario.sumo.remote && traffic->step_length() > kLongestStep) {
-    throw InputError("--remote " + options.remote,
-                     fmt::format("its step of {} s is too long to drive vehicles by; start it with "
-                                 "--step-length {} or less",
-                                 traffic->step_length(), kLongestStep));
-  }
-  if (options.max_lateral_accel > 0.0) {
-    for (const auto& [lane, speed] :
-         bend_speed_limits(traffic->network(), options.max_lateral_accel)) {
-      traffic->limit_speed(lane, speed);
-    }
-  }
-  return traffic;
-}
-
-/// The traffic through the air, if something is to go wrong there.
-std::unique_ptr<FaultyTraffic> make_faulty(const CoordinateOptions& options, Traffic& traffic) {
-  FaultPlan plan = read_faults(options.faults);
-  plan.seed = options.seed;
-  if (options.faults.empty()) return nullptr;
-  return std::make_unique<FaultyTraffic>(traffic, std::move(plan));
-}
 
 }  // namespace
 
