@@ -117,13 +117,17 @@ bool RoadContact::a_is_alongside(const InertialState& a, const InertialState& b,
                                  double closing) const {
   const Vehicle& body_a = library_->body(a_->path);
   const Vehicle& body_b = library_->body(b_->path);
-  const Pose pose_a = library_->path(a_->path).at(a.s);
-  const Pose pose_b = library_->path(b_->path).at(b.s);
-  const double reach = body_a.length() + body_b.length() + kNextLane + closing;
-  if (distance(pose_a, pose_b) > reach) return false;
+  const double behind = -(body_a.front + body_b.rear);
+  const double ahead = body_b.front + body_a.rear + closing;
+  // As seen from `b`, which is nearly what its path says, and much quicker to say.
+  constexpr double kNearly = 3.0;  // [m], and half a radian
+  const Pose local = relative(library_->path(b_->path).at(b.s), library_->path(a_->path).at(a.s));
+  const bool may_be = local.x > behind - kNearly && local.x < ahead + kNearly &&
+                      std::abs(local.y) > kAside / 2 && std::abs(local.y) < kNextLane + kNearly &&
+                      std::abs(local.theta) < kTurned + 0.5;
+  if (!may_be) return false;
   const BesidePath at = beside_path(*library_, a_->path, a.s, b_->path, b.s);
-  return is_in_next_lane(at) && at.along > -(body_a.front + body_b.rear) &&
-         at.along < body_b.front + body_a.rear + closing;
+  return is_in_next_lane(at) && at.along > behind && at.along < ahead;
 }
 
 bool RoadContact::cuts_off(const InertialState& a, const InertialState& b) const {
