@@ -12,7 +12,7 @@ cd "$(dirname "$0")/.."
 tools/install_packages.sh dpkg-dev file
 cmake --preset release >/dev/null
 cmake --build --preset release --target mvtp_manual_pages mvtp_python  # all that is installed
-rm -rf "$folder"
+rm -f "$folder"/{mvtp,libmvtp-dev,python3-mvtp}_*.deb  # it may hold other things
 cpack --config build/release/CPackConfig.cmake -B "$folder" >/dev/null
 rm -rf "$folder/_CPack_Packages"
 if command -v lintian >/dev/null; then
