@@ -8,11 +8,15 @@ bare=false
 [ "${1:-}" = --bare ] && { bare=true; shift; }
 folder=$(realpath -m "${1:-"$(dirname "$0")/../out/packages"}")
 cd "$(dirname "$0")/.."
+if $bare && ! { [ "$(id -u)" -eq 0 ] && command -v debootstrap >/dev/null; }; then
+  echo "package.sh: --bare needs root and debootstrap" >&2
+  exit 2
+fi
 
 tools/install_packages.sh dpkg-dev file
 cmake --preset release >/dev/null
 cmake --build --preset release --target mvtp_manual_pages mvtp_python  # all that is installed
-rm -rf "$folder"
+rm -f "$folder"/{mvtp,libmvtp-dev,python3-mvtp}_*.deb  # it may hold other things
 cpack --config build/release/CPackConfig.cmake -B "$folder" >/dev/null
 rm -rf "$folder/_CPack_Packages"
 if command -v lintian >/dev/null; then
@@ -25,12 +29,15 @@ root=$(mktemp -d)
 trap 'rm -rf "$root"' EXIT
 chmod 755 "$root"
 debootstrap --variant=minbase bookworm "$root" >/dev/null
+echo force-unsafe-io >"$root/etc/dpkg/dpkg.cfg.d/unsafe-io"  # it is thrown away: no fsync
 cp "$folder"/*.deb "$root"
 cp -r networks scenarios "$root/opt"
 mkdir "$root/opt/docs"
 cp -r docs/examples "$root/opt/docs"
 unshare --mount --pid --fork --mount-proc="$root/proc" chroot "$root" bash -euxc '
   export DEBIAN_FRONTEND=noninteractive LC_ALL=C.UTF-8
+  mkdir -p /dev/pts
+  mount -t devpts devpts /dev/pts  # apt writes its log through a terminal
   apt-get update -qq
   apt-get install -y -qq --no-install-recommends ./mvtp_*.deb >/dev/null
   mvtp --version

@@ -125,7 +125,7 @@ int run_program(int argc, char** argv, std::span<const Command> commands) {
     try {
       app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {
-      return finish_parsing(app, error);
+      return run([&] { return finish_parsing(app, error); });
     }
     for (const auto& [sub, action] : actions) {
       if (sub->parsed()) return run(action);

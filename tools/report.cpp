@@ -35,7 +35,8 @@ struct ReportCommand {
 /// Runs report.py, which lies beside the program, on the numbers in figures.json.
 /// @return exit code.
 int draw_figures(const ReportCommand& command) {
-  constexpr int kNoMatplotlib = 3;  // exit code of the script
+  constexpr int kNoMatplotlib = 3;  // exit codes of the script
+  constexpr int kUnwritable = 4;
   const fs::path script = shared_file("report.py");
   if (!fs::exists(script)) throw InputError(script.string(), "is missing; install mvtp again");
   if (!fs::exists(command.python)) {
@@ -60,6 +61,11 @@ int draw_figures(const ReportCommand& command) {
     throw InputError(command.python,
                      "has no matplotlib, which the figures need (the tables are "
                      "written); install python3-matplotlib");
+  }
+  if (WIFEXITED(status) && WEXITSTATUS(status) == kUnwritable) {
+    throw InputError(command.folder,
+                     "the figures cannot be written there: is the disk full? Make room, or choose "
+                     "another --output-dir");
   }
   if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) {
     throw InputError(command.folder, "the figures could not be drawn there; the reason is above");

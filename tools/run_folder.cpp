@@ -23,7 +23,6 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
 constexpr const char* kSummary = "summary.json";
-constexpr std::uintmax_t kLeastSpace = 1'000'000;  ///< [bytes] without which no run begins
 
 /// Every file that a run may write, but the pictures of further parking lots.
 constexpr std::array kFiles = {"summary.json", "vehicles.csv", "replans.csv",   "events.csv",
@@ -85,10 +84,7 @@ RunFolder::RunFolder(const std::string& folder, const std::string& option)
     : folder_(folder), option_(option) {
   make_output_folder(folder, option);
   for (const char* name : kFiles) check_writable(path(name));
-  if (is_full()) {
-    throw InputError(folder,
-                     fmt::format("the disk is full; make room or choose another {}", option));
-  }
+  require_room(folder, option);
   lock_ = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
   if (lock_ < 0 || ::flock(lock_, LOCK_EX | LOCK_NB) != 0) {
     const bool taken = lock_ >= 0 && errno == EWOULDBLOCK;
@@ -116,17 +112,11 @@ void RunFolder::drop(const std::string& name) {
   parts_.erase(name);
 }
 
-bool RunFolder::is_full() const {
-  std::error_code error;
-  const fs::space_info space = fs::space(folder_, error);
-  return !error && space.available < kLeastSpace;
-}
-
 void RunFolder::write(const std::string& name, std::string_view content) {
   try {
     write_text_file(part(name), content);
   } catch (const InputError&) {
-    if (!is_full()) throw;
+    if (!is_full(folder_)) throw;
     throw InputError(path(name), fmt::format("cannot be written: the disk is full; make room or "
                                              "choose another {}",
                                              option_));

@@ -36,8 +36,6 @@ class RunFolder {
   void discard();
 
  private:
-  [[nodiscard]] bool is_full() const;
-
   std::filesystem::path folder_;
   std::string option_;
   int lock_ = -1;

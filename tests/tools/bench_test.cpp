@@ -164,11 +164,29 @@ TEST_F(BenchCommand, AFullDiskIsNoResult) {
   const std::string bench = std::string("'") + MVTP_PROGRAM + "' bench in/easy.yaml -q -o r.csv";
   const Outcome outcome = shell("trap '' XFSZ; ulimit -f 1; " + bench);
   EXPECT_EQ(outcome.exit_code, 2);
-  EXPECT_THAT(outcome.err, MatchesRegex("mvtp: [^\n]*: the disk is full; make room or set TMPDIR to "
-                                        "another folder, and use --resume\n"));
-  EXPECT_THAT(results(), IsEmpty());
+  EXPECT_THAT(outcome.err,
+              MatchesRegex("mvtp: [^\n]*: the disk is full; make room or set TMPDIR to "
+                           "another folder, and use --resume\n"));
+  EXPECT_EQ(shell("ls").out, "in\n");
   EXPECT_EQ(shell(bench + " --resume").exit_code, 0);
   EXPECT_THAT(results(), SizeIs(1));
+}
+
+//   Whole rows fill the file up to a few bytes before its limit of 8 blocks.
+TEST_F(BenchCommand, AFullDiskCutsNoRowOff) {
+  const std::string bench = std::string("'") + MVTP_PROGRAM + "' bench in/easy.yaml -q -o r.csv";
+  ASSERT_EQ(shell(bench).exit_code, 0);
+  ResultRow row = results().front();
+  row.instance = "";
+  std::string rows = content_of(directory_.path("r.csv"));
+  row.instance = std::string(8 * 512 - 20 - rows.size() - to_csv(row).size(), 'x');
+  rows += to_csv(row);
+  (void)directory_.file("r.csv", rows);
+  const Outcome outcome = shell("trap '' XFSZ; ulimit -f 8; " + bench + " --resume --seeds 1");
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_EQ(outcome.err,
+            "mvtp: r.csv: cannot be written: is the disk full? Make room and use --resume\n");
+  EXPECT_EQ(content_of(directory_.path("r.csv")), rows);
 }
 
 TEST_F(BenchCommand, ShardsTogetherAreTheWhole) {

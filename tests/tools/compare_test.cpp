@@ -204,6 +204,15 @@ TEST_F(Compare, AFailedRunIsARowAndTheOthersGoOn) {
   EXPECT_THAT(csv, HasSubstr("\npriority,1,failed,"));
 }
 
+//   What a run said was lost, too.
+TEST_F(Compare, AFullDiskIsToldInOneLine) {
+  const Outcome outcome =
+      shell(std::string("(trap '' XFSZ; ulimit -f 0; '") + MVTP_PROGRAM + "' compare -c '" +
+            kScenario + "' --seeds 1 --quiet --junction nowhere --output-dir out) 2>&1 | cat");
+  EXPECT_THAT(outcome.out, MatchesRegex("mvtp: out/[^\n]*: the disk is full; make room or choose "
+                                        "another --output-dir\n"));
+}
+
 TEST_F(Compare, ACrashedRunIsToldAndNotHidden) {
   const std::string script = std::string("'") + MVTP_PROGRAM + "' compare -c '" + kScenario +
                              "' --end 600 --seeds 1 --jobs 1 --output-dir out & pid=$!\n"

@@ -214,6 +214,16 @@ TEST_F(CoordinateRun, AFileOfSumosThatIsCutOffIsNoneAndTheRestIsKept) {
   EXPECT_EQ(summary()["completed"], 1);
 }
 
+//   Who has not arrived when a run fails is no second fault of it.
+TEST_F(CoordinateRun, ARunThatFailsSaysSoInOneLine) {
+  write(vehicle("a", 0, "Wi Eo"), kStep + "<end value=\"20\"/>");
+  const Outcome outcome = shell(std::string("trap '' XFSZ; ulimit -f 40; '") + MVTP_PROGRAM +
+                                "' coordinate -c x.sumocfg --no-view --quiet --output-dir out");
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_THAT(outcome.err, testing::MatchesRegex("mvtp: out/fcd.xml: is cut off[^\n]*\n"));
+  EXPECT_EQ(summary()["completed"], 0);
+}
+
 TEST_F(CoordinateRun, APageThatCannotBeWrittenIsTheOnlyLoss) {
   write(vehicle("a", 0, "Wi Eo"), kStep);
   const Outcome outcome = shell(std::string("trap '' XFSZ; ulimit -f 40; '") + MVTP_PROGRAM +

@@ -256,12 +256,12 @@ TEST_F(Program, BadInputIsOneLineThatNamesThePlace) {
 TEST_F(Program, ResultsThatCannotBePrintedAreNotDone) {
   (void)directory_.file("i.yaml", kInstance);
   (void)directory_.file("p.yaml", kPlan);
-  const std::string command = "cd '" + directory_.path("") + "' && '" + MVTP_PROGRAM +
-                              "' validate -i i.yaml -s p.yaml >/dev/full 2>'" +
-                              streams_.path("err") + "'";
-  const int status = std::system(command.c_str());
-  EXPECT_EQ(WEXITSTATUS(status), 2);
-  EXPECT_THAT(content_of(streams_.path("err")), StartsWith("mvtp: standard output: "));
+  for (const char* arguments : {"validate -i i.yaml -s p.yaml", "--version", "solve --help"}) {
+    const Outcome outcome =
+        shell(std::string("'") + MVTP_PROGRAM + "' " + arguments + " >/dev/full");
+    EXPECT_EQ(outcome.exit_code, 2) << arguments;
+    EXPECT_THAT(outcome.err, MatchesRegex("mvtp: standard output: [^\n]*\n")) << arguments;
+  }
 }
 
 //   Two robots face each other, 20 m apart, each on its way to where the other one stands.

@@ -206,6 +206,17 @@ TEST_F(ReportCommand, SaysWhatToInstallForTheFigures) {
   expect_refused("report r.csv -o a --python " + python, "a: the figures could not be drawn .*");
 }
 
+//   There is room for the tables, but for no figure.
+TEST_F(ReportCommand, AFullDiskIsToldInOneLine) {
+  const Outcome outcome =
+      shell(std::string("trap '' XFSZ; ulimit -f 16; '") + MVTP_PROGRAM + "' report r.csv -o a");
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_EQ(outcome.err,
+            "mvtp: a: the figures cannot be written there: is the disk full? Make room, or choose "
+            "another --output-dir\n");
+  EXPECT_EQ(shell("ls a").out, "figures.json\ntables.md\n");
+}
+
 TEST_F(ReportCommand, RefusesWhatItCannotRead) {
   (void)directory_.file("none.csv", results_header());
   (void)directory_.file("bad.csv", "a,b\n");

@@ -218,9 +218,18 @@ TEST_F(SweepCommand, AFullDiskIsNoResult) {
   EXPECT_EQ(outcome.exit_code, 2);
   EXPECT_THAT(outcome.err, testing::MatchesRegex("mvtp: [^\n]*: the disk is full; make room or set "
                                                  "TMPDIR to another folder, and use --resume\n"));
-  EXPECT_THAT(rows("s.csv"), IsEmpty());
+  EXPECT_EQ(directory_.size(), 0) << "neither a table without rows nor a note on its options";
   EXPECT_EQ(run(sweep("--resume -o s.csv")).exit_code, 0);
   EXPECT_EQ(rows("s.csv").size(), 1U);
+}
+
+TEST_F(SweepCommand, WithoutRoomForTheHeadThereIsNoTable) {
+  const std::string words = std::string("'") + MVTP_PROGRAM + "' " + sweep("-o s.csv");
+  const Outcome outcome = shell("trap '' XFSZ; ulimit -f 1; " + words);
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_EQ(outcome.err,
+            "mvtp: s.csv: cannot be written: is the disk full? Make room and use --resume\n");
+  EXPECT_EQ(directory_.size(), 0);
 }
 
 TEST_F(SweepCommand, BadInputIsOneLineAndNoFile) {

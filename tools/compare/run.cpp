@@ -18,6 +18,7 @@
 #include "tools/command_line.hpp"
 #include "tools/compare/controls.hpp"
 #include "tools/compare/report.hpp"
+#include "tools/output_folder.hpp"
 #include "tools/program.hpp"
 #include "tools/progress.hpp"
 #include "tools/run_folder.hpp"
@@ -180,7 +181,8 @@ class Comparison {
   /// Makes a folder for each run, without the results of an earlier one: a run that fails must not
   /// pass off another's as its own.
   void prepare_folders() const {
-    if (options_.output_dir.empty()) throw InputError("--output-dir", "is empty; give a folder");
+    make_output_folder(options_.output_dir, "--output-dir");
+    require_room(options_.output_dir, "--output-dir");
     for (const ComparedRun& run : runs_) {
       std::error_code error;
       fs::create_directories(run.folder, error);
@@ -216,7 +218,7 @@ class Comparison {
   void judge(std::size_t i, int status) {
     ComparedRun& run = runs_[i];
     const int code = WIFEXITED(status) ? WEXITSTATUS(status) : kNotAchieved;
-    if (code == kBadInput && refusal_.empty()) refusal_ = first_line(jobs_[i].messages);
+    if (code == kBadInput && refusal_.empty()) refusal_ = reason_of(i);
     if (WIFSIGNALED(status)) {
       const std::string said = first_line(jobs_[i].messages);
       run.failure = fmt::format("crashed ({}){}{}", strsignal(WTERMSIG(status)),
@@ -238,6 +240,13 @@ class Comparison {
       const std::string said = first_line(jobs_[i].messages);
       run.failure = fmt::format("exit code {}: {}", code, said.empty() ? error.what() : said);
     }
+  }
+
+  /// Why a run refuses its input. Each says why, if there is room for it.
+  [[nodiscard]] std::string reason_of(std::size_t i) const {
+    const std::string said = first_line(jobs_[i].messages);
+    if (!said.empty()) return said;
+    return runs_[i].folder + ": the disk is full; make room or choose another --output-dir";
   }
 
   void sort_by_control() {

@@ -325,7 +325,7 @@ class SumoRun::Impl {
       say(fmt::format("coordinated vehicles touched people {} times; see {}",
                       report_.audit.people_touched, folder_.path("events.csv")));
     }
-    if (missing > 0) {
+    if (missing > 0 && report_.message.empty()) {
       say(fmt::format("{} of {} vehicles had not arrived at t = {:.2f} s ({})", missing,
                       report_.vehicles.size(), report_.end, report_.status));
     }

@@ -1,7 +1,8 @@
 """Draws the figures of `mvtp report`: success rate, makespan and runtime over the number of robots.
 
 Usage: report.py FIGURES.json DIR, which `mvtp report` does. Writes DIR/NAME.svg and DIR/NAME.png for
-each figure, the same bytes for the same numbers. Exits with 3 if matplotlib is missing.
+each figure, the same bytes for the same numbers. Exits with 3 if matplotlib is missing, with 4 if a
+figure cannot be written.
 """
 
 import json
@@ -241,8 +242,13 @@ def save(canvas, path):
         ("png", {"Software": "mvtp"}),
     ):
         beside = f"{path}.{kind}.part"
-        canvas.savefig(beside, format=kind, dpi=200, metadata=metadata)
-        os.replace(beside, f"{path}.{kind}")
+        try:
+            canvas.savefig(beside, format=kind, dpi=200, metadata=metadata)
+            os.replace(beside, f"{path}.{kind}")
+        except OSError:
+            if os.path.exists(beside):
+                os.unlink(beside)
+            sys.exit(4)
 
 
 def main():

@@ -8,7 +8,8 @@
 namespace mvtp {
 
 /// A CSV file to which the rows of runs are appended one by one, each with one write(): a process
-/// that is killed leaves whole lines. It is locked, so that no two write to it.
+/// that is killed leaves whole lines. It is locked, so that no two write to it. Who gives up before
+/// the first row, with an exception, leaves no file.
 class RowFile {
  public:
   enum class Mode {
@@ -29,12 +30,19 @@ class RowFile {
   RowFile& operator=(const RowFile&) = delete;
   ~RowFile();
 
-  /// @param line  with its end. @throws InputError if the disk is full.
+  /// @param line  with its end. @throws InputError if the disk is full; the file is as before.
   void append(std::string_view line);
 
  private:
+  void begin(Mode mode, const Format& format,
+             const std::function<std::size_t(std::string_view)>& read);
+  void write(std::string_view line);
+  void discard() const;
+
   std::string path_;
   int file_;
+  std::size_t size_ = 0;          ///< of the whole lines [bytes]
+  bool is_without_rows_ = false;  ///< this process has begun it, and added none
 };
 
 /// The largest such file that is read [bytes].

@@ -27,9 +27,11 @@ std::vector<std::string> lines_of(const std::string& text) {
 
 }  // namespace
 
+std::string options_note(const std::string& file) { return file + ".options"; }
+
 void require_same_options(const std::string& file, const std::vector<std::string>& options,
                           bool resume) {
-  const std::string note = file + ".options";
+  const std::string note = options_note(file);
   if (!resume || !std::filesystem::exists(note)) {
     write_text_file(note, options.empty() ? "" : fmt::format("{}\n", fmt::join(options, "\n")));
     return;

@@ -5,6 +5,9 @@
 
 namespace mvtp {
 
+/// FILE.options.
+[[nodiscard]] std::string options_note(const std::string& file);
+
 /// Runs with different options never stand in one table: the options of the runs in FILE are kept
 /// in FILE.options, one per line.
 /// @param resume  FILE is gone on with, so they must be the same; else they are written.

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cerrno>
-#include <cstdint>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
@@ -9,6 +8,7 @@
 #include <system_error>
 
 #include "planner/problem/input_error.hpp"
+#include "tools/output_folder.hpp"
 
 namespace mvtp {
 
@@ -28,7 +28,7 @@ class TemporaryFolder {
                                  "); set TMPDIR to another");
     }
     path_ = name;
-    if (is_full()) {
+    if (is_full(path_)) {
       std::filesystem::remove(path_, error);
       throw InputError(name, "the disk is full; make room or set TMPDIR to another folder");
     }
@@ -46,7 +46,7 @@ class TemporaryFolder {
   /// @param said  its last words.
   /// @throws InputError if it was that.
   void rule_out_full_disk(const std::string& said) const {
-    bool full = is_full() || said.find("disk full") != std::string::npos;
+    bool full = is_full(path_) || said.find("disk full") != std::string::npos;
     for (const int error : {ENOSPC, EDQUOT, EFBIG}) {
       full = full || said.find(std::strerror(error)) != std::string::npos;
     }
@@ -57,14 +57,6 @@ class TemporaryFolder {
   }
 
  private:
-  static constexpr std::uintmax_t kLeastSpace = 1'000'000;  ///< [bytes]
-
-  [[nodiscard]] bool is_full() const {
-    std::error_code error;
-    const std::filesystem::space_info space = std::filesystem::space(path_, error);
-    return !error && space.available < kLeastSpace;
-  }
-
   std::filesystem::path path_;
 };
 
