@@ -8,6 +8,7 @@
 #include <set>
 
 #include "planner/road/joint_cost.hpp"
+#include "planner/road/neighbourhoods.hpp"
 #include "planner/road/passing_order.hpp"
 #include "planner/search/draws.hpp"
 
@@ -27,6 +28,7 @@ class CrossingPlanner {
                   WorkBudget work)
       : pairs_(pairs),
         orders_(pairs),
+        neighbourhoods_(pairs),
         cost_(pairs, options.trajectory, options.headway_weight),
         scene_(pairs.scene()),
         options_(options),
@@ -267,7 +269,8 @@ class CrossingPlanner {
     int left = options_.tries * options_.per_try;
     for (int failures = 0; left > 0 && failures < options_.patience && !work_.is_spent(); --left) {
       if (std::accumulate(delays.begin(), delays.end(), 0.0) < 0.1) return;
-      const Order chosen = neighbourhood(best.plan.entries, draws_.weighted(delays));
+      const Order chosen =
+          neighbourhoods_.around(best.plan.entries, draws_.weighted(delays), draws_);
       std::vector<Entry> entries = best.plan.entries;
       std::erase_if(entries, [&](const Entry& e) { return std::ranges::count(chosen, e.key) > 0; });
       ++failures;
@@ -278,58 +281,6 @@ class CrossingPlanner {
       best = {{in_lane_order(std::move(entries))}, {}, cost};
       delays = cost_.own_delays(best.plan.entries);
     }
-  }
-
-  /// A vehicle with some of its followers, and behind them another one that it meets, with some of
-  /// its own: who passes later needs room behind it.
-  Order neighbourhood(const std::vector<Entry>& entries, std::size_t first) {
-    constexpr int kFollowers = 4;
-    const std::size_t own = pairs_.index(entries[first].key);
-    std::vector<std::size_t> near;
-    for (std::size_t i = 0; i < entries.size(); ++i) {
-      const std::size_t other = pairs_.index(entries[i].key);
-      if (i == first || pairs_.leads(own, other) || pairs_.leads(other, own)) continue;
-      if (meet_soon(own, *entries[first].trajectory, entries[i])) near.push_back(i);
-    }
-    Order chosen;
-    add_with_followers(entries, first, draws_.between(0, kFollowers), chosen);
-    if (!near.empty()) {
-      const std::size_t other = near[std::size_t(draws_.between(0, int(near.size()) - 1))];
-      add_with_followers(entries, other, draws_.between(0, kFollowers), chosen);
-    }
-    return orders_.in_lane_order(chosen);
-  }
-
-  void add_with_followers(const std::vector<Entry>& entries, std::size_t i, int followers,
-                          Order& chosen) const {
-    const std::int64_t leader = entries[i].key;
-    if (std::ranges::find(chosen, leader) == chosen.end()) chosen.push_back(leader);
-    for (; i < entries.size() && followers > 0; ++i) {
-      if (!orders_.leads(leader, entries[i].key)) continue;
-      --followers;
-      const bool known = std::ranges::find(chosen, entries[i].key) != chosen.end();
-      if (!known) chosen.push_back(entries[i].key);
-    }
-  }
-
-  /// Would the other one be where this one is, had either been a few seconds earlier or later?
-  [[nodiscard]] bool meet_soon(std::size_t own, const SpeedProfile& t, const Entry& other) const {
-    constexpr double kSoon = 4.0;  // [s]
-    const ContactView contact = pairs_.between(own, pairs_.index(other.key));
-    if (contact.contact->never()) return false;
-    const auto few = std::int64_t(kSoon / scene_.grid.dt);
-    const std::int64_t last = std::min(t.end() - 1, other.trajectory->end() - 1 + few);
-    for (std::int64_t k = scene_.step; k <= last; k += few) {
-      const std::int64_t until = std::min(k + few, t.end() - 1);
-      const std::int64_t from = std::max(scene_.step, k - few);
-      if (from >= other.trajectory->end()) return false;
-      const std::int64_t to = std::min(until + few, other.trajectory->end() - 1);
-      if (contact.table().reaches(t.at(k).s, t.at(until).s, other.trajectory->at(from).s,
-                                  other.trajectory->at(to).s)) {
-        return true;
-      }
-    }
-    return false;
   }
 
   /// Local search over orders: single vehicles earlier or later, or with their followers earlier.
@@ -390,6 +341,7 @@ class CrossingPlanner {
 
   const RoadPairs& pairs_;
   PassingOrders orders_;
+  Neighbourhoods neighbourhoods_;
   JointCost cost_;
   const RoadScene& scene_;
   const CrossingOptions& options_;
