@@ -121,6 +121,19 @@ class Page : public testing::Test {
         }).map((e) => e.id || e.className || e.tagName))js");
   }
 
+  /// Whatever is seen and reaches beyond the page to its left or right.
+  [[nodiscard]] Json wider_than_the_page() const {
+    return see(R"js([...document.querySelectorAll('body *')].filter((e) => e.checkVisibility())
+        .filter((e) => {
+          const b = e.getBoundingClientRect();
+          return b.width > 0 && (b.left < -0.5 || b.right > innerWidth + 0.5);
+        }).map((e) => e.id || e.className || e.tagName))js");
+  }
+  [[nodiscard]] double edge(const std::string& id, const std::string& which) const {
+    return see("document.getElementById('" + id + "').getBoundingClientRect()." + which)
+        .get<double>();
+  }
+
   TemporaryDirectory directory_;
   std::unique_ptr<Browser> browser_;
 };
@@ -203,6 +216,22 @@ TEST_F(Page, NothingIsCutOffOnALargeScreenAndOnAPhone) {
   draw();
   EXPECT_TRUE(see("document.getElementById('colour').checkVisibility()"));
   EXPECT_THAT(cut_off(), Not(testing::Contains("colour")));
+}
+
+//   Two maps, a diagram and the facts on a vehicle are the most that there is to show.
+TEST_F(Page, DetailsCoverNoMapOnAPhone) {
+  resize(kPhone);
+  show({street(), street()}, "t=12&sel=a&movement=W%3EE");
+  EXPECT_THAT(wider_than_the_page(), IsEmpty());
+  (void)see("document.getElementById('show-side').click()");
+  draw();
+  EXPECT_THAT(wider_than_the_page(), IsEmpty());
+  EXPECT_LE(edge("maps", "bottom"), edge("side", "top"));
+  EXPECT_GE(edge("panes", "height"), 80.0);
+  EXPECT_GE(edge("side", "height"), 250.0);
+  EXPECT_LE(edge("side", "bottom"), edge("strips", "top"));
+  (void)see("document.getElementById('show-help').click()");
+  EXPECT_THAT(wider_than_the_page(), IsEmpty());
 }
 
 TEST_F(Page, AllOfAPlanIsSeenWhateverTheShapeOfTheScreen) {

@@ -68,7 +68,7 @@ function buildTransport(app) {
   byId('picture').addEventListener('click', () => app.savePicture());
   byId('show-help').addEventListener('click', () => byId('help').showModal());
   byId('show-side').addEventListener('click', () => {
-    const open = byId('side').classList.toggle('open');
+    const open = byId('side').parentElement.classList.toggle('side-open');
     byId('show-side').setAttribute('aria-expanded', String(open));
   });
   const scrub = byId('scrub');
