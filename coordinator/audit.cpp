@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kNear = 3.0;  // [m]: larger clearances are nobody's minimum
 
-/// The way between two poses, seen along the heading half way between them.
+/// The displacement between two poses, seen along the heading half way between them.
 struct Displacement {
   double along = 0.0;   ///< [m], of every point on the axis of the body
   double aside = 0.0;   ///< [m], of the rear axle, to the left
@@ -40,39 +40,40 @@ double reach(const Vehicle& body) {
 
 }  // namespace
 
-void Audit::observe(double time, std::span<const Sighting> sightings,
+void Audit::observe(double time, std::span<const Observation> observations,
                     std::span<const Pedestrian> people) {
-  const std::vector<Passage> moved = passages(sightings);
+  const std::vector<Passage> moved = passages(observations);
   compare_pairs(time, moved);
   compare_with_people(time, moved, people);
-  for (const Sighting& s : sightings) follow(time, s);
+  for (const Observation& s : observations) follow(time, s);
   std::erase_if(tracks_, [&](const auto& track) {
-    const auto seen = std::ranges::lower_bound(sightings, track.first, {},
-                                               [](const Sighting& s) { return s.state->id; });
-    return seen == sightings.end() || seen->state->id != track.first;
+    const auto seen = std::ranges::lower_bound(observations, track.first, {},
+                                               [](const Observation& s) { return s.state->id; });
+    return seen == observations.end() || seen->state->id != track.first;
   });
   people_.clear();
   for (const Pedestrian& person : people) people_.emplace(person.id, person.position);
 }
 
-std::vector<Audit::Passage> Audit::passages(std::span<const Sighting> sightings) const {
+std::vector<Audit::Passage> Audit::passages(std::span<const Observation> observations) const {
   std::vector<Passage> result;
-  for (const Sighting& s : sightings) {
+  for (const Observation& s : observations) {
     const auto found = tracks_.find(s.state->id);
     const bool moves = found != tracks_.end() && !leaps(s, found->second);
     const Pose& from = moves ? found->second.pose : s.state->pose;
     const StepMotion motion(from, s.state->pose);
-    const Point way = motion.velocity(0.0);
-    result.push_back({.seen = &s,
-                      .motion = motion,
-                      .from = moves ? 0.0 : 1.0,
-                      .middle = motion.at(0.5),
-                      .reach = reach(s.type->body) + 0.5 * std::hypot(way.x, way.y)});
+    const Point motion_of_step = motion.velocity(0.0);
+    result.push_back(
+        {.seen = &s,
+         .motion = motion,
+         .from = moves ? 0.0 : 1.0,
+         .middle = motion.at(0.5),
+         .reach = reach(s.type->body) + 0.5 * std::hypot(motion_of_step.x, motion_of_step.y)});
   }
   return result;
 }
 
-bool Audit::leaps(const Sighting& now, const Track& before) const {
+bool Audit::leaps(const Observation& now, const Track& before) const {
   if (now.coordinated) return false;
   const Displacement d = displacement(before.pose, now.state->pose);
   const double fast = std::max(before.speed, now.state->speed);
@@ -170,12 +171,13 @@ bool Audit::compare(double time, const Passage& a, const Passage& b) {
   return true;
 }
 
-void Audit::report(AuditEventKind kind, double time, const Sighting& s, const std::string& what) {
+void Audit::report(AuditEventKind kind, double time, const Observation& s,
+                   const std::string& what) {
   const VehicleState& v = *s.state;
   events_.push_back({kind, time, v.id + ' ' + what, {v.pose.x, v.pose.y}, {v.id}});
 }
 
-void Audit::follow(double time, const Sighting& s) {
+void Audit::follow(double time, const Observation& s) {
   Track now{.pose = s.state->pose,
             .speed = s.state->speed,
             .along = {},
@@ -192,7 +194,7 @@ void Audit::follow(double time, const Sighting& s) {
                      found->second.coordinated == s.coordinated;
     if (!was) {
       report(AuditEventKind::kOffRoad, time, s,
-             s.coordinated ? "is off the road" : "(with its own driver) is off the road");
+             s.coordinated ? "is off the road" : "(human-driven) is off the road");
     }
   }
   if (found != tracks_.end()) {
@@ -219,7 +221,7 @@ void Audit::follow(double time, const Sighting& s) {
   tracks_.insert_or_assign(s.state->id, std::move(now));
 }
 
-void Audit::judge_motion(double time, const Sighting& s, const Track& before, Track& now) {
+void Audit::judge_motion(double time, const Observation& s, const Track& before, Track& now) {
   const Displacement d = displacement(before.pose, now.pose);
   const Stretch latest{driven(d), d.turned};
   const double driven_speed = std::abs(latest.driven) / dt_;
@@ -250,7 +252,7 @@ void Audit::judge_motion(double time, const Sighting& s, const Track& before, Tr
       std::max(figures_.max_lateral_accel, std::abs(turned) / span * std::abs(length) / span);
 }
 
-void Audit::judge_acceleration(double time, const Sighting& s, double before, double now) {
+void Audit::judge_acceleration(double time, const Observation& s, double before, double now) {
   const Vehicle& body = s.type->body;
   const double change = (std::abs(now) - std::abs(before)) / dt_;
   double accel = std::max(change, 0.0);

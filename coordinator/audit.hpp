@@ -17,7 +17,7 @@
 namespace mvtp {
 
 /// A vehicle as the audit sees it after a step.
-struct Sighting {
+struct Observation {
   const VehicleState* state = nullptr;
   const VehicleType* type = nullptr;
   bool coordinated = false;  ///< placed by us in this step
@@ -89,7 +89,7 @@ class Audit {
   Audit(const DrivableArea& area, double step_length) : area_(area), dt_(step_length) {}
 
   /// @param sightings ordered by id.
-  void observe(double time, std::span<const Sighting> sightings,
+  void observe(double time, std::span<const Observation> observations,
                std::span<const Pedestrian> people = {});
 
   [[nodiscard]] const AuditFigures& figures() const { return figures_; }
@@ -116,17 +116,17 @@ class Audit {
     double handed_back = -1e9;  ///< when [s]
   };
 
-  /// A sighting with the way that led there.
+  /// An observation with the motion that led there.
   struct Passage {
-    const Sighting* seen = nullptr;
+    const Observation* seen = nullptr;
     StepMotion motion;
     double from = 1.0;   ///< share of the step from which on the motion counts: 0, or 1 for none
     Pose middle;         ///< the rear axle half way
     double reach = 0.0;  ///< of the body around it during the step [m]
   };
 
-  [[nodiscard]] std::vector<Passage> passages(std::span<const Sighting> sightings) const;
-  [[nodiscard]] bool leaps(const Sighting& now, const Track& before) const;
+  [[nodiscard]] std::vector<Passage> passages(std::span<const Observation> observations) const;
+  [[nodiscard]] bool leaps(const Observation& now, const Track& before) const;
   void compare_with_people(double time, std::span<const Passage> passages,
                            std::span<const Pedestrian> people);
   void compare_with_person(double time, const Passage& passage, const Pedestrian& person,
@@ -134,10 +134,10 @@ class Audit {
   void compare_pairs(double time, std::span<const Passage> passages);
   /// @return whether the two overlap.
   bool compare(double time, const Passage& a, const Passage& b);
-  void report(AuditEventKind kind, double time, const Sighting& s, const std::string& what);
-  void follow(double time, const Sighting& sighting);
-  void judge_motion(double time, const Sighting& s, const Track& before, Track& now);
-  void judge_acceleration(double time, const Sighting& s, double before, double now);
+  void report(AuditEventKind kind, double time, const Observation& s, const std::string& what);
+  void follow(double time, const Observation& observation);
+  void judge_motion(double time, const Observation& s, const Track& before, Track& now);
+  void judge_acceleration(double time, const Observation& s, double before, double now);
   [[nodiscard]] double jump(const Track& before, const Track& now, const Vehicle& body) const;
 
   const DrivableArea& area_;

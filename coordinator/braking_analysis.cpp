@@ -14,28 +14,28 @@ class DrivenPath {
  public:
   void add(const Pose& pose) {
     const double step = poses_.empty() ? 0.0 : distance(poses_.back(), pose);
-    ways_.push_back(ways_.empty() ? 0.0 : ways_.back() + step);
+    stations_.push_back(stations_.empty() ? 0.0 : stations_.back() + step);
     poses_.push_back(pose);
   }
-  [[nodiscard]] Pose at(double way) const {
-    const auto next = std::ranges::lower_bound(ways_, way);
-    if (next == ways_.begin()) return poses_.front();
-    if (next == ways_.end()) return poses_.back();
-    const auto i = std::size_t(next - ways_.begin());
-    const double length = ways_[i] - ways_[i - 1];
+  [[nodiscard]] Pose at(double s) const {
+    const auto next = std::ranges::lower_bound(stations_, s);
+    if (next == stations_.begin()) return poses_.front();
+    if (next == stations_.end()) return poses_.back();
+    const auto i = std::size_t(next - stations_.begin());
+    const double length = stations_[i] - stations_[i - 1];
     const StepMotion motion(poses_[i - 1], poses_[i]);
-    return motion.at(length > 0.0 ? (way - ways_[i - 1]) / length : 1.0);
+    return motion.at(length > 0.0 ? (s - stations_[i - 1]) / length : 1.0);
   }
 
  private:
   std::vector<Pose> poses_;
-  std::vector<double> ways_;
+  std::vector<double> stations_;
 };
 
 }  // namespace
 
-void BrakingAnalysis::remember(double time, std::span<const Sighting> sightings) {
-  for (const Sighting& s : sightings) {
+void BrakingAnalysis::remember(double time, std::span<const Observation> observations) {
+  for (const Observation& s : observations) {
     Track& track = tracks_[s.state->id];
     track.body = s.type->body;
     track.coordinated = s.coordinated;
@@ -46,10 +46,10 @@ void BrakingAnalysis::remember(double time, std::span<const Sighting> sightings)
                 [&](const auto& entry) { return entry.second.moments.back().time < time; });
 }
 
-void BrakingAnalysis::observe(double time, std::span<const Sighting> sightings,
+void BrakingAnalysis::observe(double time, std::span<const Observation> observations,
                               std::span<const HumanFault> faults,
                               std::span<const AuditEvent> events) {
-  remember(time, sightings);
+  remember(time, observations);
   for (const AuditEvent& event : events.subspan(looked_at_)) {
     if (event.kind != AuditEventKind::kOverlap) continue;
     const bool first = tracks_.at(event.who[0]).coordinated;
@@ -74,8 +74,8 @@ void BrakingAnalysis::judge(double time, const std::string& controlled, const st
   overlaps_.push_back(std::move(found));
 }
 
-/// Full braking from `seen_since` on to rest, with the human where he was, and then going on straight at
-/// his speed: no overlap at or between the steps?
+/// Full braking from `seen_since` on to rest, with the human where he was, and then going on
+/// straight at his speed: no overlap at or between the steps?
 bool BrakingAnalysis::could_stop(const Track& ours, const Track& human, double seen_since) const {
   DrivenPath path;
   double speed = -1.0;
@@ -105,8 +105,8 @@ bool BrakingAnalysis::could_stop(const Track& ours, const Track& human, double s
     if (m.time >= seen_since - dt_ / 2.0 && !brakes_clear_of(m.pose, m.speed)) return false;
   }
   const Moment& last = human.moments.back();
-  for (double way = last.speed * dt_; speed > 0.0; way += last.speed * dt_) {
-    if (!brakes_clear_of(compose(last.pose, {way, 0.0, 0.0}), last.speed)) return false;
+  for (double s = last.speed * dt_; speed > 0.0; s += last.speed * dt_) {
+    if (!brakes_clear_of(compose(last.pose, {s, 0.0, 0.0}), last.speed)) return false;
   }
   return true;
 }

@@ -17,9 +17,9 @@ struct HumanOverlap {
   double time = 0.0;  ///< [s] simulated: the frame of the replay
   std::string controlled;
   std::string human;
-  std::string fault;       ///< of the human driver; empty: he kept to the rules
+  std::string fault;        ///< of the human driver; empty: he kept to the rules
   double seen_since = 0.0;  ///< [s] simulated: since when the fault, or the vehicle, could be seen
-  bool avoidable = false;  ///< by full braking from then on
+  bool avoidable = false;   ///< by full braking from then on
 };
 
 /// Looks back at each overlap of a vehicle under control with a human driver: had the vehicle
@@ -33,8 +33,8 @@ class BrakingAnalysis {
   explicit BrakingAnalysis(double step_length) : dt_(step_length) {}
 
   /// After each step. @param events  all that the audit has found until now.
-  void observe(double time, std::span<const Sighting> sightings, std::span<const HumanFault> faults,
-               std::span<const AuditEvent> events);
+  void observe(double time, std::span<const Observation> observations,
+               std::span<const HumanFault> faults, std::span<const AuditEvent> events);
 
   [[nodiscard]] const std::vector<HumanOverlap>& overlaps() const { return overlaps_; }
 
@@ -49,7 +49,7 @@ class BrakingAnalysis {
     bool coordinated = false;
     std::deque<Moment> moments;  ///< the oldest first
   };
-  void remember(double time, std::span<const Sighting> sightings);
+  void remember(double time, std::span<const Observation> observations);
   void judge(double time, const std::string& controlled, const std::string& human,
              std::span<const HumanFault> faults);
   [[nodiscard]] bool could_stop(const Track& ours, const Track& human, double seen_since) const;

@@ -13,7 +13,7 @@ namespace mvtp {
 namespace {
 
 /// After so many refusals in a row a group gets its plan in spite of the referee: old plans end,
-/// and whoever stands at the end of one stands in the way of all others for good.
+/// and whoever stands at the end of one blocks all others for good.
 constexpr int kMostRefusals = 6;
 
 }  // namespace
@@ -179,7 +179,7 @@ void Coordinator::let_pass(const std::string& guest) {
   }
 }
 
-/// Nobody is under control: whoever waits with its own driver may go, one after the other, and
+/// Nobody is under control: human drivers who wait may go, one after the other, and
 /// people.
 void Coordinator::admit_guests_freely() {
   for (const auto& group : groups_of_guests()) {
@@ -277,7 +277,7 @@ std::vector<std::int64_t> Coordinator::stagnating_groups() {
   return upset;
 }
 
-/// Who has stood for long without a complete plan, or in the way of a guest who may not go because
+/// Who has stood for long without a complete plan, or blocking a guest who may not go because
 /// of it, is stuck until the end of its corridor: its plan may be to wait for that guest.
 void Coordinator::notice_the_stuck() {
   std::map<std::int64_t, int> standing;
@@ -288,7 +288,7 @@ void Coordinator::notice_the_stuck() {
     const auto before = standing_.find(driven.key);
     const int decisions = before == standing_.end() ? 1 : before->second + 1;
     standing.emplace(driven.key, decisions);
-    road.stuck |= decisions * grid_.decision() > kPatience;
+    road.stuck |= decisions * grid_.decision() > kStuckAfter;
   }
   standing_ = std::move(standing);
   blocking_guests_.clear();

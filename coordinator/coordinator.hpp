@@ -91,7 +91,7 @@ class Coordinator : public Controller {
   /// Ids taken over and handed back at the last decision.
   [[nodiscard]] const std::vector<std::string>& taken_over() const { return taken_over_; }
   [[nodiscard]] const std::vector<std::string>& handed_back() const { return handed_back_; }
-  /// Sightings of vehicles near a stop line that keep their own drivers.
+  /// Observations of human-driven vehicles near a stop line.
   [[nodiscard]] std::int64_t guest_sightings() const { return guest_sightings_; }
   /// Vehicles that were not where their plans had them, and have been given up.
   [[nodiscard]] const std::vector<FaultEvent>& losses() const { return losses_; }
@@ -123,13 +123,13 @@ class Coordinator : public Controller {
     std::vector<Forecast> forecasts;
     std::vector<PlannedContact> contacts;
     std::vector<std::size_t> refused;   ///< groups, ascending
-    std::vector<std::string> guests;    ///< who go over junctions with their own drivers
+    std::vector<std::string> guests;    ///< human-driven vehicles that go over junctions
     std::set<std::string> excluded;     ///< arrivals that stay as they are
     std::map<std::int64_t, int> paths;  ///< of the vehicles planned, by key
   };
 
   /// [s] without a complete plan, or turned away, until a vehicle that stands counts as stuck.
-  static constexpr double kPatience = 5.0;
+  static constexpr double kStuckAfter = 5.0;
 
   // The loop.
   [[nodiscard]] static InertialState state_at(const SpeedProfile& t, std::int64_t k);

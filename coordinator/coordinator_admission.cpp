@@ -54,7 +54,7 @@ PathApproach Coordinator::approach_to(const Corridor& corridor, const VehicleSta
 /// Has it been turned away for long?
 bool Coordinator::is_impatient(const std::string& id) const {
   const auto times = turned_away_.find(id);
-  return times != turned_away_.end() && times->second * grid_.decision() > kPatience;
+  return times != turned_away_.end() && times->second * grid_.decision() > kStuckAfter;
 }
 
 Driven Coordinator::admit(const Newcomer& newcomer, std::int64_t key) {

@@ -11,7 +11,7 @@
 namespace mvtp {
 
 /// Would one of the guests who are to go touch somebody under control? Who is within their margins
-/// already is not kept clear of them by its plan. Notes who is in the way.
+/// already is not kept clear of them by its plan. Notes who is blocking.
 bool Coordinator::touches_guests(const Trial& trial) {
   bool touches = false;
   for (const std::string& guest : trial.guests) {

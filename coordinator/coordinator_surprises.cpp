@@ -9,7 +9,7 @@
 namespace mvtp {
 
 /// Without a plan nobody may enter: newcomers stop before the line, and no light turns green, while
-/// vehicles are under control, which keep their plans but still brake for whoever is in the way;
+/// vehicles are under control, which keep their plans but still brake for whoever blocks them;
 /// after that the junction is left to the traffic's own right of way, or its signal's own program.
 void Coordinator::hold_back(const std::vector<Newcomer>& newcomers) {
   if (driven_.empty()) {

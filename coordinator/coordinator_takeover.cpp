@@ -18,7 +18,7 @@ namespace {
 constexpr double kSpareRoom = 10.0;  ///< [m] before a line, beside what it takes to stop there
 
 /// The classes of road vehicles; what runs on rails, on foot or on two wheels without an engine
-/// keeps its own driver.
+/// stays human-driven.
 bool is_car_like(const std::string& vehicle_class) {
   constexpr std::array<std::string_view, 12> kNot = {
       "pedestrian",    "bicycle", "tram",      "rail",      "rail_urban", "rail_fast",
@@ -97,14 +97,14 @@ bool Coordinator::ends_soon(const Driven& driven) const {
 /// Would the driver who gets it back have his headway to whoever is ahead? Else it is driven on
 /// for a while, and slows down as gently as its plan can.
 bool Coordinator::driver_has_room(const Driven& driven) {
-  constexpr double kSight = 60.0;  // [m]
+  constexpr double kRange = 60.0;  // [m]
   const Corridor& corridor = corridors_[driven.corridor];
   const InertialState now = here(driven);
   const double b = corridors_.library().body(driven.road.path).max_decel;
   const Pose here = path_of(driven).at(now.s);
   return std::ranges::none_of(traffic_.vehicles(), [&](const VehicleState& v) {
     const int lane = graph_.find_lane(v.lane);
-    if (lane == LaneGraph::kNone || distance(here, v.pose) > kSight) return false;
+    if (lane == LaneGraph::kNone || distance(here, v.pose) > kRange) return false;
     const std::optional<double> s = corridor.station(lane, v.lane_position, now.s);
     if (!s || *s <= now.s) return false;
     const Vehicle& ahead = type_of(v.type).body;
@@ -305,7 +305,7 @@ bool Coordinator::turns_yet(const Newcomer& newcomer) {
   return s < corridor.s_drivable || approach_to(corridor, v, s).is_aslant();
 }
 
-/// A vehicle near a stop line that keeps its own driver.
+/// A human-driven vehicle near a stop line.
 void Coordinator::see_guest(const VehicleState& v, const CourseQuery& query) {
   const std::optional<double> to_line = finder_.distance_to_line(query);
   const bool is_inside = graph_.edge_of(query.lane) == LaneGraph::kNone;

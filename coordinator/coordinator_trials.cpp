@@ -238,7 +238,7 @@ std::vector<std::int64_t> Coordinator::without_plan(const RoadScene& now,
 /// people. Guests go over the junction.
 std::vector<Forecast> Coordinator::predict_others(
     const std::map<std::string, const Driven*>& present, const std::vector<std::string>& guests) {
-  constexpr double kSight = 150.0;  // [m] around those under control in which others matter
+  constexpr double kRange = 150.0;  // [m] around those under control in which others matter
   std::vector<Point> places;
   for (const auto& [id, driven] : present) {
     const Pose& pose = find_state(id)->pose;
@@ -246,7 +246,7 @@ std::vector<Forecast> Coordinator::predict_others(
   }
   const auto is_near = [&](const Point& where) {
     return std::ranges::any_of(places, [&](const Point& p) {
-      return std::abs(p.x - where.x) < kSight && std::abs(p.y - where.y) < kSight;
+      return std::abs(p.x - where.x) < kRange && std::abs(p.y - where.y) < kRange;
     });
   };
   std::vector<Forecast> forecasts;

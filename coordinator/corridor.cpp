@@ -151,13 +151,13 @@ Corridor CorridorMap::build(const CorridorCourse& course, const Vehicle& body) {
   const bool begins = course.start <= 0.0 && course.lead_in.empty();
   const double from = body.rear + (begins ? line.begins.front() : 0.0);
   const double to = length_of(line.points) - body.front - 1.0;
-  ReferencePath path = course.own_driver ? drivers_path(line.points, body)
-                                         : make_reference_path(line.points, from, to, body,
-                                                               road_along(course), area_);
+  ReferencePath path = course.human_driven ? drivers_path(line.points, body)
+                                           : make_reference_path(line.points, from, to, body,
+                                                                 road_along(course), area_);
   Corridor corridor{.course = course};
   set_stations(line, path, body, corridor);
   set_limits(path, body, corridor);
-  if (!course.own_driver) set_drivable(path, body, corridor);
+  if (!course.human_driven) set_drivable(path, body, corridor);
   corridor.path = library_.add(std::move(path), body, stretches_of(corridor, body));
   return corridor;
 }

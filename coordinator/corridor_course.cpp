@@ -12,7 +12,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 constexpr double kLeadIn = 30.0;          ///< [m] of path before the takeover, for long bodies
 constexpr double kRunOut = 25.0;          ///< [m] behind the hand-back until a plan is complete
-constexpr double kSight = 20.0;           ///< [m] behind that in which others still matter
+constexpr double kObservedBehind = 20.0;  ///< [m] behind that in which others still matter
 constexpr double kBeforeEnd = 9.0;        ///< [m] that a hand-back keeps from the end of its lane
 constexpr double kDriverBrakes = 45.0;    ///< [m] that a driver needs to stop comfortably
 constexpr double kDriverChanges = 80.0;   ///< [m] that a driver needs to change lanes and to stop
@@ -133,7 +133,7 @@ std::optional<std::size_t> CourseFinder::first_line(const CourseQuery& query, co
 CourseFinder::Exit CourseFinder::exit_behind(const CourseQuery& query, std::size_t edge,
                                              double driven) const {
   using Kind = Exit::Kind;
-  const double far = options_.exit + kRunOut + kSight + options_.takeover;
+  const double far = options_.exit + kRunOut + kObservedBehind + options_.takeover;
   Exit exit{.kind = Kind::kOpen, .room = 0.0, .edge = edge};
   for (std::size_t i = edge;; ++i) {
     exit.edge = i;
@@ -226,7 +226,7 @@ std::optional<CorridorCourse> CourseFinder::find(const CourseQuery& query) const
   }
   CorridorCourse course;
   double wanted = handback_at(exit, query.length);
-  if (!lay_pieces(query, *start, first_exit, wanted + kRunOut + kSight, course)) {
+  if (!lay_pieces(query, *start, first_exit, wanted + kRunOut + kObservedBehind, course)) {
     return std::nullopt;
   }
   double room = 0.0;
@@ -243,7 +243,7 @@ std::optional<CorridorCourse> CourseFinder::find(const CourseQuery& query) const
   course.end = std::max(course.handback, std::min(course.handback + kRunOut, room - 1.0));
   // Where it bends at first there is room for a hand-back further on.
   if (is_early) course.end = std::max(course.end, room - kDriverBrakes);
-  course.reach = std::min(room, course.end + kSight);
+  course.reach = std::min(room, course.end + kObservedBehind);
   course.start = query.position + distance - options_.takeover - kLeadIn;
   if (course.start <= 0.0) lay_lead_in(query, course);
   return course;
@@ -273,7 +273,7 @@ CorridorCourse CourseFinder::follow(const CourseQuery& query, double reach) cons
   }
   for (const CorridorPiece& piece : course.pieces) course.reach += graph_.lane(piece.lane).length;
   course.handback = course.end = course.reach;
-  course.own_driver = true;
+  course.human_driven = true;
   constexpr double kGrid = 50.0;  // [m]: few paths serve all vehicles of a long lane
   course.start = std::floor((query.position - query.length - kLeadIn) / kGrid) * kGrid;
   if (course.start <= 0.0) lay_lead_in(query, course);

@@ -26,14 +26,14 @@ struct CorridorPiece {
 struct CorridorCourse {
   std::vector<int> lead_in;  ///< lanes behind the first piece on which its tail may still be
   std::vector<CorridorPiece> pieces;
-  std::vector<int> lines;   ///< pieces at whose ends there are coordinated stop lines
-  int exit_piece = 0;       ///< the first behind the last coordinated junction
-  double start = 0.0;       ///< [m] on the first lane where the course begins; < 0: behind it
-  double handback = 0.0;    ///< [m] behind the start of the exit piece, of the front bumper
-  double end = 0.0;         ///< [m] likewise: where a plan is complete; >= handback
-  double reach = 0.0;       ///< [m] likewise: what lies further ahead does not matter
-  bool own_driver = false;  ///< who keeps to the lanes, however wide the body swings
-  bool dead_end = false;    ///< the last lane does not lead on along the route
+  std::vector<int> lines;     ///< pieces at whose ends there are coordinated stop lines
+  int exit_piece = 0;         ///< the first behind the last coordinated junction
+  double start = 0.0;         ///< [m] on the first lane where the course begins; < 0: behind it
+  double handback = 0.0;      ///< [m] behind the start of the exit piece, of the front bumper
+  double end = 0.0;           ///< [m] likewise: where a plan is complete; >= handback
+  double reach = 0.0;         ///< [m] likewise: what lies further ahead does not matter
+  bool human_driven = false;  ///< who keeps to the lanes, however wide the body swings
+  bool dead_end = false;      ///< the last lane does not lead on along the route
 
   friend auto operator<=>(const CorridorCourse&, const CorridorCourse&) = default;
 };

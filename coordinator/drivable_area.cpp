@@ -76,8 +76,7 @@ void DrivableArea::add_strip(const Strip& strip) {
   const auto& [a, b, r] = strip;
   strips_.push_back(strip);
   register_box({std::min(a.x, b.x) - r, std::min(a.y, b.y) - r},
-               {std::max(a.x, b.x) + r, std::max(a.y, b.y) + r},
-               std::int32_t(strips_.size()) - 1);
+               {std::max(a.x, b.x) + r, std::max(a.y, b.y) + r}, std::int32_t(strips_.size()) - 1);
 }
 
 void DrivableArea::add_lane(const Lane& lane) {
@@ -168,10 +167,10 @@ bool DrivableArea::hits_solid(const Pose& rear_axle, const Vehicle& body) const 
   const auto crosses = [&](const Point& a, const Point& b) {
     double from = 0.0;
     double to = 1.0;
-    const auto clip = [&](double start, double way, double lower, double upper) {
-      if (way == 0.0) return start > lower && start < upper;
-      from = std::max(from, std::min((lower - start) / way, (upper - start) / way));
-      to = std::min(to, std::max((lower - start) / way, (upper - start) / way));
+    const auto clip = [&](double start, double step, double lower, double upper) {
+      if (step == 0.0) return start > lower && start < upper;
+      from = std::max(from, std::min((lower - start) / step, (upper - start) / step));
+      to = std::min(to, std::max((lower - start) / step, (upper - start) / step));
       return from < to;
     };
     return clip(a.x, b.x - a.x, low.x, high.x) && clip(a.y, b.y - a.y, low.y, high.y);

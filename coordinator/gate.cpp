@@ -15,7 +15,7 @@ constexpr double kStands = 0.5;    ///< [m/s] or it stands where it was held
 constexpr double kInside = 5.0;    ///< [m] before the end of its lane: it is as good as inside
 constexpr double kApart = 50.0;    ///< [m] to the next line: there it is held again
 constexpr double kReaction = 0.5;  ///< [s] until a driver who is to stop brakes
-constexpr int kPatience = 4;       ///< decisions for which one that was let through may stand:
+constexpr int kStuckAfter = 4;     ///< decisions for which one that was let through may stand:
                                    ///< then it is held again, and waits for its next turn
 constexpr double kClear = 30.0;    ///< [m] between guests on different lanes who pass at a time
 
@@ -40,7 +40,7 @@ void Gate::see(const VehicleState& v, double to_line, double to_hold, bool is_fi
   const double room = stopping_distance(v.speed, 0.8 * body.max_decel) + kReaction * v.speed;
   const bool anew = guest.passes && to_line > std::max(kApart, room);
   // It stands before its line although it may go: somebody blocking its path may be waiting for it.
-  const bool in_vain = guest.passes && guest.stands >= kPatience && to_hold > 0.0;
+  const bool in_vain = guest.passes && guest.stands >= kStuckAfter && to_hold > 0.0;
   if (in_vain) guest.asked = decisions_;
   if (!guest.held && (came || anew || in_vain)) {
     if (to_hold > room) {
@@ -61,11 +61,11 @@ void Gate::keep(const std::string& id) {
 }
 
 void Gate::end() {
-  std::vector<std::string> gone;
+  std::vector<std::string> left;
   for (const auto& [id, visitor] : visitors_) {
-    if (!visitor.seen) gone.push_back(id);
+    if (!visitor.seen) left.push_back(id);
   }
-  for (const std::string& id : gone) release(id);
+  for (const std::string& id : left) release(id);
 }
 
 void Gate::hold(const std::string& id) {
@@ -98,7 +98,7 @@ std::vector<std::string> Gate::propose() {
   std::vector<const Visitor*> passing;
   for (const auto& [id, visitor] : visitors_) {
     if (visitor.guest && visitor.held && visitor.waits) waiting.emplace_back(visitor.asked, id);
-    if (visitor.passes && visitor.stands < kPatience) passing.push_back(&visitor);
+    if (visitor.passes && visitor.stands < kStuckAfter) passing.push_back(&visitor);
   }
   std::ranges::sort(waiting);
   std::vector<std::string> proposed;

@@ -31,7 +31,7 @@ double least_time(double distance, double v, double accel, double limit) {
   return (limit - v) / accel + (distance - speeding_up) / limit;
 }
 
-/// From each stop line until the tail has left the junction: who waits there is in the way at the
+/// From each stop line until the tail has left the junction: who waits there blocks others at the
 /// next green.
 std::vector<std::pair<double, double>> inside_junctions(const Corridor& corridor, double length) {
   constexpr double kLong = 25.0;  // [m] of junction, where another one follows
@@ -134,9 +134,9 @@ bool GreenLanes::may_wait_inside(const VehicleState& v, const CourseQuery& query
   const SignalProgram* program = program_of(link);
   if (program == nullptr || graph_.edge_of(query.lane) != LaneGraph::kNone) return false;
   if (v.speed < kStands) return true;
-  const LaneGraph::Link& way = graph_.link(link);
-  return way.via.size() > 1 && query.lane == way.via.front() && can_stop(v, query, type) &&
-         is_permissive(program->light_now(way.signal_index));
+  const LaneGraph::Link& connection = graph_.link(link);
+  return connection.via.size() > 1 && query.lane == connection.via.front() &&
+         can_stop(v, query, type) && is_permissive(program->light_now(connection.signal_index));
 }
 
 void GreenLanes::sense_inside(const VehicleState& v, const CourseQuery& query,
@@ -166,7 +166,7 @@ std::vector<Forecast> GreenLanes::expect(const VehicleState& v, const CourseQuer
   return {waits_at(placed->road, placed->road.now.s + room, step)};
 }
 
-/// One who stops there, until those across his way have passed.
+/// One who stops there, until those across his path have passed.
 Forecast GreenLanes::waits_at(const RoadVehicle& road, double stop, std::int64_t step) const {
   Forecast forecast{.vehicle = road,
                     .trajectory = predict_leader(road, std::nullopt, grid_, step),
@@ -342,10 +342,10 @@ int GreenLanes::path_over(int link, const VehicleType& type) {
   const auto [known, is_new] = paths_.try_emplace({link, type.id}, 0);
   if (!is_new) return known->second;
   constexpr double kBefore = 30.0;  // [m] before the line where the path begins
-  const LaneGraph::Link& way = graph_.link(link);
-  const std::array<int, 2> edges = {graph_.edge_of(way.from), graph_.edge_of(way.to)};
-  const CourseQuery query{.lane = way.from,
-                          .position = std::max(0.0, graph_.lane(way.from).length - kBefore),
+  const LaneGraph::Link& connection = graph_.link(link);
+  const std::array<int, 2> edges = {graph_.edge_of(connection.from), graph_.edge_of(connection.to)};
+  const CourseQuery query{.lane = connection.from,
+                          .position = std::max(0.0, graph_.lane(connection.from).length - kBefore),
                           .edges = edges,
                           .length = type.body.length()};
   const std::optional<CorridorCourse> course = finder_.find(query);

@@ -66,17 +66,19 @@ std::vector<int> HumanDrivers::edges_in_question(const CourseQuery& query, doubl
   return edges;
 }
 
-/// What it may drive: its route, or each movement that is in question. None if it is on no way.
-std::vector<HumanDrivers::Way> HumanDrivers::ways_of(const VehicleState& v,
-                                                     const CourseQuery& query, double to_line,
-                                                     const VehicleType& type) const {
-  std::vector<Way> ways;
+/// What it may drive: its route, or each movement that is in question. None if it is on no
+/// corridor.
+std::vector<HumanDrivers::Movement> HumanDrivers::movements_of(const VehicleState& v,
+                                                               const CourseQuery& query,
+                                                               double to_line,
+                                                               const VehicleType& type) const {
+  std::vector<Movement> movements;
   const auto add = [&](const CourseQuery& along) {
     const std::optional<Predictor::Placed> placed = predictor_.place(v, along, type.body);
     if (!placed) return;
-    Way& way = ways.emplace_back();
-    way.corridor = placed->corridor;
-    set_driver(way, placed->road, to_line, v.speed_factor, type);
+    Movement& movement = movements.emplace_back();
+    movement.corridor = placed->corridor;
+    set_driver(movement, placed->road, to_line, v.speed_factor, type);
   };
   for (const int to : edges_in_question(query, to_line)) {
     const std::vector<int> edges = {graph_.edge_of(query.lane), to};
@@ -86,11 +88,11 @@ std::vector<HumanDrivers::Way> HumanDrivers::ways_of(const VehicleState& v,
          .length = query.length,
          .vehicle_class = query.vehicle_class,
          .previous_lane = query.previous_lane});
-    if (!ways.empty()) ways.back().links = links_to(query.lane, to);
+    if (!movements.empty()) movements.back().links = links_to(query.lane, to);
   }
-  if (!ways.empty()) return ways;
+  if (!movements.empty()) return movements;
   add(query);
-  return ways;
+  return movements;
 }
 
 bool HumanDrivers::decides_for(const CourseQuery& query) const {
@@ -131,8 +133,8 @@ void HumanDrivers::see(const VehicleState& v, const CourseQuery& query, double t
   const int edge = graph_.edge_of(query.lane);
   const bool inside = edge == LaneGraph::kNone;
   if (!inside && !coordinated_[std::size_t(graph_.junction_behind(edge))]) return;
-  std::vector<Way> ways = ways_of(v, query, inside ? 0.0 : to_line, type);
-  if (ways.empty()) return;
+  std::vector<Movement> movements = movements_of(v, query, inside ? 0.0 : to_line, type);
+  if (movements.empty()) return;
   const auto [found, is_new] = agents_.try_emplace(v.id);
   Agent& agent = found->second;
   if (is_new) agent.came = step_;
@@ -160,8 +162,8 @@ void HumanDrivers::see(const VehicleState& v, const CourseQuery& query, double t
   agent.inside = inside;
   agent.granted |= inside;
   agent.seen = true;
-  agent.ways = std::move(ways);
-  if (agent.ways.size() == 1) agent.ways.front().links = agent.links;
+  agent.movements = std::move(movements);
+  if (agent.movements.size() == 1) agent.movements.front().links = agent.links;
   if (inside) return;
   if (!agent.granted) {
     const double wanted = SpeedEnvelope(agent.driver().limits, 1e9).at(agent.driver().road.now.s);
@@ -171,24 +173,24 @@ void HumanDrivers::see(const VehicleState& v, const CourseQuery& query, double t
 }
 
 /// What bounds its motion, and where its tail is clear of the junction.
-void HumanDrivers::set_driver(Way& way, const RoadVehicle& road, double to_line,
+void HumanDrivers::set_driver(Movement& movement, const RoadVehicle& road, double to_line,
                               double speed_factor, const VehicleType& type) const {
-  const Corridor& corridor = corridors_[way.corridor];
-  way.driver = {.road = road,
-                .limits = corridor.lane_limits,
-                .max_accel = type.body.max_accel,
-                .max_decel = type.body.max_decel,
-                .line = road.now.s + to_line};
-  way.driver.road.min_gap = type.min_gap;
-  way.driver.road.tau = type.tau;
-  for (double& limit : way.driver.limits) {
+  const Corridor& corridor = corridors_[movement.corridor];
+  movement.driver = {.road = road,
+                     .limits = corridor.lane_limits,
+                     .max_accel = type.body.max_accel,
+                     .max_decel = type.body.max_decel,
+                     .line = road.now.s + to_line};
+  movement.driver.road.min_gap = type.min_gap;
+  movement.driver.road.tau = type.tau;
+  for (double& limit : movement.driver.limits) {
     limit = std::min(limit * speed_factor, type.body.max_speed);
   }
-  way.s_clear = way.driver.line;
+  movement.s_clear = movement.driver.line;
   for (std::size_t i = 0; i < corridor.course.pieces.size(); ++i) {
     const bool normal = graph_.edge_of(corridor.course.pieces[i].lane) != LaneGraph::kNone;
-    if (!normal || corridor.stations[i] < way.driver.line - 0.1) continue;
-    way.s_clear = corridor.stations[i] + type.body.length();
+    if (!normal || corridor.stations[i] < movement.driver.line - 0.1) continue;
+    movement.s_clear = corridor.stations[i] + type.body.length();
     break;
   }
 }
@@ -217,7 +219,7 @@ std::vector<Forecast> HumanDrivers::passages(const std::string& id) const {
   std::vector<Forecast> all;
   const auto agent = agents_.find(id);
   if (agent == agents_.end()) return all;
-  for (const Way& way : agent->second.ways) all.push_back(way.forecast);
+  for (const Movement& movement : agent->second.movements) all.push_back(movement.forecast);
   return all;
 }
 

@@ -19,13 +19,13 @@ namespace mvtp {
 class PhaseChoice;
 
 /// Human-driven vehicles at signals that the coordinator owns. Each is an agent of the planner
-/// whose only decision is when it gets green: its passage is planned first, then the light is
+/// whose only decision is when it gets green: its passage is planned first, then the signal is
 /// shown, as late as it does not brake for red. Where changes cost time, greens are those of one
 /// phase of the signal at a time (PhaseChoice), and last until it ends. A green that is shown is
 /// taken back only from one who leaves the lane, or who can still stop when his light turns yellow.
 ///
 /// Safety: as long as a driver is inside his tube, those under control keep clear of him, and so do
-/// other drivers. Liveness: one at red waits before the line, where it is in nobody's way across.
+/// other drivers. Liveness: one at red waits before the line, where it blocks nobody across.
 class HumanDrivers {
  public:
   /// The plan that a vehicle under control follows; nullptr if it is not under control.
@@ -40,7 +40,7 @@ class HumanDrivers {
   /// Is the next coordinated line on its route one with an owned light?
   [[nodiscard]] bool decides_for(const CourseQuery& query) const;
 
-  /// A decision begins: who is not seen until the end of it has gone.
+  /// A decision begins: who is not seen until the end of it has left.
   void begin(std::int64_t step);
   /// Somebody on the last lane before his light, `to_line` [m] before his line, or inside.
   void see(const VehicleState& vehicle, const CourseQuery& query, double to_line,
@@ -62,7 +62,7 @@ class HumanDrivers {
   /// who still move. Others should not lose more by it: who waits until his own loss is as great
   /// loses at most twice what is inevitable (the rent-or-buy rule).
   [[nodiscard]] double worth(const std::vector<std::string>& ids) const;
-  /// Do those who have this light cross his way?
+  /// Do those who have this light cross his path?
   [[nodiscard]] bool is_crossed_by(const std::string& id, int light) const;
   /// Would one of them meet a vehicle under control that follows this plan on its path?
   [[nodiscard]] bool may_meet(const std::vector<std::string>& ids, int path,
@@ -81,7 +81,7 @@ class HumanDrivers {
 
  private:
   /// One movement that it may drive.
-  struct Way {
+  struct Movement {
     std::vector<int> links;
     int corridor = 0;
     TubeDriver driver;
@@ -92,9 +92,10 @@ class HumanDrivers {
     std::string id;
     std::string lane;
     std::vector<int> links;  ///< connections by which it may go on; one light each
-    std::vector<Way> ways;   ///< one if it is known where it goes, else one for each movement
-    double to_line = 0.0;    ///< [m]
-    double position = 0.0;   ///< on its lane [m]
+    std::vector<Movement>
+        movements;          ///< one if it is known where it goes, else one for each movement
+    double to_line = 0.0;   ///< [m]
+    double position = 0.0;  ///< on its lane [m]
     double speed = 0.0;
     Pose pose;
     double length = 0.0;
@@ -104,21 +105,21 @@ class HumanDrivers {
     std::int64_t came = 0;  ///< step
     double waited = 0.0;    ///< [s] lost before the line so far
     /// Behind the movements, what does not depend on them: its line, how it brakes and speeds up.
-    [[nodiscard]] const TubeDriver& driver() const { return ways.front().driver; }
+    [[nodiscard]] const TubeDriver& driver() const { return movements.front().driver; }
     /// How far it may have come at the next decision, at least and at most [m].
     std::optional<std::pair<double, double>> expected;
   };
 
-  [[nodiscard]] static TubeView tube_of(const Way& way) {
-    return {way.forecast.trajectory, *way.forecast.latest};
+  [[nodiscard]] static TubeView tube_of(const Movement& movement) {
+    return {movement.forecast.trajectory, *movement.forecast.latest};
   }
   [[nodiscard]] std::vector<int> links_of(const CourseQuery& query) const;
   [[nodiscard]] std::vector<int> links_to(int lane, int edge) const;
   [[nodiscard]] std::vector<int> edges_in_question(const CourseQuery& query, double to_line) const;
-  [[nodiscard]] std::vector<Way> ways_of(const VehicleState& v, const CourseQuery& query,
-                                         double to_line, const VehicleType& type) const;
+  [[nodiscard]] std::vector<Movement> movements_of(const VehicleState& v, const CourseQuery& query,
+                                                   double to_line, const VehicleType& type) const;
   void check_tube(Agent& agent, const Pose& pose);
-  void set_driver(Way& way, const RoadVehicle& road, double to_line, double speed_factor,
+  void set_driver(Movement& movement, const RoadVehicle& road, double to_line, double speed_factor,
                   const VehicleType& type) const;
   void remember_lanes();
   [[nodiscard]] std::vector<std::string> who_waits_for(const Agent& agent) const;
@@ -128,15 +129,16 @@ class HumanDrivers {
   [[nodiscard]] const SpeedProfile& slowest(const Agent& agent) const;
   [[nodiscard]] bool yields_to(const std::vector<int>& links, const std::vector<int>& others) const;
   [[nodiscard]] bool let_each_other_pass(const Agent& a, const Agent& b) const;
-  [[nodiscard]] std::int64_t yields_until(const Agent& agent, const Way& way) const;
+  [[nodiscard]] std::int64_t yields_until(const Agent& agent, const Movement& movement) const;
   [[nodiscard]] bool turns_elsewhere(const Agent& agent, const VehicleState& leader) const;
-  [[nodiscard]] std::optional<double> lead_of(const Agent& agent, const Way& way,
+  [[nodiscard]] std::optional<double> lead_of(const Agent& agent, const Movement& movement,
                                               const VehicleState& v) const;
-  [[nodiscard]] std::vector<TubeLeader> leaders_of(const Agent& agent, const Way& way) const;
+  [[nodiscard]] std::vector<TubeLeader> leaders_of(const Agent& agent,
+                                                   const Movement& movement) const;
   [[nodiscard]] bool is_due(const Agent& agent) const;
   [[nodiscard]] bool is_first(const Agent& agent) const;
   [[nodiscard]] bool may_have_green(const Agent& agent) const;
-  [[nodiscard]] bool has_room_behind(const Agent& agent, const Way& way) const;
+  [[nodiscard]] bool has_room_behind(const Agent& agent, const Movement& movement) const;
   [[nodiscard]] std::vector<const Agent*> with_followers(const Agent& first) const;
   [[nodiscard]] bool must_end(int link) const;
   [[nodiscard]] double latest_at_line(const Agent& agent) const;

@@ -81,10 +81,10 @@ bool HumanDrivers::is_in_phase(const Agent& agent) const {
 }
 
 /// Is there room for it behind the junction, should everybody there stop?
-bool HumanDrivers::has_room_behind(const Agent& agent, const Way& way) const {
-  const Corridor& corridor = corridors_[way.corridor];
-  const double gap = way.driver.road.min_gap;
-  double needed = way.s_clear + gap;
+bool HumanDrivers::has_room_behind(const Agent& agent, const Movement& movement) const {
+  const Corridor& corridor = corridors_[movement.corridor];
+  const double gap = movement.driver.road.min_gap;
+  double needed = movement.s_clear + gap;
   for (const auto& [id, other] : agents_) {
     const bool shares = other.granted && other.id != agent.id && other.links == agent.links;
     if (shares) needed += other.length + gap;
@@ -93,9 +93,10 @@ bool HumanDrivers::has_room_behind(const Agent& agent, const Way& way) const {
     if (distance(v.pose, agent.pose) > kNear || passes(v.id)) return false;
     const int lane = graph_.find_lane(v.lane);
     if (lane == LaneGraph::kNone || graph_.edge_of(lane) == LaneGraph::kNone) return false;
-    const std::optional<double> s = corridor.station(lane, v.lane_position, way.s_clear);
-    if (!s || *s < way.s_clear - agent.length) return false;
-    const double rest = *s - length_of(v.type) + stopping_distance(v.speed, way.driver.max_decel);
+    const std::optional<double> s = corridor.station(lane, v.lane_position, movement.s_clear);
+    if (!s || *s < movement.s_clear - agent.length) return false;
+    const double rest =
+        *s - length_of(v.type) + stopping_distance(v.speed, movement.driver.max_decel);
     return rest < needed;
   });
 }
@@ -107,8 +108,8 @@ bool HumanDrivers::come_from_one_lane(const Agent& a, const Agent& b) const {
 
 bool HumanDrivers::may_meet(const Agent& a, const Agent& b) const {
   if (come_from_one_lane(a, b)) return false;
-  return std::ranges::any_of(a.ways, [&](const Way& one) {
-    return std::ranges::any_of(b.ways, [&](const Way& other) {
+  return std::ranges::any_of(a.movements, [&](const Movement& one) {
+    return std::ranges::any_of(b.movements, [&](const Movement& other) {
       const ContactTable& contacts =
           corridors_.library().contacts(one.forecast.vehicle.path, other.forecast.vehicle.path);
       return mvtp::may_meet(contacts, tube_of(one), one.s_clear, tube_of(other), other.s_clear,
@@ -120,18 +121,18 @@ bool HumanDrivers::may_meet(const Agent& a, const Agent& b) const {
 /// Where will it be when its light turns yellow in so many seconds, and can it stop then?
 bool HumanDrivers::can_stop_after(const Agent& agent, double seconds) const {
   const auto steps = std::int64_t(std::ceil(seconds / grid_.dt));
-  return std::ranges::all_of(agent.ways, [&](const Way& way) {
-    const InertialState then = way.forecast.trajectory.at(step_ + steps);
-    return then.s + stopping_distance(then.v, way.driver.max_decel) + then.v * grid_.dt <
-           way.driver.line;
+  return std::ranges::all_of(agent.movements, [&](const Movement& movement) {
+    const InertialState then = movement.forecast.trajectory.at(step_ + steps);
+    return then.s + stopping_distance(then.v, movement.driver.max_decel) + then.v * grid_.dt <
+           movement.driver.line;
   });
 }
 
 /// When it is over its line at the latest, from now on [s].
 double HumanDrivers::latest_at_line(const Agent& agent) const {
   std::int64_t over = step_;
-  for (const Way& way : agent.ways) {
-    over = std::max(over, arrival_step(*way.forecast.latest, way.driver.line));
+  for (const Movement& movement : agent.movements) {
+    over = std::max(over, arrival_step(*movement.forecast.latest, movement.driver.line));
   }
   return double(over - step_) * grid_.dt;
 }
@@ -146,7 +147,7 @@ double HumanDrivers::green_left(const Agent& first) const {
 }
 
 /// Those who pass if the first gets green: it and whoever follows it so closely that he could not
-/// stop when the light turns yellow at the earliest.
+/// stop when the signal turns yellow at the earliest.
 std::vector<const HumanDrivers::Agent*> HumanDrivers::with_followers(const Agent& first) const {
   std::vector<const Agent*> group = {&first};
   std::vector<std::pair<double, const Agent*>> behind;  // nullptr: no agent
@@ -175,9 +176,10 @@ std::vector<std::vector<std::string>> HumanDrivers::propose() {
       passing.push_back(&agent);
     } else if (!agent.inside && !agent.links.empty() && is_due(agent) && is_first(agent) &&
                may_have_green(agent) &&
-               std::ranges::all_of(agent.ways, [&agent = agent, this](const Way& way) {
-                 return has_room_behind(agent, way);
-               })) {
+               std::ranges::all_of(agent.movements,
+                                   [&agent = agent, this](const Movement& movement) {
+                                     return has_room_behind(agent, movement);
+                                   })) {
       candidates.push_back(&agent);
     }
   }
@@ -246,9 +248,10 @@ bool HumanDrivers::may_meet(const std::vector<std::string>& ids, int path,
     const auto found = agents_.find(id);
     if (found == agents_.end()) return false;
     const Agent& agent = found->second;
-    return std::ranges::any_of(agent.ways, [&](const Way& way) {
-      const ContactTable& contacts = corridors_.library().contacts(way.forecast.vehicle.path, path);
-      return mvtp::may_meet(contacts, tube_of(way), way.s_clear, {plan, plan},
+    return std::ranges::any_of(agent.movements, [&](const Movement& movement) {
+      const ContactTable& contacts =
+          corridors_.library().contacts(movement.forecast.vehicle.path, path);
+      return mvtp::may_meet(contacts, tube_of(movement), movement.s_clear, {plan, plan},
                             SpeedProfile::kDeparted / 2.0, step_, slack_before(), slack_behind());
     });
   });

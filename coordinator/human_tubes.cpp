@@ -21,7 +21,7 @@ constexpr double kWhile = 5.0;        ///< [s] in which movements are compared
 constexpr double kLateYield = 1.0;    ///< [s] until one who has yielded goes on
 constexpr double kSorting = 4.0;      ///< [s] that two need who yield to each other
 
-double way(const SpeedProfile& t, std::int64_t k) {
+double station(const SpeedProfile& t, std::int64_t k) {
   return std::min(t.at(k).s, t.states.back().s) - t.states.front().s;
 }
 
@@ -43,17 +43,18 @@ void HumanDrivers::predict_all() {
   std::ranges::stable_sort(
       order, {}, [](const Agent* a) { return a->inside ? -1e3 - a->position : a->to_line; });
   for (Agent* agent : order) {
-    for (Way& way : agent->ways) way.forecast = {};
+    for (Movement& movement : agent->movements) movement.forecast = {};
   }
   for (Agent* agent : order) predict(*agent);
   if (!phases_) return;
   std::vector<std::int64_t> until;
   for (const Agent* agent : order) {
-    for (const Way& way : agent->ways) until.push_back(yields_until(*agent, way));
+    for (const Movement& movement : agent->movements)
+      until.push_back(yields_until(*agent, movement));
   }
   auto next = until.begin();
   for (Agent* agent : order) {
-    for (Way& way : agent->ways) way.driver.yields_until = *next++;
+    for (Movement& movement : agent->movements) movement.driver.yields_until = *next++;
   }
   for (Agent* agent : order) predict(*agent);
 }
@@ -71,20 +72,21 @@ bool HumanDrivers::let_each_other_pass(const Agent& a, const Agent& b) const {
 
 /// The step until which it may have to yield to drivers who have green, or come to one; -1: to
 /// nobody.
-std::int64_t HumanDrivers::yields_until(const Agent& agent, const Way& way) const {
+std::int64_t HumanDrivers::yields_until(const Agent& agent, const Movement& movement) const {
   std::int64_t until = -1;
-  const double here = way.driver.road.now.s;
-  if (here >= way.s_clear) return until;
+  const double here = movement.driver.road.now.s;
+  if (here >= movement.s_clear) return until;
   for (const auto& [id, other] : agents_) {
     const bool comes = other.granted || is_shown_green(other);
     if (id == agent.id || !comes) continue;
-    for (const Way& theirs : other.ways) {
+    for (const Movement& theirs : other.movements) {
       const double there = theirs.driver.road.now.s;
-      if (there >= theirs.s_clear || !yields_to(way.links, theirs.links)) continue;
+      if (there >= theirs.s_clear || !yields_to(movement.links, theirs.links)) continue;
       const ContactTable& contacts =
-          corridors_.library().contacts(way.driver.road.path, theirs.driver.road.path);
-      if (contacts.empty() || !contacts.meets(here, way.s_clear, there, theirs.s_clear)) continue;
-      const double late = kLateYield + (yields_to(theirs.links, way.links) ? kSorting : 0.0);
+          corridors_.library().contacts(movement.driver.road.path, theirs.driver.road.path);
+      if (contacts.empty() || !contacts.meets(here, movement.s_clear, there, theirs.s_clear))
+        continue;
+      const double late = kLateYield + (yields_to(theirs.links, movement.links) ? kSorting : 0.0);
       until = std::max(until, arrival_step(*theirs.forecast.latest, theirs.s_clear) +
                                   std::int64_t(std::lround(late / grid_.dt)));
     }
@@ -95,12 +97,12 @@ std::int64_t HumanDrivers::yields_until(const Agent& agent, const Way& way) cons
 void HumanDrivers::predict(Agent& agent) {
   const std::int64_t next = step_ + grid_.steps_per_decision;
   agent.expected.reset();
-  for (Way& w : agent.ways) {
+  for (Movement& w : agent.movements) {
     Tube tube = predict_tube(w.driver, leaders_of(agent, w), grid_, step_);
     const auto [least, most] =
         agent.expected.value_or(std::pair(std::numeric_limits<double>::infinity(), 0.0));
-    agent.expected = {std::min(least, way(tube.latest, next)),
-                      std::max(most, way(tube.earliest, next))};
+    agent.expected = {std::min(least, station(tube.latest, next)),
+                      std::max(most, station(tube.earliest, next))};
     w.forecast = {.vehicle = w.driver.road,
                   .trajectory = std::move(tube.earliest),
                   .latest = std::move(tube.latest),
@@ -115,7 +117,7 @@ void HumanDrivers::predict(Agent& agent) {
 const SpeedProfile& HumanDrivers::fastest(const Agent& agent) const {
   const std::int64_t then = step_ + std::int64_t(kWhile / grid_.dt);
   const auto best = std::ranges::max_element(
-      agent.ways, {}, [&](const Way& w) { return way(w.forecast.trajectory, then); });
+      agent.movements, {}, [&](const Movement& w) { return station(w.forecast.trajectory, then); });
   return best->forecast.trajectory;
 }
 
@@ -123,7 +125,7 @@ const SpeedProfile& HumanDrivers::fastest(const Agent& agent) const {
 const SpeedProfile& HumanDrivers::slowest(const Agent& agent) const {
   const std::int64_t then = step_ + std::int64_t(kWhile / grid_.dt);
   const auto best = std::ranges::min_element(
-      agent.ways, {}, [&](const Way& w) { return way(*w.forecast.latest, then); });
+      agent.movements, {}, [&](const Movement& w) { return station(*w.forecast.latest, then); });
   return *best->forecast.latest;
 }
 
@@ -131,13 +133,13 @@ int HumanDrivers::slack_before() const { return int(std::lround(kSlackBefore / g
 int HumanDrivers::slack_behind() const { return int(std::lround(kSlackBehind / grid_.dt)); }
 
 /// How far the front bumper of another vehicle is ahead of that of a driver, if he follows it [m]:
-/// on the lanes that he drives, or beside them on another way from his lane.
-std::optional<double> HumanDrivers::lead_of(const Agent& agent, const Way& way,
+/// on the lanes that he drives, or beside them on another movement from his lane.
+std::optional<double> HumanDrivers::lead_of(const Agent& agent, const Movement& movement,
                                             const VehicleState& v) const {
   const int lane = graph_.find_lane(v.lane);
   if (lane == LaneGraph::kNone) return std::nullopt;
-  const double front = way.driver.road.now.s;  // stations are those of its rear axle
-  if (const auto s = corridors_[way.corridor].station(lane, v.lane_position, front)) {
+  const double front = movement.driver.road.now.s;  // stations are those of its rear axle
+  if (const auto s = corridors_[movement.corridor].station(lane, v.lane_position, front)) {
     return *s > front ? std::optional(*s - front) : std::nullopt;
   }
   const auto origin = origins_.find(v.id);
@@ -161,11 +163,12 @@ bool HumanDrivers::turns_elsewhere(const Agent& agent, const VehicleState& leade
          graph_.lane(graph_.link(agent.links.front()).to).edge != route[1];
 }
 
-std::vector<TubeLeader> HumanDrivers::leaders_of(const Agent& agent, const Way& way) const {
+std::vector<TubeLeader> HumanDrivers::leaders_of(const Agent& agent,
+                                                 const Movement& movement) const {
   std::vector<TubeLeader> leaders;
   for (const VehicleState& v : traffic_.vehicles()) {
     if (v.id == agent.id || distance(v.pose, agent.pose) > kLeaders) continue;
-    const std::optional<double> lead = lead_of(agent, way, v);
+    const std::optional<double> lead = lead_of(agent, movement, v);
     if (!lead) continue;
     const double length = length_of(v.type);
     TubeLeader leader{.gap = *lead - length, .speed = v.speed};
@@ -175,12 +178,12 @@ std::vector<TubeLeader> HumanDrivers::leaders_of(const Agent& agent, const Way& 
     const double to_clear = agent.to_line + length + agent.driver().road.min_gap - *lead;
     const auto other = agents_.find(v.id);
     const bool parts = other != agents_.end()
-                           ? other->second.links != agent.links || other->second.ways.size() > 1 ||
-                                 agent.ways.size() > 1
+                           ? other->second.links != agent.links ||
+                                 other->second.movements.size() > 1 || agent.movements.size() > 1
                            : turns_elsewhere(agent, v);
     if (parts && (!inside || !agent.inside)) leader.until = std::max(0.0, to_clear);
     if (other != agents_.end()) {
-      if (!other->second.ways.back().forecast.latest) continue;
+      if (!other->second.movements.back().forecast.latest) continue;
       leader.earliest = &fastest(other->second);
       leader.latest = &slowest(other->second);
     } else if (const SpeedProfile* plan = plan_of_(v.id)) {

@@ -90,8 +90,8 @@ Occupied LotCoordinator::occupied(double time) const {
   return result;
 }
 
-std::vector<LotSighting> LotCoordinator::sightings(Phase phase) const {
-  std::vector<LotSighting> result;
+std::vector<LotObservation> LotCoordinator::observations(Phase phase) const {
+  std::vector<LotObservation> result;
   for (const auto& [id, guest] : guests_) {
     if (guest.phase != phase) continue;
     result.push_back({id, guest.body, from_lot(guest.pose), guest.wants_out});
@@ -99,8 +99,10 @@ std::vector<LotSighting> LotCoordinator::sightings(Phase phase) const {
   return result;
 }
 
-std::vector<LotSighting> LotCoordinator::under_way() const { return sightings(Phase::kUnderWay); }
-std::vector<LotSighting> LotCoordinator::parked() const { return sightings(Phase::kParked); }
+std::vector<LotObservation> LotCoordinator::under_way() const {
+  return observations(Phase::kUnderWay);
+}
+std::vector<LotObservation> LotCoordinator::parked() const { return observations(Phase::kParked); }
 
 const VehicleType& LotCoordinator::type_of(const std::string& id) {
   const auto known = types_.find(id);
@@ -134,7 +136,7 @@ void LotCoordinator::welcome() {
     guest.until = stop->until;
     check_size(v.id, guest.body);
     ids_[guest.key] = v.id;
-    visits_[v.id].id = v.id;
+    events_[v.id].id = v.id;
     if (stop->parked) adopt_parked(v.id, guest);
     guests_.emplace(v.id, guest);
   }
@@ -143,8 +145,8 @@ void LotCoordinator::welcome() {
 void LotCoordinator::adopt_parked(const std::string& id, Guest& guest) {
   guest.phase = Phase::kParked;
   guest.until = std::max(guest.until, traffic_.time() + guest.stay);
-  visits_[id].parked = traffic_.time();
-  visits_[id].there_at_start = true;
+  events_[id].parked = traffic_.time();
+  events_[id].there_at_start = true;
   const Pose middle = compose(guest.pose, {(guest.body.front - guest.body.rear) / 2, 0.0, 0.0});
   double nearest = kSameSlot;
   for (std::size_t s = 0; s < lot_.slots.size(); ++s) {
@@ -152,7 +154,7 @@ void LotCoordinator::adopt_parked(const std::string& id, Guest& guest) {
     if (away >= nearest) continue;
     nearest = away;
     guest.slot = int(s);
-    visits_[id].slot = lot_.slots[s].id;
+    events_[id].slot = lot_.slots[s].id;
   }
 }
 
@@ -187,8 +189,8 @@ void LotCoordinator::watch_the_gates() {
     const double room = lane.offset + lane.length - front[e]->lane_position - kBeforeLaneEnd;
     if (guest.speed > 0.0 && planner_.prefix_length(guest.speed) > room) continue;
     guest.entry = int(e);
-    ParkingEvent& visit = visits_[front[e]->id];
-    if (!visit.asked_in) visit.asked_in = traffic_.time();
+    ParkingEvent& event = events_[front[e]->id];
+    if (!event.asked_in) event.asked_in = traffic_.time();
   }
 }
 
@@ -196,7 +198,7 @@ void LotCoordinator::watch_the_gates() {
 double LotCoordinator::speed_behind_the_last(const LotLane& lane, const Guest& guest) const {
   double free = kInfinity;  // [m] of lane
   for (const auto& [id, other] : guests_) {
-    if (other.phase != Phase::kUnderWay && other.phase != Phase::kStranded) continue;
+    if (other.phase != Phase::kUnderWay && other.phase != Phase::kStoppedPermanently) continue;
     const BoxPose box = box_pose(other.body, relative(lane.begin, other.pose));
     const double half_length = other.body.length() / 2;
     const double half_width = other.body.width / 2;
@@ -214,7 +216,7 @@ double LotCoordinator::speed_behind_the_last(const LotLane& lane, const Guest& g
 void LotCoordinator::take_over_the_parked() {
   for (auto& [id, guest] : guests_) {
     if (guest.phase != Phase::kParked || guest.taken_over) continue;
-    const bool settled = traffic_.time() > *visits_[id].parked + kSettle;
+    const bool settled = traffic_.time() > *events_[id].parked + kSettle;
     if (!settled && traffic_.time() < guest.until - kSettle / 2) continue;
     traffic_.drop_parking_stop(id);
     take_over(id, guest);
@@ -226,19 +228,19 @@ void LotCoordinator::end_stays() {
     if (guest.phase != Phase::kParked || guest.wants_out) continue;
     if (traffic_.time() < guest.until || lot_.exits.empty()) continue;
     guest.wants_out = true;
-    visits_[id].wished_out = traffic_.time();
+    events_[id].wished_out = traffic_.time();
   }
 }
 
 void LotCoordinator::break_down() {
   for (const auto& [id, time] : options_.breakdowns) {
     const auto guest = guests_.find(id);
-    if (traffic_.time() < time || guest == guests_.end() || visits_[id].broken) continue;
+    if (traffic_.time() < time || guest == guests_.end() || events_[id].broken) continue;
     if (motion_.find(guest->second.key) < 0) continue;
-    motion_.strand(guest->second.key);
-    visits_[id].broken = true;
-    for (const std::int64_t key : motion_.strand_the_blocked())
-      visits_[ids_.at(key)].stranded = true;
+    motion_.stop_permanently(guest->second.key);
+    events_[id].broken = true;
+    for (const std::int64_t key : motion_.stop_the_blocked_permanently())
+      events_[ids_.at(key)].stopped_permanently = true;
   }
 }
 
@@ -265,8 +267,8 @@ void LotCoordinator::replan() {
     guest.asked = decisions_;
     const std::optional<LotAdmission> admission = ask(id, guest);
     guest.failures = admission ? 0 : guest.failures + 1;
-    const int patience = kDecisionsAfterFailure << std::min(guest.failures, kMostDoublings);
-    guest.next_try = decisions_ + (admission ? 0 : patience);
+    const int pause = kDecisionsAfterFailure << std::min(guest.failures, kMostDoublings);
+    guest.next_try = decisions_ + (admission ? 0 : pause);
     if (admission) {
       ++record.newcomers;
       record.groups += admission->replanned > 0 ? 1 : 0;
@@ -304,10 +306,10 @@ void LotCoordinator::advance() {
   motion_.step(traffic_.step_length(), halts());
   for (std::size_t i = 0; i < motion_.cars().size(); ++i) {
     const LotCar& car = motion_.cars()[i];
-    ParkingEvent& visit = visits_[ids_.at(car.key)];
-    visit.distance += car.s - before[i];
+    ParkingEvent& event = events_[ids_.at(car.key)];
+    event.distance += car.s - before[i];
     leave_slot(guests_.at(ids_.at(car.key)), car);
-    if (car.v <= kStanding) visit.waited += traffic_.step_length();
+    if (car.v <= kStanding) event.waited += traffic_.step_length();
   }
 }
 
@@ -350,16 +352,16 @@ void LotCoordinator::arrive() {
     const std::string id = ids_.at(key);
     const LotCar& car = motion_.cars()[std::size_t(motion_.find(key))];
     Guest& guest = guests_.at(id);
-    ParkingEvent& visit = visits_[id];
+    ParkingEvent& event = events_[id];
     const bool leaves = !car.stops();
-    guest.phase = car.stranded ? Phase::kStranded : Phase::kParked;
+    guest.phase = car.stopped_permanently ? Phase::kStoppedPermanently : Phase::kParked;
     motion_.remove(key);
     if (leaves) {
-      visit.handed_back = traffic_.time();
+      event.handed_back = traffic_.time();
       traffic_.hand_back(id);
       guests_.erase(id);
     } else if (guest.phase == Phase::kParked) {
-      visit.parked = traffic_.time();
+      event.parked = traffic_.time();
       guest.until = std::max(guest.until, traffic_.time() + guest.stay);
     }
   }

@@ -64,7 +64,7 @@ struct ParkingEvent {
   double waited = 0.0;    ///< standing on the way
   int reversals = 0;
   bool broken = false;
-  bool stranded = false;  ///< it once had no path any more
+  bool stopped_permanently = false;  ///< it once had no path any more
 };
 
 /// The lot at one moment.
@@ -76,7 +76,7 @@ struct Occupied {
 };
 
 /// Where a vehicle is.
-struct LotSighting {
+struct LotObservation {
   std::string id;
   Vehicle body;
   Pose pose;  ///< rear axle
@@ -101,18 +101,18 @@ class LotCoordinator : public Controller {
   [[nodiscard]] bool drives(const std::string& id) const override;
   [[nodiscard]] bool rests(const std::string& id) const override;
   [[nodiscard]] const std::vector<Replan>& replans() const override { return replans_; }
-  [[nodiscard]] const std::map<std::string, ParkingEvent>& visits() const { return visits_; }
+  [[nodiscard]] const std::map<std::string, ParkingEvent>& events() const { return events_; }
   [[nodiscard]] const LotMotion& motion() const { return motion_; }
   [[nodiscard]] const ParkingLot& lot() const { return original_; }
   /// How many are where now.
   [[nodiscard]] Occupied occupied(double time) const;
   /// Who drives on the lot now, ordered by id, and
-  [[nodiscard]] std::vector<LotSighting> under_way() const;
+  [[nodiscard]] std::vector<LotObservation> under_way() const;
   /// who stands in a slot; poses as the traffic has them.
-  [[nodiscard]] std::vector<LotSighting> parked() const;
+  [[nodiscard]] std::vector<LotObservation> parked() const;
 
  private:
-  enum class Phase { kAtGate, kUnderWay, kParked, kStranded };
+  enum class Phase { kAtGate, kUnderWay, kParked, kStoppedPermanently };
   struct Guest {
     std::int64_t key = 0;
     Phase phase = Phase::kAtGate;
@@ -142,7 +142,7 @@ class LotCoordinator : public Controller {
   void break_down();
   void take_over(const std::string& id, Guest& guest);
   [[nodiscard]] const std::string& exit_at(const Pose& goal) const;
-  [[nodiscard]] bool wants_a_way(const std::string& id, const Guest& guest) const;
+  [[nodiscard]] bool wants_a_path(const std::string& id, const Guest& guest) const;
   [[nodiscard]] std::vector<std::string> those_who_ask() const;
   [[nodiscard]] std::optional<LotAdmission> ask(const std::string& id, Guest& guest);
   [[nodiscard]] std::vector<int> slots_for(const Guest& guest);
@@ -158,7 +158,7 @@ class LotCoordinator : public Controller {
   void place_all();
   void arrive();
 
-  [[nodiscard]] std::vector<LotSighting> sightings(Phase phase) const;
+  [[nodiscard]] std::vector<LotObservation> observations(Phase phase) const;
   [[nodiscard]] const VehicleType& type_of(const std::string& id);
   [[nodiscard]] Pose to_lot(const Pose& pose) const;
   [[nodiscard]] Pose from_lot(const Pose& pose) const;
@@ -177,7 +177,7 @@ class LotCoordinator : public Controller {
   std::set<std::string> seen_;
   std::map<std::string, Guest> guests_;
   std::map<std::int64_t, std::string> ids_;
-  std::map<std::string, ParkingEvent> visits_;
+  std::map<std::string, ParkingEvent> events_;
   std::map<std::string, VehicleType> types_;
   std::vector<Replan> replans_;
 };

@@ -11,9 +11,9 @@ namespace mvtp {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kSight = 4.0;          ///< [m] beyond the braking distance
+constexpr double kLookahead = 4.0;      ///< [m] beyond the braking distance
 constexpr double kDistance = 0.6;       ///< [m] kept from people
-constexpr double kInstant = 0.25;       ///< [s]
+constexpr double kTimeStep = 0.25;      ///< [s]
 constexpr double kSlackOutside = 1.2;   ///< [s] between a car and a person at one place, and
 constexpr double kSlackInside = 0.3;    ///< [s] where a car is on a footpath already
 constexpr double kRoomAhead = 0.3;      ///< [m] between a halt and what it is for
@@ -82,7 +82,7 @@ struct LotLookout::Look {
   [[nodiscard]] bool meets(const Pedestrian& person, int cell, double slack,
                            double hesitation) const {
     const double leaves = hesitation * time_to(cell + 1);
-    for (double t = std::max(0.0, time_to(cell) - slack); t <= leaves + slack; t += kInstant) {
+    for (double t = std::max(0.0, time_to(cell) - slack); t <= leaves + slack; t += kTimeStep) {
       if (near(car, cell, after(person, t), person.radius + kDistance)) return true;
     }
     return false;
@@ -90,7 +90,7 @@ struct LotLookout::Look {
 
   /// Does the person walk into the car if it stands in a cell?
   [[nodiscard]] bool walks_into(const Pedestrian& person, int cell) const {
-    for (double t = 0.0; t <= kPassing; t += kInstant) {
+    for (double t = 0.0; t <= kPassing; t += kTimeStep) {
       if (near(car, cell, after(person, t), person.radius + kBeside)) return true;
     }
     return false;
@@ -108,12 +108,12 @@ struct LotLookout::Look {
 
 double LotLookout::halt(const LotMotion& motion, const LotCar& car, double turn, const View& view) {
   if (car.at_end()) return kInfinity;
-  const double sight = rest(car, motion.limits()) + kSight;
+  const double lookahead = rest(car, motion.limits()) + kLookahead;
   const int here = car.cells.cell_at(car.s);
   const bool inside = std::ranges::any_of(car.cells.kept_clear(), [&](const auto& stretch) {
     return here <= stretch.last && too_late_for(stretch.first, car, motion.limits());
   });
-  const Look look{motion, car, turn, view, here, car.cells.cell_at(sight), inside};
+  const Look look{motion, car, turn, view, here, car.cells.cell_at(lookahead), inside};
   return std::min({before_people(look), before_footpath(look), before_strangers(look)});
 }
 
@@ -147,7 +147,7 @@ double LotLookout::before_footpath(const Look& look) {
   if (!std::isfinite(leaves)) return before(first);
   for (const Pedestrian& person : look.view.people) {
     for (double t = std::max(0.0, enters - kSlackOutside); t <= leaves + kSlackOutside;
-         t += kInstant) {
+         t += kTimeStep) {
       const Point place = after(person, t);
       for (int cell = first; cell <= last; ++cell) {
         if (near(car, cell, place, person.radius + kDistance)) return before(first);

@@ -14,29 +14,29 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 /// Of all who made one of the two ways.
-struct Ways {
+struct Travel {
   std::vector<double> took;   ///< [s] those not at the end counted up to now
   std::vector<double> alone;  ///< [s] of those who got a way
   int unfinished = 0;
 };
 
-Json ways_json(const Ways& ways) {
-  const double alone = mean(ways.alone);
-  return {{"vehicles", ways.took.size()},
-          {"unfinished", ways.unfinished},
-          {"mean", mean(ways.took)},
-          {"p50", quantile(ways.took, 0.5)},
-          {"p95", quantile(ways.took, 0.95)},
-          {"max", largest(ways.took)},
+Json travel_json(const Travel& travel) {
+  const double alone = mean(travel.alone);
+  return {{"vehicles", travel.took.size()},
+          {"unfinished", travel.unfinished},
+          {"mean", mean(travel.took)},
+          {"p50", quantile(travel.took, 0.5)},
+          {"p95", quantile(travel.took, 0.95)},
+          {"max", largest(travel.took)},
           {"alone_mean", alone},
-          {"ratio_to_alone", alone > 0.0 ? Json(mean(ways.took) / alone) : Json()}};
+          {"ratio_to_alone", alone > 0.0 ? Json(mean(travel.took) / alone) : Json()}};
 }
 
 template <class Value>
 double mean_of(const LotReport& report, Value value) {
   std::vector<double> values;
-  for (const ParkingRecord& r : report.visits) {
-    if (r.visit.distance > 0.0) values.push_back(value(r.visit));
+  for (const ParkingRecord& r : report.events) {
+    if (r.event.distance > 0.0) values.push_back(value(r.event));
   }
   return mean(values);
 }
@@ -49,30 +49,30 @@ std::string cell(const std::optional<double>& value) {
 
 std::optional<double> time_in(const ParkingRecord& record, double end) {
   if (!record.at_gate || *record.at_gate > end) return std::nullopt;
-  return record.visit.parked.value_or(end) - *record.at_gate;
+  return record.event.parked.value_or(end) - *record.at_gate;
 }
 
 std::optional<double> time_out(const ParkingRecord& record, double end) {
-  if (!record.visit.wished_out) return std::nullopt;
-  return record.visit.handed_back.value_or(end) - *record.visit.wished_out;
+  if (!record.event.wished_out) return std::nullopt;
+  return record.event.handed_back.value_or(end) - *record.event.wished_out;
 }
 
 namespace {
 
 Json lot_json(const LotReport& report, double end) {
-  Ways in;
-  Ways out;
+  Travel in;
+  Travel out;
   Json broken = Json::array();
-  Json stranded = Json::array();
-  for (const ParkingRecord& r : report.visits) {
+  Json stopped_permanently = Json::array();
+  for (const ParkingRecord& r : report.events) {
     if (const auto took = time_in(r, end)) in.took.push_back(*took);
     if (const auto took = time_out(r, end)) out.took.push_back(*took);
-    in.unfinished += time_in(r, end) && !r.visit.parked ? 1 : 0;
-    out.unfinished += time_out(r, end) && !r.visit.handed_back ? 1 : 0;
-    if (r.visit.admitted_in) in.alone.push_back(r.visit.alone_in);
-    if (r.visit.admitted_out) out.alone.push_back(r.visit.alone_out);
-    if (r.visit.broken) broken.push_back(r.visit.id);
-    if (r.visit.stranded) stranded.push_back(r.visit.id);
+    in.unfinished += time_in(r, end) && !r.event.parked ? 1 : 0;
+    out.unfinished += time_out(r, end) && !r.event.handed_back ? 1 : 0;
+    if (r.event.admitted_in) in.alone.push_back(r.event.alone_in);
+    if (r.event.admitted_out) out.alone.push_back(r.event.alone_out);
+    if (r.event.broken) broken.push_back(r.event.id);
+    if (r.event.stopped_permanently) stopped_permanently.push_back(r.event.id);
   }
   std::vector<double> parked;
   std::vector<double> queue;
@@ -84,8 +84,8 @@ Json lot_json(const LotReport& report, double end) {
   }
   return {{"lot", report.lot},
           {"slots", report.slots},
-          {"gate_to_parked_s", ways_json(in)},
-          {"slot_to_exit_s", ways_json(out)},
+          {"gate_to_parked_s", travel_json(in)},
+          {"slot_to_exit_s", travel_json(out)},
           {"reversals_mean", mean_of(report, [](const ParkingEvent& v) { return v.reversals; })},
           {"distance_mean_m", mean_of(report, [](const ParkingEvent& v) { return v.distance; })},
           {"waited_mean_s", mean_of(report, [](const ParkingEvent& v) { return v.waited; })},
@@ -95,7 +95,7 @@ Json lot_json(const LotReport& report, double end) {
           {"at_gate_max", largest(queue)},
           {"at_gate_end", queue.empty() ? 0.0 : queue.back()},
           {"broken_down", std::move(broken)},
-          {"stranded", std::move(stranded)}};
+          {"stranded", std::move(stopped_permanently)}};
 }
 
 /// All lots as one.
@@ -104,14 +104,14 @@ LotReport merged(std::span<const LotReport> lots) {
   for (const LotReport& lot : lots.subspan(1)) {
     all.lot += ", " + lot.lot;
     all.slots += lot.slots;
-    all.visits.insert(all.visits.end(), lot.visits.begin(), lot.visits.end());
+    all.events.insert(all.events.end(), lot.events.begin(), lot.events.end());
     for (std::size_t i = 0; i < std::min(all.occupancy.size(), lot.occupancy.size()); ++i) {
       all.occupancy[i].parked += lot.occupancy[i].parked;
       all.occupancy[i].under_way += lot.occupancy[i].under_way;
       all.occupancy[i].at_gate += lot.occupancy[i].at_gate;
     }
   }
-  std::ranges::sort(all.visits, {}, [](const ParkingRecord& r) { return r.visit.id; });
+  std::ranges::sort(all.events, {}, [](const ParkingRecord& r) { return r.event.id; });
   return all;
 }
 
@@ -124,20 +124,20 @@ Json lots_json(std::span<const LotReport> lots, double end) {
   return json;
 }
 
-std::string visits_csv(std::span<const LotReport> lots, double end) {
+std::string parking_events_csv(std::span<const LotReport> lots, double end) {
   const LotReport report = merged(lots);
   std::string text =
       "id,slot,at_gate_s,asked_in_s,admitted_in_s,parked_s,wished_out_s,admitted_out_s,"
       "handed_back_s,gate_to_parked_s,alone_in_s,slot_to_exit_s,alone_out_s,distance_m,waited_s,"
       "reversals,broken_down,stranded\n";
-  for (const ParkingRecord& r : report.visits) {
-    const ParkingEvent& v = r.visit;
+  for (const ParkingRecord& r : report.events) {
+    const ParkingEvent& v = r.event;
     text += fmt::format("{},{},{},{},{},{},{},{},{},{},{:.2f},{},{:.2f},{:.2f},{:.2f},{},{},{}\n",
                         csv_field(v.id), csv_field(v.slot), cell(r.at_gate), cell(v.asked_in),
                         cell(v.admitted_in), cell(v.parked), cell(v.wished_out),
                         cell(v.admitted_out), cell(v.handed_back), cell(time_in(r, end)),
                         v.alone_in, cell(time_out(r, end)), v.alone_out, v.distance, v.waited,
-                        v.reversals, v.broken ? 1 : 0, v.stranded ? 1 : 0);
+                        v.reversals, v.broken ? 1 : 0, v.stopped_permanently ? 1 : 0);
   }
   return text;
 }

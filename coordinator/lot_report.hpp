@@ -12,7 +12,7 @@ namespace mvtp {
 
 /// A stay with what only the trip's record knows. A row of visits.csv.
 struct ParkingRecord {
-  ParkingEvent visit;
+  ParkingEvent event;
   /// [s] when it would have been at the gate with nobody before it; none: it was there at the start
   std::optional<double> at_gate;
 };
@@ -21,7 +21,7 @@ struct ParkingRecord {
 struct LotReport {
   std::string lot;  ///< id
   int slots = 0;
-  std::vector<ParkingRecord> visits;
+  std::vector<ParkingRecord> events;
   std::vector<Occupied> occupancy;  ///< the rows of occupancy.csv
 };
 
@@ -33,7 +33,7 @@ struct LotReport {
 /// The part "parking" of summary.json: the keys of docs/outputs.md, over all lots.
 /// @pre !lots.empty()
 [[nodiscard]] nlohmann::ordered_json lots_json(std::span<const LotReport> lots, double end);
-[[nodiscard]] std::string visits_csv(std::span<const LotReport> lots, double end);
+[[nodiscard]] std::string parking_events_csv(std::span<const LotReport> lots, double end);
 [[nodiscard]] std::string occupancy_csv(std::span<const LotReport> lots);
 
 }  // namespace mvtp

@@ -49,14 +49,14 @@ void LotCoordinator::check_size(const std::string& id, const Vehicle& body) cons
                   body.length(), body.width, lot_.id, length, width, kRoomBesideSlot));
 }
 
-bool LotCoordinator::wants_a_way(const std::string& id, const Guest& guest) const {
+bool LotCoordinator::wants_a_path(const std::string& id, const Guest& guest) const {
   switch (guest.phase) {
     case Phase::kAtGate:
       return guest.entry >= 0;
     case Phase::kParked:
       return guest.wants_out && guest.taken_over && traffic_.can_move(id);
-    case Phase::kStranded:
-      return !visits_.at(id).broken;
+    case Phase::kStoppedPermanently:
+      return !events_.at(id).broken;
     case Phase::kUnderWay:
       return false;
   }
@@ -66,7 +66,7 @@ bool LotCoordinator::wants_a_way(const std::string& id, const Guest& guest) cons
 std::vector<std::string> LotCoordinator::those_who_ask() const {
   std::vector<std::pair<std::pair<std::int64_t, std::int64_t>, std::string>> order;
   for (const auto& [id, guest] : guests_) {
-    if (wants_a_way(id, guest) && decisions_ >= guest.next_try)
+    if (wants_a_path(id, guest) && decisions_ >= guest.next_try)
       order.push_back({{guest.asked, guest.key}, id});
   }
   std::ranges::sort(order);
@@ -79,8 +79,8 @@ std::vector<std::string> LotCoordinator::those_who_ask() const {
 std::vector<StandingCar> LotCoordinator::standing(bool asking, const std::string& except) const {
   std::vector<StandingCar> result;
   for (const auto& [id, guest] : guests_) {
-    const bool stands = guest.phase == Phase::kParked || guest.phase == Phase::kStranded;
-    if (!stands || id == except || wants_a_way(id, guest) != asking) continue;
+    const bool stands = guest.phase == Phase::kParked || guest.phase == Phase::kStoppedPermanently;
+    if (!stands || id == except || wants_a_path(id, guest) != asking) continue;
     result.push_back({guest.pose, guest.body});
   }
   return result;
@@ -189,15 +189,15 @@ std::optional<LotAdmission> LotCoordinator::ask(const std::string& id, Guest& gu
   planner_.set_standing(solid(slots));
   const std::optional<LotAdmission> admission = planner_.admit(motion_, request, in_place(id));
   if (!admission) return admission;
-  ParkingEvent& visit = visits_[id];
+  ParkingEvent& event = events_[id];
   if (guest.wants_out) {
-    if (!visit.admitted_out) visit.alone_out = admission->alone;
-    if (!visit.admitted_out) visit.admitted_out = traffic_.time();
+    if (!event.admitted_out) event.alone_out = admission->alone;
+    if (!event.admitted_out) event.admitted_out = traffic_.time();
   } else {
     guest.slot = slots[admission->goal];
-    visit.slot = lot_.slots[std::size_t(guest.slot)].id;
-    if (!visit.admitted_in) visit.alone_in = admission->alone;
-    if (!visit.admitted_in) visit.admitted_in = traffic_.time();
+    event.slot = lot_.slots[std::size_t(guest.slot)].id;
+    if (!event.admitted_in) event.alone_in = admission->alone;
+    if (!event.admitted_in) event.admitted_in = traffic_.time();
   }
   if (!guest.taken_over) {  // at the gate
     traffic_.hold(id, false);
@@ -206,7 +206,7 @@ std::optional<LotAdmission> LotCoordinator::ask(const std::string& id, Guest& gu
   }
   guest.phase = Phase::kUnderWay;
   const LotCar& car = motion_.cars()[std::size_t(motion_.find(guest.key))];
-  visit.reversals += car.path.reversals();
+  event.reversals += car.path.reversals();
   return admission;
 }
 

@@ -22,7 +22,7 @@ constexpr double kSlack = 0.5;   ///< [s] that new plans keep before and behind 
 /// [s] that new plans keep before those who have not come to the kerb yet: as long as a turn takes,
 /// since who is in it can neither wait for them nor be waited for.
 constexpr double kSlackToCome = 5.0;
-constexpr double kPatience = 6.0;    ///< [s] after which a green is promised ahead of time,
+constexpr double kPromiseAfter = 6.0;  ///< [s] after which a green is promised ahead of time,
 constexpr double kAhead = 3.0;       ///< so much [s]: longer than any vehicle in town needs to stop
 constexpr double kLongest = 12.0;    ///< [s] after which a green is worth any delay of others
 constexpr double kCourtesy = 5.0;    ///< [s] by which drivers who came later may still go first
@@ -135,7 +135,7 @@ void People::call_for_greens() {
 
 bool People::waits_long(int crossing) const {
   const std::optional<std::int64_t> since = waits_since(crossing);
-  return since && step_ - *since >= steps(kPatience);
+  return since && step_ - *since >= steps(kPromiseAfter);
 }
 
 /// Long enough for those who wait, and at real timing for one who steps onto it at its end to be
@@ -185,9 +185,9 @@ Forecast People::expect_one(const Person& person, const std::optional<Green>& gr
     const std::int64_t there = std::max(green->begin, step_ + steps(to_kerb / kFast));
     return there < green->end ? crosses(person, *green) : stays(person, CrossingPaths::kKerb);
   }
-  const bool gives_way = !graph_.crossing(person.crossing).crossing->has_priority;
-  return gives_way && (stands || person.where == Where::kNear) ? stays(person, CrossingPaths::kKerb)
-                                                               : crosses(person, always);
+  const bool yields = !graph_.crossing(person.crossing).crossing->has_priority;
+  return yields && (stands || person.where == Where::kNear) ? stays(person, CrossingPaths::kKerb)
+                                                            : crosses(person, always);
 }
 
 /// He is at the kerb as fast as he can, and steps onto the crossing at the end of the green at

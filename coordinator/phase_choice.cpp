@@ -9,9 +9,9 @@
 namespace mvtp {
 namespace {
 
-constexpr double kSight = 150.0;  ///< [m] before a line from which vehicles are counted
-constexpr double kAccel = 2.0;    ///< [m/s^2] of a driver who starts
-constexpr double kStands = 0.5;   ///< [m/s]
+constexpr double kDetectorRange = 150.0;  ///< [m] before a line from which vehicles are counted
+constexpr double kAccel = 2.0;            ///< [m/s^2] of a driver who starts
+constexpr double kStands = 0.5;           ///< [m/s]
 constexpr double kLead =
     4.5;  ///< [s] before they are at their lines a phase begins for two who need lights that cross
 constexpr double kGap = 5.0;   ///< [s] in which nobody comes who needs a phase: it ends
@@ -108,8 +108,8 @@ double PhaseChoice::can_begin(int signal, const GreenPhase& phase) const {
   for (int k = 0; k < graph_.links(); ++k) {
     if (phases_.signal_of(k) != signal || phase.links.contains(k)) continue;
     const double since = heads_.light(k) == Light::kGreen ? now : now - heads_.shown_for(k);
-    const double gone = heads_.light(k) == Light::kRed ? yellow_time(signal) : 0.0;
-    begun = std::max(begun, since - gone);
+    const double yellow = heads_.light(k) == Light::kRed ? yellow_time(signal) : 0.0;
+    begun = std::max(begun, since - yellow);
   }
   return begun;
 }
@@ -175,7 +175,7 @@ std::vector<QueuedVehicle> PhaseChoice::queue_on(int lane) const {
   std::vector<const VehicleState*> there;
   const Lane& l = graph_.lane(lane);
   for (const VehicleState& v : traffic_.vehicles()) {
-    if (v.lane == l.id && v.lane_position > l.length - kSight && !v.halted_by_stop) {
+    if (v.lane == l.id && v.lane_position > l.length - kDetectorRange && !v.halted_by_stop) {
       there.push_back(&v);
     }
   }
@@ -209,12 +209,12 @@ int PhaseChoice::link_of(const VehicleState& v, int lane) const {
 /// [s] until it is at its line if it speeds up as it can.
 double PhaseChoice::arrival(const VehicleState& v, int lane) const {
   const Lane& l = graph_.lane(lane);
-  const double way = std::max(0.0, l.length - v.lane_position);
+  const double to_line = std::max(0.0, l.length - v.lane_position);
   const double most = std::max(v.speed, l.speed_limit * v.speed_factor);
   const double to_speed_up = (most * most - v.speed * v.speed) / (2.0 * kAccel);
-  if (way < to_speed_up)
-    return (std::sqrt(v.speed * v.speed + 2.0 * kAccel * way) - v.speed) / kAccel;
-  return (most - v.speed) / kAccel + (way - to_speed_up) / most;
+  if (to_line < to_speed_up)
+    return (std::sqrt(v.speed * v.speed + 2.0 * kAccel * to_line) - v.speed) / kAccel;
+  return (most - v.speed) / kAccel + (to_line - to_speed_up) / most;
 }
 
 /// [s] of yellow, the longest of its lanes.

@@ -30,8 +30,8 @@ double before_line(const InertialState& now, double a, const StopLine& line, dou
   return -std::min(std::max(kBraking, needed), now.v / dt);
 }
 
-/// Appends states until the end of the path, each with the acceleration that `wish` asks for; on
-/// the way, a stand at `line`.
+/// Appends states until the end of the path, each with the acceleration that `wish` asks for, with
+/// a stand at `line`.
 template <class Wish>
 void drive_on(SpeedProfile& t, const RoadVehicle& v, const DecisionGrid& grid,
               const std::optional<StopLine>& line, const Wish& wish) {
@@ -67,7 +67,7 @@ constexpr double kNearEnd = 60.0;     ///< [m] before the end of its corridor it
 constexpr double kHorizon = 120.0;    ///< [m] along its route for which a vehicle is predicted
 constexpr double kRest = 1.0;         ///< [m] of path that there is at least ahead of it
 constexpr double kAlongside = 40.0;   ///< [m] behind the place of the takeover
-constexpr double kExitSight = 250.0;  ///< [m] behind a junction in which leaders matter
+constexpr double kExitRange = 250.0;  ///< [m] behind a junction in which leaders matter
 
 }  // namespace
 
@@ -81,7 +81,7 @@ Predictor::Predictor(const LaneGraph& graph, const CourseFinder& finder, Corrido
     watched_[std::size_t(link.from)] = watched_[std::size_t(link.to)] = true;
     for (const int via : link.via) watched_[std::size_t(via)] = true;
   }
-  for (int l = 0; l < graph.lanes(); ++l) exit_roots_.push_back(find_exit_root(l, kExitSight));
+  for (int l = 0; l < graph.lanes(); ++l) exit_roots_.push_back(find_exit_root(l, kExitRange));
 }
 
 void Predictor::watch(const Corridor& corridor) {

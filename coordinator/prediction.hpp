@@ -57,7 +57,7 @@ class Predictor {
   [[nodiscard]] std::optional<Placed> place(const VehicleState& vehicle, const CourseQuery& query,
                                             const Vehicle& body);
 
-  /// The motions to be expected of a vehicle along its route; none if it is leaving the sight of
+  /// The motions to be expected of a vehicle along its route; none if it is leaving the range of
   /// all.
   /// @param intent  what it does at the next coordinated stop line.
   /// @param stands  [s] that it still stands where it is, at a scheduled stop.
@@ -76,7 +76,7 @@ class Predictor {
   double takeover_;
   std::vector<bool> watched_;
   std::vector<ExitRoot> exit_roots_;
-  std::map<std::string, int> last_corridor_;  ///< of vehicles handed back and still in sight
+  std::map<std::string, int> last_corridor_;  ///< of vehicles handed back and still in range
 };
 
 /// A driver on his way: holds his speed for a while, then speeds up gently. Predicting that a

@@ -98,7 +98,7 @@ struct RunReport {
   std::string command;
 };
 
-/// Did every vehicle, of at least one, arrive, and did no vehicle of ours touch another?
+/// Did every vehicle, of at least one, arrive, and did no CAV touch another?
 [[nodiscard]] bool succeeded(const RunReport& report);
 
 /// The figures that a run is judged by first.

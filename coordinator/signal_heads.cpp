@@ -7,10 +7,10 @@
 namespace mvtp {
 namespace {
 
-/// Two ways whose middles come nearer than this are driven one after the other [m]: the greatest
-/// width of a vehicle on European roads.
+/// Two movements whose middles come nearer than this are driven one after the other [m]: the
+/// greatest width of a vehicle on European roads.
 constexpr double kWidest = 2.55;
-constexpr double kInstant = 1e-6;  ///< [s]
+constexpr double kTimeTolerance = 1e-6;  ///< [s]
 
 /// The middle of a connection inside its junction.
 std::vector<Point> middle_of(const LaneGraph& graph, const LaneGraph::Link& link) {
@@ -160,7 +160,7 @@ bool SignalHeads::may_turn_green(int link, const std::function<bool(int)>& besid
     if (beside(other)) return true;
     const Head& head = heads_[std::size_t(other)];
     return head.light == Light::kRed && !head.reserved &&
-           shown_for(other) >= head.clearance - kInstant;
+           shown_for(other) >= head.clearance - kTimeTolerance;
   });
 }
 
@@ -192,7 +192,7 @@ double SignalHeads::yellow_of(int light) const {
 void SignalHeads::advance() {
   for (std::size_t k = 0; k < heads_.size(); ++k) {
     if (!heads_[k].owned || heads_[k].light != Light::kYellow) continue;
-    if (shown_for(int(k)) >= yellow_of(int(k)) - kInstant) show(int(k), Light::kRed);
+    if (shown_for(int(k)) >= yellow_of(int(k)) - kTimeTolerance) show(int(k), Light::kRed);
   }
 }
 

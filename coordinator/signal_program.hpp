@@ -19,7 +19,7 @@ class SignalProgram {
     double end = 0.0;    ///< [s]
     std::size_t phase = 0;
   };
-  /// One way in which the program may go on, without a gap from now on.
+  /// One course that the program may take, without a gap from now on.
   using Course = std::vector<Shown>;
 
   /// @param signal  one with a program.

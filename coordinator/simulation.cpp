@@ -78,7 +78,7 @@ Snapshot Simulation::look() {
 bool Simulation::is_alive(const Snapshot& now) {
   if (now.vehicles.empty()) return now.pending.empty();
   if (std::ranges::find(now.resting, 0) == now.resting.end()) return true;
-  return std::ranges::any_of(now.vehicles, [](const Sighting& s) {
+  return std::ranges::any_of(now.vehicles, [](const Observation& s) {
     return s.state->speed > kMoving || s.state->halted_by_stop;  // others may wait behind it
   });
 }

@@ -15,9 +15,9 @@ namespace mvtp {
 
 /// What there is to see after a step.
 struct Snapshot {
-  double time = 0.0;                   ///< [s]
-  std::span<const Sighting> vehicles;  ///< ordered by id
-  std::span<const char> resting;       ///< 1 for each of them that is parked or at a stop
+  double time = 0.0;                      ///< [s]
+  std::span<const Observation> vehicles;  ///< ordered by id
+  std::span<const char> resting;          ///< 1 for each of them that is parked or at a stop
   std::span<const Pedestrian> people;
   std::span<const std::string> pending;  ///< vehicles that wait to enter, looked up once a second
 };
@@ -65,7 +65,7 @@ class Simulation {
   std::vector<Controller*> controllers_;
   std::vector<Observer> observers_;
   std::map<std::string, VehicleType> types_;
-  std::vector<Sighting> sightings_;
+  std::vector<Observation> sightings_;
   std::vector<char> resting_;
   std::vector<std::string> pending_;
   double next_look_at_pending_ = -1e300;  ///< [s]

@@ -122,7 +122,7 @@ class Traffic {
   }
 
   virtual void take_over(const std::string& id) = 0;
-  /// Gives the vehicle back to the traffic's own driver, who goes on from its pose and speed.
+  /// Gives the vehicle back to the car-following model, which goes on from its pose and speed.
   virtual void hand_back(const std::string& id) = 0;
   /// Is it taken over, by whichever controller?
   [[nodiscard]] virtual bool is_taken_over(const std::string& /*id*/) const { return false; }
@@ -140,7 +140,8 @@ class Traffic {
   /// Does the traffic want to be told plans ahead of time? Then
   [[nodiscard]] virtual bool wants_plans() const { return false; }
   /// where a taken-over vehicle is now, and where it will be placed in each of the next steps.
-  /// @param complete  behind the end of the plan its own driver goes on; else it stays there.
+  /// @param complete  behind the end of the plan the car-following model goes on; else it stays
+  /// there.
   virtual void announce_plan(const std::string& /*id*/, std::vector<PlannedPose> /*poses*/,
                              bool /*complete*/) {}
   /// Makes a vehicle that is not taken over stop before the end of its lane (true), or go on.

@@ -8,7 +8,7 @@ void TripLog::observe(const Snapshot& now) {
   const double dt = traffic_.step_length();
   for (const std::string& id : now.pending) wanted_.emplace(id, now.time - dt);
   for (std::size_t i = 0; i < now.vehicles.size(); ++i) {
-    const Sighting& s = now.vehicles[i];
+    const Observation& s = now.vehicles[i];
     const auto [found, is_new] = entries_.try_emplace(s.state->id);
     Entry& entry = found->second;
     if (is_new) begin(now, s, entry);
@@ -23,8 +23,8 @@ void TripLog::observe(const Snapshot& now) {
   last_ = now.time;
 }
 
-void TripLog::begin(const Snapshot& now, const Sighting& sighting, Entry& entry) const {
-  const VehicleState& v = *sighting.state;
+void TripLog::begin(const Snapshot& now, const Observation& observation, Entry& entry) const {
+  const VehicleState& v = *observation.state;
   const double depart = now.time - traffic_.step_length();
   const auto wanted = wanted_.find(v.id);
   entry.route = traffic_.route(v.id);

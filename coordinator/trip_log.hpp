@@ -51,7 +51,7 @@ class TripLog {
     double last_seen = 0.0;
   };
 
-  void begin(const Snapshot& now, const Sighting& sighting, Entry& entry) const;
+  void begin(const Snapshot& now, const Observation& observation, Entry& entry) const;
 
   [[nodiscard]] const std::string& first_lane(const std::string& edge) const;
 

@@ -37,9 +37,9 @@ double room_behind(const std::vector<TubeLeader>& leaders, double k, double dt, 
   double room = 1e9;
   for (const TubeLeader& leader : leaders) {
     const SpeedProfile* t = latest ? leader.latest : leader.earliest;
-    const double way = travelled(leader, t, latest, k - lag / dt, dt);
-    if (way >= leader.until) continue;
-    room = std::min(room, leader.gap - distance + way);
+    const double driven = travelled(leader, t, latest, k - lag / dt, dt);
+    if (driven >= leader.until) continue;
+    room = std::min(room, leader.gap - distance + driven);
   }
   return room;
 }

@@ -38,12 +38,12 @@ struct TubeDriver {
 
 /// Whoever is ahead of him in his lane: he follows it.
 struct TubeLeader {
-  double gap = 0.0;                          ///< [m] from bumper to bumper now
-  double speed = 0.0;                        ///< [m/s] now
-  double max_accel = 2.6;                    ///< [m/s^2]
-  const SpeedProfile* earliest = nullptr;    ///< what it may do; none: it speeds up as it can
-  const SpeedProfile* latest = nullptr;      ///< none: it keeps its speed
-  /// Until it has driven so far it is ahead of him [m]; then their ways part.
+  double gap = 0.0;                        ///< [m] from bumper to bumper now
+  double speed = 0.0;                      ///< [m/s] now
+  double max_accel = 2.6;                  ///< [m/s^2]
+  const SpeedProfile* earliest = nullptr;  ///< what it may do; none: it speeds up as it can
+  const SpeedProfile* latest = nullptr;    ///< none: it keeps its speed
+  /// Until it has driven so far it is ahead of him [m]; then their paths part.
   double until = 1e9;
 };
 

@@ -85,13 +85,13 @@ class JobRunner {
     }
   }
 
-  /// A signal to the whole process group arrives more than once within an instant: twice does no
-  /// harm to the children, but it is no second wish to end.
+  /// A signal to the whole process group arrives more than once at nearly the same time: twice does
+  /// no harm to the children, but it is no second wish to end.
   void interrupt(const siginfo_t& info) {
-    constexpr auto kPatience = std::chrono::seconds(1);
+    constexpr auto kGracePeriod = std::chrono::seconds(1);
     const auto now = std::chrono::steady_clock::now();
     if (!interrupted_) first_interrupt_ = now;
-    send(now - first_interrupt_ > kPatience ? SIGKILL : info.si_signo);
+    send(now - first_interrupt_ > kGracePeriod ? SIGKILL : info.si_signo);
     interrupted_ = ending_ = true;
   }
 
@@ -164,8 +164,8 @@ std::optional<siginfo_t> AwaitedSignals::next(Deadline latest) const {
   siginfo_t info{};
   while (true) {
     const double seconds = std::max(latest.remaining(), 0.0);
-    const timespec patience{std::time_t(seconds), long(1e9 * (seconds - std::floor(seconds)))};
-    if (sigtimedwait(&set_, &info, &patience) >= 0) return info;
+    const timespec timeout{std::time_t(seconds), long(1e9 * (seconds - std::floor(seconds)))};
+    if (sigtimedwait(&set_, &info, &timeout) >= 0) return info;
     if (errno == EAGAIN) return std::nullopt;  // else EINTR: a stop and a continue
   }
 }

@@ -426,13 +426,13 @@ class Backend final : public SumoTraffic {
     int mode = 0;
   };
 
-  /// Runs an action on SUMO; what it throws, or says on stderr, becomes one InputError.
-  template <class Action>
-  auto ask(const Action& action) const -> decltype(action()) {
+  /// Calls SUMO; what it throws, or says on stderr, becomes one InputError.
+  template <class Call>
+  auto ask(const Call& call) const -> decltype(call()) {
     std::string problem;
     try {
       const SumoLog::Redirection redirection(log_);
-      return action();
+      return call();
     } catch (const std::exception& error) {
       problem = error.what();
     }
@@ -445,12 +445,12 @@ class Backend final : public SumoTraffic {
   }
 
   /// The same for what is asked often and only reads.
-  template <class Action>
-  auto look_up(const Action& action) const -> decltype(action()) {
+  template <class Call>
+  auto look_up(const Call& call) const -> decltype(call()) {
     try {
-      return action();
+      return call();
     } catch (const std::exception&) {
-      return ask(action);
+      return ask(call);
     }
   }
 
@@ -483,20 +483,22 @@ class Backend final : public SumoTraffic {
 
   /// Vehicles that have arrived, or that SUMO has taken off the road.
   void forget_all_but(const std::vector<std::string>& ids) {
-    const auto gone = [&](const std::string& id) { return !std::ranges::binary_search(ids, id); };
-    const auto is_gone = [&](const auto& entry) { return gone(entry.first); };
+    const auto has_left = [&](const std::string& id) {
+      return !std::ranges::binary_search(ids, id);
+    };
+    const auto entry_has_left = [&](const auto& entry) { return has_left(entry.first); };
     std::erase_if(controlled_, [&](const auto& entry) {
-      if (!gone(entry.first)) return false;
+      if (!has_left(entry.first)) return false;
       routes_.forget(entry.first);
       return true;
     });
-    holds_.forget_if(gone);
-    std::erase_if(lane_changes_, is_gone);
-    std::erase_if(capped_, gone);
-    std::erase_if(unrestored_, gone);
-    std::erase_if(leaving_, gone);
-    std::erase_if(relying_, gone);
-    std::erase_if(lane_keepers_, is_gone);
+    holds_.forget_if(has_left);
+    std::erase_if(lane_changes_, entry_has_left);
+    std::erase_if(capped_, has_left);
+    std::erase_if(unrestored_, has_left);
+    std::erase_if(leaving_, has_left);
+    std::erase_if(relying_, has_left);
+    std::erase_if(lane_keepers_, entry_has_left);
   }
 
   /// Does it depart in a parking area? SUMO puts such a vehicle on the lane beside it for one step.
@@ -512,7 +514,7 @@ class Backend final : public SumoTraffic {
     routes_.cut(id, length, time_);
   }
 
-  /// From open ground onto the road, in the next step: SUMO's driver knows no way back.
+  /// From open ground onto the road, in the next step: SUMO's driver cannot go back.
   static void put_onto_route(const std::string& id, const Controlled& vehicle) {
     const SumoPosition& p = vehicle.position;
     api::Vehicle::moveToXY(id, "", -1, p.x_m, p.y_m, p.angle_deg, kOntoRoute, kAnyDistance);

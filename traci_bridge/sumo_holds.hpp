@@ -25,8 +25,8 @@ class SumoHolds {
 
   void forget(const std::string& id) { stops_.erase(id); }
   template <class Predicate>
-  void forget_if(const Predicate& is_gone) {
-    std::erase_if(stops_, [&](const auto& entry) { return is_gone(entry.first); });
+  void forget_if(const Predicate& has_left) {
+    std::erase_if(stops_, [&](const auto& entry) { return has_left(entry.first); });
   }
 
  private:

@@ -78,8 +78,8 @@ std::optional<SumoLanes::Place> SumoLanes::place_beside(const Lane& lane, double
     return Place{sibling, std::min(position, network_.lanes.at(sibling).length)};
   }
   const auto [first, last] = leaving_.equal_range(lane.id);
-  for (auto way = first; way != last; ++way) {
-    const Connection& c = *way->second;
+  for (auto connection = first; connection != last; ++connection) {
+    const Connection& c = *connection->second;
     const bool follows = rest.size() > 1 && network_.lanes.at(c.to_lane).edge == rest[1];
     if (follows && !c.via.empty()) return Place{c.via.front(), 0.0};
   }

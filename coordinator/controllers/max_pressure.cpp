@@ -11,7 +11,7 @@ double pressure(const std::vector<const SignalLink*>& green, const LaneCounts& c
   double sum = 0.0;
   for (const SignalLink* link : green) {
     sum += counts.heading(link->from_lane, link->to_edge);
-    if (link->ways_on > 0) sum -= double(counts.on_edge(link->to_edge)) / link->ways_on;
+    if (link->movements_on > 0) sum -= double(counts.on_edge(link->to_edge)) / link->movements_on;
   }
   return sum;
 }

@@ -5,8 +5,8 @@
 namespace mvtp {
 namespace {
 
-constexpr double kInstant = 1e-6;  ///< [s]
-constexpr double kYellow = 3.0;    ///< [s] where a program has none
+constexpr double kTimeTolerance = 1e-6;  ///< [s]
+constexpr double kYellow = 3.0;          ///< [s] where a program has none
 
 bool is_green(char light) { return light == 'G' || light == 'g'; }
 bool has_yellow(const std::string& lights) {
@@ -42,18 +42,20 @@ PhaseSelection::PhaseSelection(Traffic& traffic, const std::vector<std::string>&
     : traffic_(traffic), worth_(std::move(worth)) {
   const RoadNetwork& network = traffic.network();
   std::map<std::string, std::vector<SignalLink>> links;
-  std::map<std::string, int> ways_on;
+  std::map<std::string, int> movements_on;
   for (const auto& [id, junction] : network.junctions) {
-    for (const Connection& c : junction.connections) ++ways_on[network.lanes.at(c.from_lane).edge];
+    for (const Connection& c : junction.connections)
+      ++movements_on[network.lanes.at(c.from_lane).edge];
   }
   for (const auto& [id, junction] : network.junctions) {
     for (const Connection& c : junction.connections) {
       const std::string& to = network.lanes.at(c.to_lane).edge;
-      links[c.signal].push_back({.light = c.signal_index,
-                                 .from_lane = c.from_lane,
-                                 .from_edge = network.lanes.at(c.from_lane).edge,
-                                 .to_edge = to,
-                                 .ways_on = ways_on.contains(to) ? ways_on.at(to) : 0});
+      links[c.signal].push_back(
+          {.light = c.signal_index,
+           .from_lane = c.from_lane,
+           .from_edge = network.lanes.at(c.from_lane).edge,
+           .to_edge = to,
+           .movements_on = movements_on.contains(to) ? movements_on.at(to) : 0});
     }
   }
   signals_.reserve(signals.size());  // links are pointed to
@@ -93,7 +95,7 @@ void PhaseSelection::read_program(Signal& signal) const {
 
 void PhaseSelection::decide() {
   const double now = traffic_.time();
-  const auto due = [&](const Signal& s) { return now >= s.next_decision - kInstant; };
+  const auto due = [&](const Signal& s) { return now >= s.next_decision - kTimeTolerance; };
   if (std::ranges::any_of(signals_, due)) counts_.count(traffic_);
   for (Signal& signal : signals_) {
     if (due(signal)) choose(signal);
@@ -123,9 +125,9 @@ std::string PhaseSelection::lights_now(const Signal& signal) const {
   const Green& before = signal.greens[signal.before];
   const double since = traffic_.time() - signal.change_began;
   const bool changes = signal.shown != signal.before;
-  if (!changes || since >= before.yellow + before.all_red - kInstant) return next.lights;
+  if (!changes || since >= before.yellow + before.all_red - kTimeTolerance) return next.lights;
   std::string lights = before.lights;
-  const bool yellow = since < before.yellow - kInstant;
+  const bool yellow = since < before.yellow - kTimeTolerance;
   for (std::size_t i = 0; i < lights.size(); ++i) {
     if (!is_green(before.lights[i]) || is_green(next.lights[i])) continue;
     lights[i] = char(yellow ? Light::kYellow : Light::kRed);

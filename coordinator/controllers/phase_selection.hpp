@@ -42,7 +42,7 @@ struct SignalLink {
   std::string from_lane;
   std::string from_edge;
   std::string to_edge;
-  int ways_on = 0;  ///< connections that leave `to_edge`
+  int movements_on = 0;  ///< connections that leave `to_edge`
 };
 
 /// Signals that show, of the green phases of their own programs, at each decision the one that is

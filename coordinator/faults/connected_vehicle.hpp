@@ -14,7 +14,7 @@ namespace mvtp {
 struct PlanMessage {
   std::int64_t begin = 0;  ///< step of the first pose
   std::vector<PlannedPose> poses;
-  bool complete = true;  ///< behind its end the vehicle has its own driver again; else it stays
+  bool complete = true;  ///< behind its end a human drives the vehicle again; else it stays
 
   [[nodiscard]] std::int64_t last() const { return begin + std::int64_t(poses.size()) - 1; }
 };
@@ -42,7 +42,7 @@ class ConnectedVehicle {
   [[nodiscard]] const Pose& pose() const { return pose_; }
   [[nodiscard]] double speed() const { return speed_; }
   [[nodiscard]] bool has_plan() const { return plan_ != nullptr; }
-  /// Is it at the end of a plan behind which it has its own driver?
+  /// Is it at the end of a plan behind which a human drives it?
   [[nodiscard]] bool is_through(std::int64_t step) const;
   /// How far it is from where its plan has it [m].
   [[nodiscard]] double deviation() const { return deviation_; }

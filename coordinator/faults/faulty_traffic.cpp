@@ -120,7 +120,7 @@ void FaultyTraffic::send(Link& link) {
 }
 
 bool FaultyTraffic::drive(const std::string& id, Link& link, const VehicleState& state) {
-  if (!link.heard) return false;  // its own driver drives it on
+  if (!link.heard) return false;  // its car-following model drives it on
   const bool is_new = !world_.is_taken_over(id);
   if (link.heard->released &&
       (is_new || !link.vehicle || link.vehicle->will() == ConnectedVehicle::Will::kObeys)) {

@@ -5,7 +5,7 @@
 
 namespace mvtp {
 
-void DrivingStyle::observe(double time, std::span<const Sighting> vehicles,
+void DrivingStyle::observe(double time, std::span<const Observation> vehicles,
                            std::span<const char> resting) {
   for (std::size_t i = 0; i < vehicles.size(); ++i) {
     const VehicleState& v = *vehicles[i].state;

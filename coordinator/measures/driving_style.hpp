@@ -25,7 +25,7 @@ class DrivingStyle {
   static constexpr double kMoving = 5.0 / 3.6;  ///< [m/s] it must have had before the next stop
 
   /// After each step of the traffic. @param resting  1 for each that is at a scheduled stop
-  void observe(double time, std::span<const Sighting> vehicles, std::span<const char> resting);
+  void observe(double time, std::span<const Observation> vehicles, std::span<const char> resting);
 
   /// By id, of every vehicle ever seen.
   [[nodiscard]] std::map<std::string, DrivingFigures> figures() const;

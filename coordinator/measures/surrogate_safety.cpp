@@ -8,9 +8,9 @@ namespace mvtp {
 namespace {
 
 constexpr double kCrossing = 30.0 * 3.14159265358979 / 180.0;  ///< [rad]
-constexpr double kSight = 100.0;                               ///< [m] between two that may meet
+constexpr double kRange = 100.0;                               ///< [m] between two that may meet
 
-Point velocity_of(const Sighting& s) {
+Point velocity_of(const Observation& s) {
   return {s.state->speed * std::cos(s.state->pose.theta),
           s.state->speed * std::sin(s.state->pose.theta)};
 }
@@ -60,9 +60,9 @@ SurrogateSafety::SurrogateSafety(const RoadNetwork& network, double step_length)
   }
 }
 
-void SurrogateSafety::observe(double time, std::span<const Sighting> vehicles) {
-  for (const Sighting& s : vehicles) {
-    if (is_on_junction(s.state->pose)) visit(time, s);
+void SurrogateSafety::observe(double time, std::span<const Observation> vehicles) {
+  for (const Observation& s : vehicles) {
+    if (is_on_junction(s.state->pose)) occupy(time, s);
   }
   if (time < next_look_ - 1e-6) return;
   next_look_ = time + kLook;
@@ -77,7 +77,7 @@ bool SurrogateSafety::is_on_junction(const Pose& pose) const {
   });
 }
 
-void SurrogateSafety::visit(double time, const Sighting& vehicle) {
+void SurrogateSafety::occupy(double time, const Observation& vehicle) {
   const OrientedBox box = footprint(vehicle.type->body, vehicle.state->pose);
   const double x = std::abs(box.ux) * box.half_length + std::abs(box.uy) * box.half_width;
   const double y = std::abs(box.uy) * box.half_length + std::abs(box.ux) * box.half_width;
@@ -90,34 +90,34 @@ void SurrogateSafety::visit(double time, const Sighting& vehicle) {
           std::abs(dy * box.ux - dx * box.uy) > box.half_width) {
         continue;  // its middle is outside
       }
-      Visit& visit = visits_[{i, j}];
-      if (visit.id != vehicle.state->id) {
-        if (!visit.id.empty()) encounter(time, visit, vehicle);
-        visit.id = vehicle.state->id;
+      Occupant& occupant = occupants_[{i, j}];
+      if (occupant.id != vehicle.state->id) {
+        if (!occupant.id.empty()) encounter(time, occupant, vehicle);
+        occupant.id = vehicle.state->id;
       }
-      visit.theta = vehicle.state->pose.theta;
-      visit.until = time;
+      occupant.theta = vehicle.state->pose.theta;
+      occupant.until = time;
     }
   }
 }
 
-void SurrogateSafety::encounter(double time, const Visit& before, const Sighting& vehicle) {
+void SurrogateSafety::encounter(double time, const Occupant& before, const Observation& vehicle) {
   if (std::abs(wrap_to_pi(vehicle.state->pose.theta - before.theta)) < kCrossing) return;
   // It left half a step after it was last seen there, the other one came half a step ago.
   const double seconds = std::max(0.0, time - before.until - step_length_);
   note(seconds, pair_of(before.id, vehicle.state->id), least_pet_, pet_);
 }
 
-void SurrogateSafety::look_ahead(std::span<const Sighting> vehicles) {
+void SurrogateSafety::look_ahead(std::span<const Observation> vehicles) {
   std::vector<std::size_t> by_west(vehicles.size());
   for (std::size_t i = 0; i < by_west.size(); ++i) by_west[i] = i;
   std::ranges::sort(by_west, {}, [&](std::size_t i) { return vehicles[i].state->pose.x; });
   for (std::size_t n = 0; n < by_west.size(); ++n) {
-    const Sighting& a = vehicles[by_west[n]];
+    const Observation& a = vehicles[by_west[n]];
     for (std::size_t m = n + 1; m < by_west.size(); ++m) {
-      const Sighting& b = vehicles[by_west[m]];
-      if (b.state->pose.x - a.state->pose.x > kSight) break;
-      if (std::abs(b.state->pose.y - a.state->pose.y) > kSight) continue;
+      const Observation& b = vehicles[by_west[m]];
+      if (b.state->pose.x - a.state->pose.x > kRange) break;
+      if (std::abs(b.state->pose.y - a.state->pose.y) > kRange) continue;
       const auto seconds =
           time_to_collision(footprint(a.type->body, a.state->pose), velocity_of(a),
                             footprint(b.type->body, b.state->pose), velocity_of(b));

@@ -46,7 +46,7 @@ class SurrogateSafety {
   SurrogateSafety(const RoadNetwork& network, double step_length);
 
   /// After each step of the traffic.
-  void observe(double time, std::span<const Sighting> vehicles);
+  void observe(double time, std::span<const Observation> vehicles);
 
   [[nodiscard]] const ConflictFigures& post_encroachment() const { return pet_; }
   [[nodiscard]] const ConflictFigures& to_collision() const { return ttc_; }
@@ -54,16 +54,16 @@ class SurrogateSafety {
  private:
   using Cell = std::pair<int, int>;
   using Pair = std::pair<std::string, std::string>;
-  struct Visit {
+  struct Occupant {
     std::string id;
     double theta = 0.0;  ///< [rad]
     double until = 0.0;  ///< [s] last seen there
   };
 
   [[nodiscard]] bool is_on_junction(const Pose& pose) const;
-  void visit(double time, const Sighting& vehicle);
-  void encounter(double time, const Visit& before, const Sighting& vehicle);
-  void look_ahead(std::span<const Sighting> vehicles);
+  void occupy(double time, const Observation& vehicle);
+  void encounter(double time, const Occupant& before, const Observation& vehicle);
+  void look_ahead(std::span<const Observation> vehicles);
   static void note(double seconds, const Pair& pair, std::map<Pair, double>& known,
                    ConflictFigures& figures);
 
@@ -72,7 +72,7 @@ class SurrogateSafety {
   };
   double step_length_;
   std::vector<Bounds> junctions_;
-  std::map<Cell, Visit> visits_;
+  std::map<Cell, Occupant> occupants_;
   std::map<Pair, double> least_pet_;
   std::map<Pair, double> least_ttc_;
   ConflictFigures pet_;

@@ -19,9 +19,9 @@ namespace {
 constexpr double kTimeStep = 0.106;  ///< the fastest robot drives no further between time steps [m]
 constexpr double kSoloWeight = 1.1;  ///< the longest paths are looked for again, better
 constexpr int kSoloExpansions = 20'000;
-constexpr std::int64_t kPatience =
+constexpr std::int64_t kStagnationLimit =
     50'000;  ///< expansions without progress of attempts to lower ...
-constexpr std::int64_t kPatiencePerRobot = 1'500;  ///< ... and so many more for each robot
+constexpr std::int64_t kStagnationLimitPerRobot = 1'500;  ///< ... and so many more for each robot
 constexpr double kFar = 1.2;           ///< times the lower bound: too far to try the bound at once
 constexpr int kLateExpansions = 5000;  ///< of one search for a robot that is to arrive earlier
 constexpr std::int64_t kExchangeEvery = 20'000;  ///< expansions between two meetings
@@ -33,20 +33,20 @@ constexpr int kShortenRounds = 2;
 /// length.
 TimeGrid time_grid(const Instance& instance) {
   double speed = 0.0;
-  double action = std::numeric_limits<double>::infinity();
+  double primitive = std::numeric_limits<double>::infinity();
   for (const Agent& agent : instance.agents) {
     const Vehicle& vehicle = agent.vehicle;
     speed = std::max(speed, vehicle.max_speed);
-    action = std::min({action, vehicle.min_turning_radius / 2, vehicle.length() / 2});
+    primitive = std::min({primitive, vehicle.min_turning_radius / 2, vehicle.length() / 2});
   }
   TimeGrid time;
   time.dt = instance.dt / std::max(1.0, std::ceil(instance.dt * speed / kTimeStep - 1e-9));
-  time.macro_step = std::clamp(int(action / (speed * time.dt)), 2, 60);
+  time.macro_step = std::clamp(int(primitive / (speed * time.dt)), 2, 60);
   return time;
 }
 
 /// Radius of the circle around the longest motion primitive.
-double reach_of_actions(const Instance& instance) {
+double reach_of_primitives(const Instance& instance) {
   double reach = 1.0;
   for (const Agent& agent : instance.agents) reach = std::max(reach, 1.5 * agent.vehicle.length());
   return reach;
@@ -56,7 +56,7 @@ double reach_of_actions(const Instance& instance) {
 struct Scene {
   Scene(const PlanningProblem& problem, const Deadline& deadline)
       : time(time_grid(problem.instance())),
-        obstacles(problem.instance().map, reach_of_actions(problem.instance())),
+        obstacles(problem.instance().map, reach_of_primitives(problem.instance())),
         clearance(problem.instance().map, obstacles, deadline) {
     const Instance& instance = problem.instance();
     cars.reserve(instance.agents.size());
@@ -117,7 +117,7 @@ class Searcher {
  private:
   void find_first_plan();
   void improve();
-  void straighten_longest_ways();
+  void straighten_longest_paths();
   void keep();
 
   void meet(bool finished) {
@@ -165,7 +165,7 @@ void Searcher::find_first_plan() {
 }
 
 /// Looks for better single-agent paths for the robots that would be too late even so.
-void Searcher::straighten_longest_ways() {
+void Searcher::straighten_longest_paths() {
   for (std::size_t i = 0; i < alone_.size(); ++i) {
     if (alone_[i].arrival() <= scene_.goal || deadline_.expired()) continue;
     std::optional<ArcTrajectory> better = find_single_agent_track(
@@ -178,11 +178,12 @@ void Searcher::straighten_longest_ways() {
 /// each failure, and again with twice the effort when nothing was too much to ask for.
 void Searcher::improve() {
   if (best_.tracks.empty()) return;
-  straighten_longest_ways();
+  straighten_longest_paths();
   int floor = scene_.lower_bound;
   const bool far = best_.makespan > kFar * floor;
   double part = far ? 0.5 : 0.0;  // share of the makespans from floor to best that is not dared
-  const std::int64_t patience = kPatience + kPatiencePerRobot * motion_.size();
+  const std::int64_t stagnation_limit =
+      kStagnationLimit + kStagnationLimitPerRobot * motion_.size();
   int doublings = 0;
   while (best_.makespan > scene_.goal && !ended_ && !deadline_.expired()) {
     adopted_ = false;
@@ -192,7 +193,7 @@ void Searcher::improve() {
     bool unreachable = false;
     motion_.place_all(best_.tracks);
     if (repair_.lower(
-            limit, patience << doublings, kLateExpansions << doublings,
+            limit, stagnation_limit << doublings, kLateExpansions << doublings,
             [this] { return interrupted(); }, unreachable)) {
       keep();
       part /= 2;

@@ -20,7 +20,7 @@ struct EscotStarOptions {
 /// a soft-collision cost
 ///    (SoftHybridAstar).
 /// 2. From these a plan for all, by repair of what overlaps, one robot at a time (Repair), under
-///    a makespan bound from the start; where that halts, in turn (FirstPlan,
+///    a makespan bound from the start; where that stagnates, in turn (FirstPlan,
 ///    RevisedPrioritizedPlanning).
 /// 3. A makespan bound is tightened towards the lower bound; whoever is late is planned anew
 ///    and the rest repaired.

@@ -16,7 +16,7 @@ namespace {
 constexpr int kExpansions = 500;  ///< of the first search for a robot
 constexpr int kDelays = 4;        ///< single-agent paths begin at multiples of so many macro steps
 constexpr double kNoLimit = 1e9;  ///< [time steps]
-constexpr std::int64_t kPatienceWithTurns = 1500;  ///< expansions per robot without progress
+constexpr std::int64_t kRevisedStagnationLimit = 1500;  ///< expansions per robot without progress
 
 }  // namespace
 
@@ -33,7 +33,7 @@ bool FirstPlan::find() {
   const bool crowd = needs_windows(motion_);
   motion_.clear();
   options_ = crowd ? kCrowded : kCalm;
-  set_limit(options_.limit * alone_[std::size_t(longest_way_first().front())].arrival());
+  set_limit(options_.limit * alone_[std::size_t(longest_path_first().front())].arrival());
   if (!crowd) return place_one_by_one() && resolve();
   return spread_out() && resolve_by_windows(motion_, [this] { return resolve(); });
 }
@@ -43,7 +43,7 @@ void FirstPlan::set_limit(double limit) {
   repair_.set_limit(int(limit_));
 }
 
-std::vector<int> FirstPlan::longest_way_first() const {
+std::vector<int> FirstPlan::longest_path_first() const {
   std::vector<int> order(alone_.size());
   std::iota(order.begin(), order.end(), 0);
   std::ranges::stable_sort(order, std::greater<>(),
@@ -53,7 +53,7 @@ std::vector<int> FirstPlan::longest_way_first() const {
 
 /// False if the time ran out before everyone was placed.
 bool FirstPlan::place_one_by_one() {
-  for (const int i : longest_way_first()) {
+  for (const int i : longest_path_first()) {
     if (deadline_.expired()) return false;
     plan_softly(i);
   }
@@ -64,20 +64,20 @@ bool FirstPlan::place_one_by_one() {
 /// the time there is gets used, so that far fewer are under way at once. False if the time ran out.
 bool FirstPlan::spread_out() {
   const int macro_step = motion_.time().macro_step;
-  for (const int i : longest_way_first()) {
+  for (const int i : longest_path_first()) {
     if (deadline_.expired()) return false;
-    const ArcTrajectory& way = alone_[std::size_t(i)];
+    const ArcTrajectory& path = alone_[std::size_t(i)];
     int best = 0;
     int fewest = std::numeric_limits<int>::max();
     for (int wait = 0; fewest > 0; wait += kDelays) {
-      if (wait > 0 && wait * macro_step + way.arrival() > limit_) break;
-      const int met = motion_.overlaps(i, way, fewest, wait);
+      if (wait > 0 && wait * macro_step + path.arrival() > limit_) break;
+      const int met = motion_.overlaps(i, path, fewest, wait);
       if (met < fewest) {
         fewest = met;
         best = wait;
       }
     }
-    motion_.place(i, motion_.track_after(i, best, way.steps()));
+    motion_.place(i, motion_.track_after(i, best, path.steps()));
   }
   return true;
 }
@@ -91,12 +91,14 @@ void FirstPlan::plan_softly(int i) {
 
 /// Until nobody overlaps before the horizon.
 bool FirstPlan::resolve() {
-  const std::int64_t patience = options_.patience * motion_.size();
-  const int halts_before_turns = options_.halts + motion_.size() / options_.robots_per_halt;
-  for (int halts = 1; !repair_.run(patience, interrupt_); ++halts) {
+  const std::int64_t stagnation_limit = options_.stagnation_limit * motion_.size();
+  const int stagnations_before_revising =
+      options_.stagnations + motion_.size() / options_.robots_per_stagnation;
+  for (int stagnations = 1; !repair_.run(stagnation_limit, interrupt_); ++stagnations) {
     if (over()) return false;
-    const bool turns = halts >= halts_before_turns && !std::exchange(turns_taken_, true);
-    if (turns && take_turns()) return true;
+    const bool revises =
+        stagnations >= stagnations_before_revising && !std::exchange(revised_, true);
+    if (revises && revise_priorities()) return true;
     if (over()) return false;
     set_limit(options_.relax * limit_);
   }
@@ -104,20 +106,20 @@ bool FirstPlan::resolve() {
 }
 
 /// True if nobody overlaps any more, with no horizon; if not, nothing has changed.
-bool FirstPlan::take_turns() {
+bool FirstPlan::revise_priorities() {
   const JointMotion::State before = motion_.state();
   const double limit = limit_;
   set_limit(kNoLimit);
-  RevisedPrioritizedPlanning turns(motion_, alone_, deadline_);
-  const std::int64_t patience = kPatienceWithTurns * motion_.size();
-  turns.run(patience);
-  const bool most = turns.gone() > motion_.size() / 2;
+  RevisedPrioritizedPlanning revised(motion_, alone_, deadline_);
+  const std::int64_t stagnation_limit = kRevisedStagnationLimit * motion_.size();
+  revised.run(stagnation_limit);
+  const bool most = revised.departed() > motion_.size() / 2;
   for (int i = 0; i < motion_.size() && most; ++i) {
-    if (turns.has_gone(i)) continue;
+    if (revised.has_departed(i)) continue;
     (void)motion_.remove(i);
     plan_softly(i);
   }
-  if (most && repair_.run(patience, interrupt_)) return true;
+  if (most && repair_.run(stagnation_limit, interrupt_)) return true;
   motion_.restore(before);
   set_limit(limit);
   return false;

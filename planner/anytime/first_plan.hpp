@@ -32,11 +32,11 @@ class FirstPlan {
  private:
   /// What differs in a crowd.
   struct FirstPlanOptions {
-    double limit;           ///< of all arrivals at first, in longest single-agent paths
-    double relax;           ///< the limit becomes so much later at every halt ...
-    std::int64_t patience;  ///< ... after so many expansions per robot without progress
-    int halts;              ///< so many on end before robots go by revised prioritized planning ...
-    int robots_per_halt;    ///< ... and one more for so many: turns take time with their square
+    double limit;                   ///< of all arrivals at first, in longest single-agent paths
+    double relax;                   ///< the limit becomes so much later at every stagnation ...
+    std::int64_t stagnation_limit;  ///< ... after so many expansions per robot without progress
+    int stagnations;  ///< so many on end before robots go by revised prioritized planning ...
+    int robots_per_stagnation;  ///< ... and one more for so many: its time grows with their square
   };
   static constexpr FirstPlanOptions kCalm{1.2, 1.25, 750, 1, 100};
   static constexpr FirstPlanOptions kCrowded{1.25, 1.05, 150, 4, 50};
@@ -44,8 +44,8 @@ class FirstPlan {
   [[nodiscard]] bool place_one_by_one();
   [[nodiscard]] bool spread_out();
   [[nodiscard]] bool resolve();
-  [[nodiscard]] bool take_turns();
-  [[nodiscard]] std::vector<int> longest_way_first() const;
+  [[nodiscard]] bool revise_priorities();
+  [[nodiscard]] std::vector<int> longest_path_first() const;
   void plan_softly(int i);
   void set_limit(double limit);
   [[nodiscard]] bool over() const { return deadline_.expired() || interrupt_(); }
@@ -57,7 +57,7 @@ class FirstPlan {
   Repair::Interrupt interrupt_;
   FirstPlanOptions options_ = kCalm;
   double limit_ = 0.0;  ///< of all arrivals [time steps]
-  bool turns_taken_ = false;
+  bool revised_ = false;
 };
 
 }  // namespace mvtp

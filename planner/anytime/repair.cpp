@@ -57,16 +57,16 @@ bool Repair::plan(int i, const SoftOptions& options, const ArcTrajectory* old, i
   return true;
 }
 
-bool Repair::run(std::int64_t patience, const Interrupt& interrupt) {
-  std::int64_t end = expansions() + patience;
+bool Repair::run(std::int64_t stagnation_limit, const Interrupt& interrupt) {
+  std::int64_t end = expansions() + stagnation_limit;
   std::size_t fewest = motion_.conflicts().size();
   while (!motion_.conflicts().empty()) {
     if (expansions() > end || deadline_.expired() || interrupt()) return false;
-    stalled_ = expansions() > end - patience + options_.stall * motion_.size();
+    stagnates_ = expansions() > end - stagnation_limit + options_.finer_after * motion_.size();
     try_one();
     if (motion_.conflicts().size() < fewest) {
       fewest = motion_.conflicts().size();
-      end = expansions() + patience;
+      end = expansions() + stagnation_limit;
     }
   }
   return true;
@@ -88,7 +88,7 @@ Repair::Choice Repair::choose() {
 /// Places the robot, absent so far; or leaves it absent.
 bool Repair::plan_anew(const Choice& choice, const ArcTrajectory& old) {
   const bool larger = random_.below(options_.larger_every) == 0;
-  const bool finely = larger && stalled_ && random_.below(2) == 0;
+  const bool finely = larger && stagnates_ && random_.below(2) == 0;
   const SoftOptions options =
       soft_options(options_.expansions * (larger ? options_.larger_factor : 1), finely);
   return plan(choice.robot, options, &old, choice.from) || drive_alone(choice.robot);
@@ -97,11 +97,11 @@ bool Repair::plan_anew(const Choice& choice, const ArcTrajectory& old) {
 /// For want of anything better robot i, absent so far, drives the single-agent path, begun at any
 /// time. This is all there is in places too tight for a small search. False if it would be late.
 bool Repair::drive_alone(int i) {
-  const ArcTrajectory& way = alone_[std::size_t(i)];
-  if (way.arrival() > limit_) return false;
+  const ArcTrajectory& path = alone_[std::size_t(i)];
+  if (path.arrival() > limit_) return false;
   const int latest =
-      std::min(limit_ - way.arrival(), motion_.makespan()) / motion_.time().macro_step;
-  motion_.place(i, motion_.track_after(i, random_.below(latest + 1), way.steps()));
+      std::min(limit_ - path.arrival(), motion_.makespan()) / motion_.time().macro_step;
+  motion_.place(i, motion_.track_after(i, random_.below(latest + 1), path.steps()));
   return true;
 }
 
@@ -126,8 +126,8 @@ void Repair::try_one() {
   }
 }
 
-bool Repair::lower(int limit, std::int64_t patience, int expansions, const Interrupt& interrupt,
-                   bool& unreachable) {
+bool Repair::lower(int limit, std::int64_t stagnation_limit, int expansions,
+                   const Interrupt& interrupt, bool& unreachable) {
   limit_ = limit;
   unreachable = false;
   std::vector<int> late;
@@ -143,7 +143,7 @@ bool Repair::lower(int limit, std::int64_t patience, int expansions, const Inter
     if (unreachable || deadline_.expired()) return false;
     motion_.place(i, track);
   }
-  const auto resolve = [&] { return run(patience, interrupt); };
+  const auto resolve = [&] { return run(stagnation_limit, interrupt); };
   return needs_windows(motion_) ? resolve_by_windows(motion_, resolve) : resolve();
 }
 

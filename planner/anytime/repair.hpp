@@ -41,7 +41,7 @@ struct RepairOptions {
   int tail_percent = 90;     ///< so often only what follows shortly before a conflict is planned
   int tail_macro_steps = 8;  ///< so many macro steps before it at most
   float weight_step = 0.5F;  ///< a pair that stays in conflict becomes so much heavier
-  int stall = 120;           ///< expansions per robot without progress: some searches are finer
+  int finer_after = 120;     ///< expansions per robot without progress: some searches are finer
 };
 
 /// Plans robots anew, one after the other, until nobody overlaps anybody.
@@ -77,12 +77,12 @@ class Repair {
 
   /// Until no pair is in conflict: true; false when interrupted, out of time, or when so many
   /// expansions have not brought the number of conflicts to a new minimum.
-  [[nodiscard]] bool run(std::int64_t patience, const Interrupt& interrupt);
+  [[nodiscard]] bool run(std::int64_t stagnation_limit, const Interrupt& interrupt);
   /// Everyone at the goal by `limit`, starting from a plan that takes longer. If false, robots may
   /// be absent or in conflict.
   /// @param expansions   of the search for each robot that would be late
   /// @param unreachable  set if a robot has no path in that time at all, as far as searched
-  [[nodiscard]] bool lower(int limit, std::int64_t patience, int expansions,
+  [[nodiscard]] bool lower(int limit, std::int64_t stagnation_limit, int expansions,
                            const Interrupt& interrupt, bool& unreachable);
   /// Robot i arrives earlier, if it can without any conflict. @pre no conflicts
   bool shorten(int i, int expansions);
@@ -109,7 +109,7 @@ class Repair {
   int limit_ = std::numeric_limits<int>::max();
   int tried_ = 0;
   std::vector<int> last_tried_;  ///< by robot, the value of tried_
-  bool stalled_ = false;
+  bool stagnates_ = false;
 };
 
 }  // namespace mvtp

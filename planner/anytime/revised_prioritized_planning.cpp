@@ -24,14 +24,14 @@ RevisedPrioritizedPlanning::RevisedPrioritizedPlanning(JointMotion& motion,
       repair_(motion, alone, {}, 0, deadline),
       robots_(alone.size()) {}
 
-void RevisedPrioritizedPlanning::run(std::int64_t patience) {
+void RevisedPrioritizedPlanning::run(std::int64_t stagnation_limit) {
   find_who_blocks_whom();
-  std::int64_t end = patience;
+  std::int64_t end = stagnation_limit;
   for (int i = next(); i >= 0 && repair_.expansions() < end; i = next()) {
     if (deadline_.expired()) return;
     if (let_go(i)) {
       leaves(i);
-      end = repair_.expansions() + patience;
+      end = repair_.expansions() + stagnation_limit;
     } else {
       ++robots_[std::size_t(i)].failures;
     }
@@ -47,7 +47,7 @@ void RevisedPrioritizedPlanning::find_who_blocks_whom() {
                        motion_.time().macro_step);
     starts.push_back(motion_.track_after(i, 0, {}));
   }
-  const auto on_the_way_of = [&](int i) {
+  const auto blockers_of = [&](int i) {
     ArcTrajectory rest = motion_.remove(i);
     motion_.place(i, alone_[std::size_t(i)]);
     std::vector<int> met = motion_.conflicts_of(i);
@@ -58,14 +58,14 @@ void RevisedPrioritizedPlanning::find_who_blocks_whom() {
   motion_.place_all(goals);
   for (int i = 0; i < motion_.size(); ++i) {
     Robot& robot = robots_[std::size_t(i)];
-    robot.has_on_its_way = on_the_way_of(i);
-    for (const int j : robot.has_on_its_way) ++robots_[std::size_t(j)].would_block;
+    robot.goals_on_path = blockers_of(i);
+    for (const int j : robot.goals_on_path) ++robots_[std::size_t(j)].would_block;
   }
   motion_.place_all(starts);
   for (int i = 0; i < motion_.size(); ++i) {
-    const std::vector<int> met = on_the_way_of(i);
-    robots_[std::size_t(i)].starts_on_its_way = int(met.size());
-    for (const int j : met) robots_[std::size_t(j)].is_in_the_way_of.push_back(i);
+    const std::vector<int> met = blockers_of(i);
+    robots_[std::size_t(i)].starts_on_path = int(met.size());
+    for (const int j : met) robots_[std::size_t(j)].starts_on_path_of.push_back(i);
   }
 }
 
@@ -74,13 +74,13 @@ void RevisedPrioritizedPlanning::find_who_blocks_whom() {
 int RevisedPrioritizedPlanning::next() const {
   const auto urgency = [&](int i) {
     const Robot& robot = robots_[std::size_t(i)];
-    return std::tuple(robot.would_block > 0, robot.failures, robot.starts_on_its_way,
+    return std::tuple(robot.would_block > 0, robot.failures, robot.starts_on_path,
                       robot.would_block, -alone_[std::size_t(i)].arrival());
   };
   int best = -1;
   for (int i = 0; i < motion_.size(); ++i) {
     const Robot& robot = robots_[std::size_t(i)];
-    if (robot.gone || robot.failures > kMostFailures) continue;
+    if (robot.departed || robot.failures > kMostFailures) continue;
     if (best < 0 || urgency(i) < urgency(best)) best = i;
   }
   return best;
@@ -88,10 +88,10 @@ int RevisedPrioritizedPlanning::next() const {
 
 void RevisedPrioritizedPlanning::leaves(int i) {
   Robot& robot = robots_[std::size_t(i)];
-  robot.gone = true;
-  for (const int j : robot.has_on_its_way) --robots_[std::size_t(j)].would_block;
-  for (const int j : robot.is_in_the_way_of) {
-    --robots_[std::size_t(j)].starts_on_its_way;
+  robot.departed = true;
+  for (const int j : robot.goals_on_path) --robots_[std::size_t(j)].would_block;
+  for (const int j : robot.starts_on_path_of) {
+    --robots_[std::size_t(j)].starts_on_path;
     robots_[std::size_t(j)].failures = 0;
   }
 }

@@ -26,19 +26,21 @@ class RevisedPrioritizedPlanning {
 
   /// Replaces all motions by those found in turn, without a horizon. Who found no path, or had no
   /// turn before the time ran out or so many expansions let nobody go, stands at its start.
-  void run(std::int64_t patience);
-  [[nodiscard]] bool has_gone(int i) const { return robots_[std::size_t(i)].gone; }
+  void run(std::int64_t stagnation_limit);
+  [[nodiscard]] bool has_departed(int i) const { return robots_[std::size_t(i)].departed; }
   /// How many have.
-  [[nodiscard]] int gone() const { return int(std::ranges::count(robots_, true, &Robot::gone)); }
+  [[nodiscard]] int departed() const {
+    return int(std::ranges::count(robots_, true, &Robot::departed));
+  }
 
  private:
   struct Robot {
-    std::vector<int> is_in_the_way_of;  ///< with its start
-    std::vector<int> has_on_its_way;    ///< their goals
-    int starts_on_its_way = 0;          ///< of robots that have not departed
-    int would_block = 0;                ///< robots that have not departed, with its goal
-    int failures = 0;                   ///< since anybody on its way has departed
-    bool gone = false;
+    std::vector<int> starts_on_path_of;  ///< with its start
+    std::vector<int> goals_on_path;      ///< their goals
+    int starts_on_path = 0;              ///< of robots that have not departed
+    int would_block = 0;                 ///< robots that have not departed, with its goal
+    int failures = 0;                    ///< since anybody on its way has departed
+    bool departed = false;
   };
 
   void find_who_blocks_whom();

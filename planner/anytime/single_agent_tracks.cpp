@@ -17,20 +17,20 @@ constexpr int kFactor = 8;       ///< each has so many times the expansions of t
 std::optional<ArcTrajectory> find_path_alone(SoftHybridAstar& search,
                                              const PlanningProblem& problem, int i,
                                              const MacroRobot& robot, const Deadline& deadline) {
-  std::optional<ArcTrajectory> way =
+  std::optional<ArcTrajectory> track =
       find_single_agent_track(search, robot, kWeight, kExpansions, 0, deadline);
-  if (way) return way;
+  if (track) return track;
   if (const std::optional<std::vector<Arc>> arcs = find_single_agent_path(problem, i, deadline)) {
     return ArcTrajectory(robot.car->vehicle(), robot.start,
                          by_time_steps(*arcs, robot.car->step_length()),
                          robot.car->time().macro_step);
   }
   int expansions = kExpansions;
-  for (int finer = 1; finer <= kFinerLevels && !way && !deadline.expired(); ++finer) {
+  for (int finer = 1; finer <= kFinerLevels && !track && !deadline.expired(); ++finer) {
     expansions *= kFactor;
-    way = find_single_agent_track(search, robot, kWeight, expansions, finer, deadline);
+    track = find_single_agent_track(search, robot, kWeight, expansions, finer, deadline);
   }
-  return way;
+  return track;
 }
 
 }  // namespace
@@ -61,15 +61,15 @@ std::vector<ArcTrajectory> find_single_agent_tracks(const PlanningProblem& probl
                                                     const std::vector<MacroRobot>& robots,
                                                     const Deadline& deadline) {
   SoftHybridAstar search(1);
-  std::vector<ArcTrajectory> ways;
+  std::vector<ArcTrajectory> tracks;
   for (int i = 0; i < problem.size(); ++i) {
-    std::optional<ArcTrajectory> way =
+    std::optional<ArcTrajectory> track =
         deadline.expired() ? std::nullopt
                            : find_path_alone(search, problem, i, robots[std::size_t(i)], deadline);
-    if (!way) return {};
-    ways.push_back(*std::move(way));
+    if (!track) return {};
+    tracks.push_back(*std::move(track));
   }
-  return ways;
+  return tracks;
 }
 
 }  // namespace mvtp

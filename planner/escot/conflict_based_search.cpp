@@ -39,7 +39,7 @@ class ConflictTree {
                const SpacetimeHybridAstar& low_level, const CbsOptions& options,
                const Deadline& deadline)
       : robots_(robots),
-        others_(others, options.sight, reaches(robots)),
+        others_(others, options.lookahead, reaches(robots)),
         low_level_(low_level),
         options_(options),
         deadline_(deadline),
@@ -196,9 +196,9 @@ class ConflictTree {
   const SpacetimeHybridAstar& low_level_;
   const CbsOptions& options_;
   const Deadline& deadline_;
-  double least_cost_ = 0.0;      ///< of every robot [steps]
+  double least_cost_ = 0.0;          ///< of every robot [steps]
   std::vector<SpacetimePath> root_;  ///< everybody's path in node 0
-  std::deque<Node> nodes_;       ///< paths in it are pointed at while it grows
+  std::deque<Node> nodes_;           ///< paths in it are pointed at while it grows
   FocalQueue<std::pair<int, double>> open_;
 };
 

@@ -24,9 +24,10 @@ enum class CbsCost {
 struct CbsOptions {
   double w = 1.0;  ///< bound of suboptimality on both levels, >= 1
   CbsCost cost = CbsCost::kArrival;
-  int max_nodes = 100'000;               ///< of the high level; about a kilobyte each
-  int max_expansions = 200'000;          ///< of each low-level search
-  int sight = TimedObstacles::kForEver;  ///< steps for which robots outside the group are looked at
+  int max_nodes = 100'000;       ///< of the high level; about a kilobyte each
+  int max_expansions = 200'000;  ///< of each low-level search
+  int lookahead =
+      TimedObstacles::kForEver;  ///< steps for which robots outside the group are looked at
 };
 
 /// CL-CBS: the high level takes the node of least cost. Source: Wen et al. 2022.

@@ -130,7 +130,7 @@ class Pbcr<World>::Step {
   }
 
   std::optional<std::vector<Motion>> run() {
-    if (!push_out_of_the_way_of_decided()) return std::nullopt;
+    if (!push_blockers_of_decided()) return std::nullopt;
     for (const int i : order_) {
       if (at(decided_, i)) continue;
       withdrawn_ = 0;
@@ -181,8 +181,8 @@ class Pbcr<World>::Step {
     const std::size_t mark = trail_.size();
     at(decided_, i) = motion;  // line 17
     trail_.push_back(i);
-    if (push_out_of_the_way_of(i)) return true;  // lines 18-21
-    withdraw(mark);                              // line 23
+    if (push_blockers_of(i)) return true;  // lines 18-21
+    withdraw(mark);                        // line 23
     return false;
   }
 
@@ -196,7 +196,7 @@ class Pbcr<World>::Step {
   }
 
   /// Priority inheritance: each undecided robot blocking i is decided now, at i's priority.
-  bool push_out_of_the_way_of(int i) {
+  bool push_blockers_of(int i) {
     for (const int j : near(i)) {
       if (at(decided_, j) || !world_.conflict(i, *at(decided_, i), j, at(stops_, j))) continue;
       if (!decide(j, push_candidates(j, i))) return false;
@@ -222,12 +222,12 @@ class Pbcr<World>::Step {
     }
   }
 
-  bool push_out_of_the_way_of_decided() {
+  bool push_blockers_of_decided() {
     std::vector<int> fixed;
     for (int i = 0; i < int(decided_.size()); ++i) {
       if (at(decided_, i)) fixed.push_back(i);
     }
-    return std::ranges::all_of(fixed, [this](int i) { return push_out_of_the_way_of(i); });
+    return std::ranges::all_of(fixed, [this](int i) { return push_blockers_of(i); });
   }
 
   bool conflicts_with_decided(int i, const Motion& motion) const {

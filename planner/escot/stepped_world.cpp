@@ -13,8 +13,8 @@
 namespace mvtp {
 namespace {
 
-// The score of a candidate is H(end) + kWeight * penalty * (1 + been there - greedy), as in the code of
-// PBCR's authors: what it costs to get there counts less than where it leads.
+// The score of a candidate is H(end) + kWeight * penalty * (1 + been there - greedy), as in the
+// code of PBCR's authors: what it costs to get there counts less than where it leads.
 constexpr double kWeight = 0.3;
 constexpr double kTurnPenalty = 1.5;
 constexpr double kReversePenalty = 2.0;
@@ -22,7 +22,7 @@ constexpr double kSwitchPenalty = 2.0;  // of driving direction
 constexpr double kForget = 0.95;        // of having been there, per step
 // Giving way in time: contact nose to nose leaves a car nothing but the path back.
 constexpr double kLookAhead = 6.0;  // [m] of those that have priority
-constexpr double kInTheWay = 0.9;   // [steps] of standing where they go
+constexpr double kBlocking = 0.9;   // [steps] of standing where they go
 constexpr double kAside = 2.0;      // per metre that is left to leave their lane
 constexpr double kUrgency = 0.1;    // more, per step that they have been kept from those paths
 constexpr double kMaxUrgency = 3.0;
@@ -34,9 +34,9 @@ constexpr double kMaxNoise = 2.0;
 /// then four times so many, ...
 constexpr int kReferencePathRetry = 10;
 /// Groups avoid robots that they could meet within so many windows, for that long.
-constexpr double kSight = 2.0;
+constexpr double kLookahead = 2.0;
 /// Chances of a robot that is under way when a configuration repeats.
-constexpr double kRandomAction = 0.3;
+constexpr double kRandomPrimitive = 0.3;
 constexpr double kRandomLast = 0.3;
 
 bool is_wait(const Arc& arc) { return arc.length == 0.0; }
@@ -87,10 +87,10 @@ SteppedWorld::SteppedWorld(const PlanningProblem& planning_problem,
       deadline_(deadline),
       planner_(planning_problem.curves()),
       robots_(std::size_t(planning_problem.size())) {
-  options_.eccr.sight = int(kSight * options.window);
+  options_.eccr.lookahead = int(kLookahead * options.window);
   const Configuration starts = planning_problem.starts();
   for (int i = 0; i < planning_problem.size(); ++i) {
-    robots_[std::size_t(i)].way = planning_problem.cost_to_go(i)(starts[std::size_t(i)]);
+    robots_[std::size_t(i)].distance = planning_problem.cost_to_go(i)(starts[std::size_t(i)]);
     longest_reach_ = std::max(longest_reach_, reach(i));
     longest_step_ = std::max(longest_step_, planning_problem.car(i).step_length());
   }
@@ -119,60 +119,60 @@ SteppedWorld::Motion SteppedWorld::motion(int i, const Pose& pose, const Frame& 
 }
 
 SteppedWorld::Ranking SteppedWorld::candidates(int i, const Pose& pose) const {
-  return {*this, i, pose, ways_to_keep_clear(i)};
+  return {*this, i, pose, paths_to_keep_clear(i)};
 }
 
 std::optional<SteppedWorld::Motion> SteppedWorld::first_choice(int i, const Pose& pose) const {
-  if (robots_[std::size_t(i)].random_action) return std::nullopt;
-  const std::vector<Way> ways = ways_to_keep_clear(i);
+  if (robots_[std::size_t(i)].random_primitive) return std::nullopt;
+  const std::vector<PredictedPath> paths = paths_to_keep_clear(i);
   if (!has_reference_path(i)) {
     Motion wait = safe_stop(i, pose);
-    const bool may_stay = pose == problem_.goal(i) && blocking_cost(i, wait, false, ways) == 0.0;
+    const bool may_stay = pose == problem_.goal(i) && blocking_cost(i, wait, false, paths) == 0.0;
     return may_stay ? std::optional(wait) : std::nullopt;
   }
   // No other candidate comes closer to the goal or takes less than a straight step ahead.
   const Motion greedy = greedy_motion(i, pose);
   const bool best =
-      penalty(i, greedy.arc) * visits(i, greedy.end) <= problem_.car(i).step_length() &&
-      blocking_cost(i, greedy, true, ways) == 0.0;
+      penalty(i, greedy.arc) * times_in_cell(i, greedy.end) <= problem_.car(i).step_length() &&
+      blocking_cost(i, greedy, true, paths) == 0.0;
   return best ? std::optional(greedy) : std::nullopt;
 }
 
 SteppedWorld::Ranking SteppedWorld::push_candidates(int i, const Pose& pose, int pusher,
                                                     const Motion& motion) const {
-  std::vector<Way> ways = ways_to_keep_clear(i);
-  std::erase_if(ways, [&](const Way& way) { return way.of == pusher; });
+  std::vector<PredictedPath> paths = paths_to_keep_clear(i);
+  std::erase_if(paths, [&](const PredictedPath& path) { return path.of == pusher; });
   // The pusher goes on along its reference path, if that is what it does now, or else as it does
   // now.
   const Robot& robot = robots_[std::size_t(pusher)];
   const bool follows = has_reference_path(pusher) && motion.arc == robot.reference_path[robot.next];
   if (follows) {
-    ways.push_back(way_along(pusher, motion.end, *robot.prediction, int(robot.next) + 1));
-    return {*this, i, pose, std::move(ways)};
+    paths.push_back(path_along(pusher, motion.end, *robot.prediction, int(robot.next) + 1));
+    return {*this, i, pose, std::move(paths)};
   }
   auto straight_on = std::make_shared<const SweptTrajectory>(
       problem_.car(pusher), motion.end,
       std::vector<Arc>(std::size_t(look_ahead(pusher)), motion.arc));
-  ways.push_back(way_along(pusher, motion.end, *straight_on, 0));
-  return {*this, i, pose, std::move(ways), std::move(straight_on)};
+  paths.push_back(path_along(pusher, motion.end, *straight_on, 0));
+  return {*this, i, pose, std::move(paths), std::move(straight_on)};
 }
 
-std::vector<SteppedWorld::Way> SteppedWorld::ways_to_keep_clear(int i) const {
+std::vector<SteppedWorld::PredictedPath> SteppedWorld::paths_to_keep_clear(int i) const {
   const Robot& robot = robots_[std::size_t(i)];
-  std::vector<Way> ways;
-  ways.reserve(robot.in_sight.size() + 1);
-  for (const int j : robot.in_sight) {
+  std::vector<PredictedPath> paths;
+  paths.reserve(robot.within_lookahead.size() + 1);
+  for (const int j : robot.within_lookahead) {
     const Robot& other = robots_[std::size_t(j)];
     // Those on a joint trajectory are decided before all others.
     const bool before = other.rank < robot.rank || other.joint >= 0;
     if (!before || !has_reference_path(j)) continue;
-    ways.push_back(way_along(j, other.expected, *other.prediction, int(other.next) + 1));
+    paths.push_back(path_along(j, other.expected, *other.prediction, int(other.next) + 1));
   }
-  return ways;
+  return paths;
 }
 
-SteppedWorld::Way SteppedWorld::way_along(int i, const Pose& from, const SweptTrajectory& along,
-                                          int next) const {
+SteppedWorld::PredictedPath SteppedWorld::path_along(int i, const Pose& from,
+                                                     const SweptTrajectory& along, int next) const {
   // Half way is within half of it from both ends.
   const int half = look_ahead(i) / 2;
   const Sweep& middle = along.at(next + half);
@@ -180,29 +180,34 @@ SteppedWorld::Way SteppedWorld::way_along(int i, const Pose& from, const SweptTr
   return {i, from, &along, next, look_ahead(i), middle.centre(), radius};
 }
 
-bool SteppedWorld::Way::may_meet(const Way& other) const {
+bool SteppedWorld::PredictedPath::may_meet(const PredictedPath& other) const {
   const double reach = radius + other.radius;
   return squared_distance(middle, other.middle) <= reach * reach;
 }
 
-double SteppedWorld::still_to_clear(int i, const Pose& pose, const Way& way) const {
+double SteppedWorld::still_to_clear(int i, const Pose& pose, const PredictedPath& path) const {
   const Vehicle& own = problem_.car(i).vehicle();
-  const Pose seen = relative(way.from, pose);
+  const Pose seen = relative(path.from, pose);
   const double radius = own.min_turning_radius;
-  const double clear = (own.width + problem_.car(way.of).vehicle().width) / 2 + radius;
+  const double clear = (own.width + problem_.car(path.of).vehicle().width) / 2 + radius;
   return std::max(0.0, clear - std::abs(seen.y) - radius * std::abs(std::sin(seen.theta)));
 }
 
 SteppedWorld::Ranking::Ranking(const SteppedWorld& world, int robot, const Pose& pose,
-                               std::vector<Way> ways, std::shared_ptr<const SweptTrajectory> along)
-    : world_(world), robot_(robot), pose_(pose), ways_(std::move(ways)), along_(std::move(along)) {
+                               std::vector<PredictedPath> paths,
+                               std::shared_ptr<const SweptTrajectory> along)
+    : world_(world),
+      robot_(robot),
+      pose_(pose),
+      paths_(std::move(paths)),
+      along_(std::move(along)) {
   const Robot& self = world.robots_[std::size_t(robot)];
   const std::vector<Primitive>& primitives = world.problem_.car(robot).primitives();
   const Frame frame(pose);
   entries_.reserve(primitives.size() + 2);
-  if (self.random_action) {
+  if (self.random_primitive) {
     const double first = -std::numeric_limits<double>::infinity();
-    entries_.push_back({world.motion(robot, pose, *self.random_action), first});
+    entries_.push_back({world.motion(robot, pose, *self.random_primitive), first});
   }
   const auto add = [&](Motion motion, bool greedy) {
     const double score = world.score(robot, motion, greedy);
@@ -237,7 +242,7 @@ bool SteppedWorld::Ranking::find_next() {
       return true;
     }
     if (world_.problem_.car(robot_).is_free(pose_, entry.motion.arc, entry.motion.sweep)) {
-      entry.score += world_.blocking_cost(robot_, entry.motion, entry.greedy, ways_);
+      entry.score += world_.blocking_cost(robot_, entry.motion, entry.greedy, paths_);
       entry.known = true;
     } else {
       left_.erase(best);
@@ -266,7 +271,8 @@ double SteppedWorld::score(int i, const Motion& m, bool greedy) const {
     to_go += spread * noise(options_.seed, std::uint64_t(step_), std::uint64_t(i), arc);
   }
 
-  return to_go + kWeight * penalty(i, m.arc) * (1.0 + visits(i, m.end) - (greedy ? 1.0 : 0.0));
+  return to_go +
+         kWeight * penalty(i, m.arc) * (1.0 + times_in_cell(i, m.end) - (greedy ? 1.0 : 0.0));
 }
 
 double SteppedWorld::penalty(int i, const Arc& arc) const {
@@ -282,36 +288,37 @@ int SteppedWorld::look_ahead(int i) const {
 }
 
 double SteppedWorld::blocking_cost(int i, const Motion& m, bool greedy,
-                                   std::span<const Way> ways) const {
-  if (ways.empty()) return 0.0;
+                                   std::span<const PredictedPath> paths) const {
+  if (paths.empty()) return 0.0;
   const Robot& robot = robots_[std::size_t(i)];
   const double step = problem_.car(i).step_length();
   const OrientedBox standing = footprint(problem_.car(i).vehicle(), m.end);
   // What robot i will do then: go on along its reference path, or stand.
-  const Way own = greedy ? way_along(i, m.end, *robot.prediction, int(robot.next) + 1)
-                         : Way{.middle = {standing.x, standing.y},
-                               .radius = std::sqrt(standing.half_length * standing.half_length +
-                                                   standing.half_width * standing.half_width)};
-  const auto meets = [&](const Way& way) {
-    if (!own.may_meet(way)) return false;
-    return std::ranges::any_of(std::views::iota(0, way.steps), [&](int k) {
-      const Sweep& other = way.along->at(way.next + k);
+  const PredictedPath own =
+      greedy ? path_along(i, m.end, *robot.prediction, int(robot.next) + 1)
+             : PredictedPath{.middle = {standing.x, standing.y},
+                             .radius = std::sqrt(standing.half_length * standing.half_length +
+                                                 standing.half_width * standing.half_width)};
+  const auto meets = [&](const PredictedPath& path) {
+    if (!own.may_meet(path)) return false;
+    return std::ranges::any_of(std::views::iota(0, path.steps), [&](int k) {
+      const Sweep& other = path.along->at(path.next + k);
       return greedy ? collide(own.along->at(own.next + k), other) : collide(other, standing);
     });
   };
   double worst = 0.0;  // [m]
-  for (const Way& way : ways) {
-    if (!meets(way)) continue;
-    const double clear = still_to_clear(i, m.end, way);
+  for (const PredictedPath& path : paths) {
+    if (!meets(path)) continue;
+    const double clear = still_to_clear(i, m.end, path);
     const double urgent =
-        std::min(kMaxUrgency, 1.0 + kUrgency * robots_[std::size_t(way.of)].stuck);
-    worst = std::max(worst, urgent * (kInTheWay * step + kAside * clear));
+        std::min(kMaxUrgency, 1.0 + kUrgency * robots_[std::size_t(path.of)].stuck);
+    worst = std::max(worst, urgent * (kBlocking * step + kAside * clear));
   }
   return worst;
 }
 
-double SteppedWorld::visits(int i, const Pose& pose) const {
-  const auto& all = robots_[std::size_t(i)].visits;
+double SteppedWorld::times_in_cell(int i, const Pose& pose) const {
+  const auto& all = robots_[std::size_t(i)].times_in_cell;
   const auto found = all.find(cell(i, pose));
   if (found == all.end()) return 0.0;
   return found->second.value * std::pow(kForget, step_ - found->second.step);
@@ -348,9 +355,10 @@ std::vector<Group> SteppedWorld::group_robots(const Configuration& q) {
   std::vector<std::tuple<int, int, int>> conflicts;  // steps from now, robots
   std::vector<int> near;
   for (int i = 0; i < problem_.size(); ++i) {
-    const double sight = reach(i) + longest_reach_ +
-                         (options_.window - 1) * (problem_.car(i).step_length() + longest_step_);
-    neighbours_.within(sight, q[std::size_t(i)], near);
+    const double lookahead =
+        reach(i) + longest_reach_ +
+        (options_.window - 1) * (problem_.car(i).step_length() + longest_step_);
+    neighbours_.within(lookahead, q[std::size_t(i)], near);
     for (const int j : near) {
       if (j >= i) continue;
       if (const auto k = predicted_conflict(i, j)) conflicts.emplace_back(*k, j, i);
@@ -367,7 +375,7 @@ std::vector<Group> SteppedWorld::group_robots(const Configuration& q) {
   for (const auto& [k, i, j] : conflicts) {
     // A random motion primitive is to be taken, and not what planning together would make of it.
     const bool random =
-        robots_[std::size_t(i)].random_action || robots_[std::size_t(j)].random_action;
+        robots_[std::size_t(i)].random_primitive || robots_[std::size_t(j)].random_primitive;
     if (!random) linked.link(i, j);
   }
 
@@ -413,9 +421,9 @@ std::vector<std::optional<SteppedWorld::Motion>> SteppedWorld::get_opt_traj(cons
   }
   // Only those who may be met soon: the path to the goal is long, and much will change until then.
   const auto near = [&](int i) {
-    const Circle& own = outlooks_[std::size_t(i)];
+    const Circle& own = reachable_discs_[std::size_t(i)];
     return std::ranges::any_of(group, [&](int k) {
-      const Circle& member = outlooks_[std::size_t(k)];
+      const Circle& member = reachable_discs_[std::size_t(k)];
       const double reach = own.radius + member.radius;
       return squared_distance({own.x, own.y}, {member.x, member.y}) <= reach * reach;
     });
@@ -424,7 +432,7 @@ std::vector<std::optional<SteppedWorld::Motion>> SteppedWorld::get_opt_traj(cons
   for (int i = 0; i < problem_.size(); ++i) {
     if (!near(i) || std::ranges::binary_search(group, i)) continue;
     const Robot& robot = robots_[std::size_t(i)];
-    others.push_back(robot.prediction->part(int(robot.next), options_.eccr.sight));
+    others.push_back(robot.prediction->part(int(robot.next), options_.eccr.lookahead));
   }
   std::vector<const SweptTrajectory*> to_avoid;
   for (const SweptTrajectory& other : others) to_avoid.push_back(&other);
@@ -436,7 +444,7 @@ std::vector<std::optional<SteppedWorld::Motion>> SteppedWorld::get_opt_traj(cons
   }
   for (std::size_t k = 0; k < group.size(); ++k) {
     set_reference_path(group[k], q[std::size_t(group[k])], std::move(result.steps[k]), joints_);
-    outlooks_[std::size_t(group[k])] = outlook(group[k]);
+    reachable_discs_[std::size_t(group[k])] = reachable_disc(group[k]);
   }
   ++joints_;
   return first_motions();
@@ -447,7 +455,7 @@ void SteppedWorld::set_order() {
   std::iota(order_.begin(), order_.end(), 0);
   std::ranges::sort(order_, {}, [&](int i) {
     const Robot& robot = robots_[std::size_t(i)];
-    return std::tuple(-robot.steps_under_way, -robot.way, i);
+    return std::tuple(-robot.steps_under_way, -robot.distance, i);
   });
   for (std::size_t k = 0; k < order_.size(); ++k) robots_[std::size_t(order_[k])].rank = int(k);
 }
@@ -458,28 +466,28 @@ double SteppedWorld::reach(int i) const {
          std::hypot(std::max(vehicle.front, vehicle.rear), vehicle.width / 2);
 }
 
-Circle SteppedWorld::outlook(int i) const {
+Circle SteppedWorld::reachable_disc(int i) const {
   // In all that time nobody is farther from its place at half time than it drives in half of it.
-  const int half = options_.eccr.sight / 2;
+  const int half = options_.eccr.lookahead / 2;
   const Robot& robot = robots_[std::size_t(i)];
-  const Sweep& half_way = robot.prediction->at(int(robot.next) + half);
-  return {half_way.centre().x, half_way.centre().y,
-          half_way.radius() + problem_.car(i).step_length() * (half + 1)};
+  const Sweep& halfway = robot.prediction->at(int(robot.next) + half);
+  return {halfway.centre().x, halfway.centre().y,
+          halfway.radius() + problem_.car(i).step_length() * (half + 1)};
 }
 
 void SteppedWorld::update_neighbours(const Configuration& q) {
   neighbours_ = Neighbours(q);
-  outlooks_.clear();
-  for (int i = 0; i < problem_.size(); ++i) outlooks_.push_back(outlook(i));
+  reachable_discs_.clear();
+  for (int i = 0; i < problem_.size(); ++i) reachable_discs_.push_back(reachable_disc(i));
   for (int i = 0; i < problem_.size(); ++i) {
     Robot& robot = robots_[std::size_t(i)];
     const Pose& pose = q[std::size_t(i)];
     const double one_step = reach(i) + longest_reach_;
     robot.near.clear();
     const double drives = problem_.car(i).step_length() + longest_step_;
-    neighbours_.within(one_step + look_ahead(i) * drives, pose, robot.in_sight);
-    std::erase(robot.in_sight, i);
-    for (const int j : robot.in_sight) {
+    neighbours_.within(one_step + look_ahead(i) * drives, pose, robot.within_lookahead);
+    std::erase(robot.within_lookahead, i);
+    for (const int j : robot.within_lookahead) {
       const Pose& other = q[std::size_t(j)];
       const double d2 = squared_distance({pose.x, pose.y}, {other.x, other.y});
       if (d2 <= one_step * one_step) robot.near.push_back(j);
@@ -546,7 +554,7 @@ void SteppedWorld::advance(const std::vector<Motion>& motions) {
   for (int i = 0; i < problem_.size(); ++i) {
     Robot& robot = robots_[std::size_t(i)];
     const Motion& m = motions[std::size_t(i)];
-    robot.random_action.reset();
+    robot.random_primitive.reset();
     if (!is_wait(m.arc)) robot.last = m.arc;
 
     const bool under_way = robot.next < robot.reference_path.size();
@@ -567,9 +575,10 @@ void SteppedWorld::advance(const std::vector<Motion>& motions) {
     ++robot.steps_under_way;
     robot.stuck = on_reference_path ? 0 : robot.stuck + 1;
     if (on_reference_path) continue;  // a robot that follows its path is not stuck
-    const double before = visits(i, m.end);
-    const auto [visit, first] = robot.visits.try_emplace(cell(i, m.end), Visits{0.0, step_});
-    if (!first) visit->second = {before + 1.0, step_};
+    const double before = times_in_cell(i, m.end);
+    const auto [counted, first] =
+        robot.times_in_cell.try_emplace(cell(i, m.end), CellCount{0.0, step_});
+    if (!first) counted->second = {before + 1.0, step_};
   }
 }
 
@@ -578,8 +587,8 @@ void SteppedWorld::add_randomness(const Configuration& q, std::mt19937_64& rng) 
     Robot& robot = robots_[std::size_t(i)];
     const auto random_arc = [&] { return problem_.car(i).arcs()[rng() % 6]; };
     const bool under_way = q[std::size_t(i)] != problem_.goal(i);
-    if (under_way && uniform(rng) < kRandomAction) {
-      robot.random_action = random_arc();
+    if (under_way && uniform(rng) < kRandomPrimitive) {
+      robot.random_primitive = random_arc();
       break_joint(robot.joint);
     }
     if (under_way && uniform(rng) < kRandomLast) robot.last = random_arc();

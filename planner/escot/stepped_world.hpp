@@ -88,34 +88,34 @@ class SteppedWorld {
 
  private:
   /// How much a robot has been in a cell, not counting its own path; forgotten bit by bit.
-  struct Visits {
+  struct CellCount {
     double value = 0.0;
     int step = 0;  ///< when it had that value
   };
 
   struct Robot {
     std::optional<SweptTrajectory> prediction;  ///< along the reference path
-    std::vector<Arc> reference_path;           ///< steps to the goal
-    std::size_t next = 0;                      ///< of the reference path
-    Pose expected;                             ///< where the reference path goes on
-    int search_again = 0;                      ///< > 0: no path was found, wait until this step
-    int searched_in_vain = 0;                  ///< so many times since the last success
-    int joint = -1;                            ///< the joint trajectory that the path is part of
+    std::vector<Arc> reference_path;            ///< steps to the goal
+    std::size_t next = 0;                       ///< of the reference path
+    Pose expected;                              ///< where the reference path goes on
+    int search_again = 0;                       ///< > 0: no path was found, wait until this step
+    int searched_in_vain = 0;                   ///< so many times since the last success
+    int joint = -1;                             ///< the joint trajectory that the path is part of
     int changed = 0;        ///< the last step in which its path, being on time or joint changed
     bool disputed = false;  ///< had a predicted conflict when groups were made last
-    std::unordered_map<std::uint64_t, Visits> visits;  ///< by cell
-    Arc last;                                          ///< last arc driven
-    double way = 0.0;                                  ///< from its start to its goal [m]
-    int steps_under_way = 0;                           ///< since it was last at its goal
-    int stuck = 0;                     ///< steps since it was at its goal or went along its path
-    int rank = 0;                      ///< in the order of this step
-    std::vector<int> near;             ///< see near()
-    std::vector<int> in_sight;         ///< those whose next steps may lead over where it goes now
-    std::optional<Arc> random_action;  ///< for the next step only
+    std::unordered_map<std::uint64_t, CellCount> times_in_cell;  ///< by cell
+    Arc last;                                                    ///< last arc driven
+    double distance = 0.0;                                       ///< from its start to its goal [m]
+    int steps_under_way = 0;                                     ///< since it was last at its goal
+    int stuck = 0;                      ///< steps since it was at its goal or went along its path
+    int rank = 0;                       ///< in the order of this step
+    std::vector<int> near;              ///< see near()
+    std::vector<int> within_lookahead;  ///< those whose next steps may lead over where it goes now
+    std::optional<Arc> random_primitive;  ///< for the next step only
   };
 
   /// Where another robot goes after this step: no place to stand for who has to give way to it.
-  struct Way {
+  struct PredictedPath {
     int of = -1;
     Pose from;
     const SweptTrajectory* along = nullptr;
@@ -124,7 +124,7 @@ class SteppedWorld {
     Point middle;   ///< a circle around all of it
     double radius = 0.0;
 
-    [[nodiscard]] bool may_meet(const Way& other) const;
+    [[nodiscard]] bool may_meet(const PredictedPath& other) const;
   };
 
   /// May two that overlap at their starts, or at their goals, do so during these motions?
@@ -144,8 +144,8 @@ class SteppedWorld {
   /// What counts against standing where others pass, or against meeting them farther along the
   /// reference path if the motion is the greedy one [m].
   [[nodiscard]] double blocking_cost(int i, const Motion& motion, bool greedy,
-                                     std::span<const Way> ways) const;
-  [[nodiscard]] double visits(int i, const Pose& pose) const;
+                                     std::span<const PredictedPath> paths) const;
+  [[nodiscard]] double times_in_cell(int i, const Pose& pose) const;
   [[nodiscard]] std::uint64_t cell(int i, const Pose& pose) const;
   /// How many steps of others are looked at.
   [[nodiscard]] int look_ahead(int i) const;
@@ -155,19 +155,19 @@ class SteppedWorld {
   }
   /// In how many steps the two will overlap on their reference paths; nullopt: not soon.
   [[nodiscard]] std::optional<int> predicted_conflict(int i, int j) const;
-  [[nodiscard]] Way way_along(int i, const Pose& from, const SweptTrajectory& along,
-                              int next) const;
+  [[nodiscard]] PredictedPath path_along(int i, const Pose& from, const SweptTrajectory& along,
+                                         int next) const;
   /// Where those go that robot i has to give way to.
-  [[nodiscard]] std::vector<Way> ways_to_keep_clear(int i) const;
+  [[nodiscard]] std::vector<PredictedPath> paths_to_keep_clear(int i) const;
   /// How far robot i, in `pose`, is from having left the lane of another one [m]: the path aside,
   /// of which a turn across the lane is worth a radius.
-  [[nodiscard]] double still_to_clear(int i, const Pose& pose, const Way& way) const;
+  [[nodiscard]] double still_to_clear(int i, const Pose& pose, const PredictedPath& path) const;
   /// No point of the body is farther from the rear axle during one step, wherever that starts [m].
   [[nodiscard]] double reach(int i) const;
   void set_order();
   void update_neighbours(const Configuration& q);
   /// A circle around all places where robot i can be while groups look at it.
-  [[nodiscard]] Circle outlook(int i) const;
+  [[nodiscard]] Circle reachable_disc(int i) const;
   [[nodiscard]] std::optional<SpacetimePath> find_reference_path(int i, const Pose& pose) const;
   void break_joint(int joint);
   void set_reference_path(int i, const Pose& pose, std::vector<Arc> reference_path, int joint);
@@ -182,7 +182,7 @@ class SteppedWorld {
   Configuration now_;           ///< where they are; kept only if some overlap from the start on
   std::vector<int> order_;      ///< robots, highest priority first
   Neighbours neighbours_;
-  std::vector<Circle> outlooks_;  ///< of each robot, see outlook()
+  std::vector<Circle> reachable_discs_;  ///< of each robot, see outlook()
   /// Groups, and the step in which they could not be planned; forgotten once they may be tried.
   std::map<Group, int> failed_;
   int step_ = 0;
@@ -196,9 +196,9 @@ class SteppedWorld {
 /// that would come later anyway.
 class SteppedWorld::Ranking {
  public:
-  /// @param ways   to be kept clear
+  /// @param paths  to be kept clear
   /// @param along  what one of them points at, if nobody else keeps it
-  Ranking(const SteppedWorld& world, int robot, const Pose& pose, std::vector<Way> ways,
+  Ranking(const SteppedWorld& world, int robot, const Pose& pose, std::vector<PredictedPath> paths,
           std::shared_ptr<const SweptTrajectory> along = nullptr);
 
   /// Number k, from 0 on; nullptr if there are not so many. The pointers stay valid.
@@ -219,7 +219,7 @@ class SteppedWorld::Ranking {
   const SteppedWorld& world_;
   int robot_;
   Pose pose_;
-  std::vector<Way> ways_;
+  std::vector<PredictedPath> paths_;
   std::shared_ptr<const SweptTrajectory> along_;
   std::vector<Entry> entries_;
   std::vector<std::size_t> ranked_;  ///< entries, best first

@@ -94,8 +94,8 @@ void include(Extent& extent, double x, double y) {
 }
 
 /// Widens `extent` by the way of the point (ahead, left) of a car's frame.
-void include_way_of_point(Extent& extent, const Pose& from, const Arc& arc, double ahead,
-                          double left) {
+void include_path_of_point(Extent& extent, const Pose& from, const Arc& arc, double ahead,
+                           double left) {
   const Pose start = compose(from, {ahead, left, 0.0});
   const Pose end = compose(drive(from, arc), {ahead, left, 0.0});
   include(extent, start.x, start.y);
@@ -176,14 +176,14 @@ OrientedBox Sweep::around() const {
   // get further than at the three time steps by no more than the sagitta of half the arc.
   const Trig t = trig(turn_ / 2);
   const double sine = std::abs(t.sin);
-  const double way = std::abs(length_ / 2 * t.sinc);
+  const double driven = std::abs(length_ / 2 * t.sinc);
   const double back = ahead_ * (t.cos - 1.0);
   const double aside = length_ / 2 * t.cosc;
   const double swing = std::abs(ahead_ * t.sin);
   const double half_length = half_length_ * t.cos + half_width_ * sine;
   const double half_width = half_length_ * sine + half_width_ * t.cos;
-  const double front = std::max(back + way + half_length, half_length_);
-  const double rear = std::min(back - way - half_length, -half_length_);
+  const double front = std::max(back + driven + half_length, half_length_);
+  const double rear = std::min(back - driven - half_length, -half_length_);
   const double left = std::max(aside + swing + half_width, half_width_);
   const double right = std::min(aside - swing - half_width, -half_width_);
   const double bulge = travel_ * std::abs(turn_) / 32;
@@ -214,7 +214,7 @@ bool collide(const Sweep& sweep, const OrientedBox& box) {
 
 Extent axle_extent(const Pose& from, const Arc& arc) {
   Extent extent = kNothing;
-  include_way_of_point(extent, from, arc, 0.0, 0.0);
+  include_path_of_point(extent, from, arc, 0.0, 0.0);
   return extent;
 }
 
@@ -222,7 +222,7 @@ Extent body_extent(const Vehicle& vehicle, const Pose& from, const Arc& arc) {
   Extent extent = kNothing;
   for (const double ahead : {vehicle.front, -vehicle.rear}) {
     for (const double left : {vehicle.width / 2, -vehicle.width / 2}) {
-      include_way_of_point(extent, from, arc, ahead, left);
+      include_path_of_point(extent, from, arc, ahead, left);
     }
   }
   return extent;

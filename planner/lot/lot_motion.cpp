@@ -13,7 +13,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kNearly = 0.005;     ///< [m]: so close to where it stops a slow car is there
 constexpr double kSlow = 0.05;        ///< [m/s]
 constexpr double kStandstill = 1e-6;  ///< [m] in one step: nobody moves
-constexpr int kStalled = 20;          ///< steps in which nobody moves, before a forecast is over
+constexpr int kStagnation = 20;       ///< steps in which nobody moves, before a forecast is over
 
 /// The speed after `dt` from which a car that has `v` now can still slow down to `end` within
 /// `distance`.
@@ -69,26 +69,26 @@ void LotMotion::set_order(std::int64_t first, std::int64_t second, Precedence or
   }
 }
 
-void LotMotion::strand(std::int64_t key) {
+void LotMotion::stop_permanently(std::int64_t key) {
   LotCar& car = cars_[std::size_t(find(key))];
-  if (car.stranded) return;
-  car.stranded = true;
+  if (car.stopped_permanently) return;
+  car.stopped_permanently = true;
   car.path.truncate(car.s + stopping_distance(car.v, limits_.braking));
 }
 
-std::vector<std::int64_t> LotMotion::strand_the_blocked() {
-  std::vector<std::int64_t> stranded;
+std::vector<std::int64_t> LotMotion::stop_the_blocked_permanently() {
+  std::vector<std::int64_t> stopped_permanently;
   for (bool more = true; more;) {
     const LotForecast now = forecast();
     more = false;
     for (std::size_t i = 0; i < cars_.size(); ++i) {
-      if (now.arrives[i] != 0 || cars_[i].stranded || !cars_[i].planned) continue;
-      stranded.push_back(cars_[i].key);
+      if (now.arrives[i] != 0 || cars_[i].stopped_permanently || !cars_[i].planned) continue;
+      stopped_permanently.push_back(cars_[i].key);
       more = true;
     }
-    for (const std::int64_t key : stranded) strand(key);
+    for (const std::int64_t key : stopped_permanently) stop_permanently(key);
   }
-  return stranded;
+  return stopped_permanently;
 }
 
 std::vector<LotMotion::Link> LotMotion::links() const {
@@ -147,8 +147,9 @@ double LotMotion::next_speed(const LotCar& car, double s, double v, double stop,
   if (!pieces.empty()) {
     const std::size_t here = car.path.piece_from(s);
     next = std::min(next, std::max(speed_limit(pieces[here]), v - limits_.braking * dt));
-    const double sight = s + v * dt + (v + limits_.speed) * (v + limits_.speed) / limits_.braking;
-    for (std::size_t k = here + 1; k < pieces.size() && pieces[k].begin < sight; ++k) {
+    const double lookahead =
+        s + v * dt + (v + limits_.speed) * (v + limits_.speed) / limits_.braking;
+    for (std::size_t k = here + 1; k < pieces.size() && pieces[k].begin < lookahead; ++k) {
       next = std::min(
           next, braked_speed(v, pieces[k].begin - s, speed_limit(pieces[k]), limits_.braking, dt));
     }
@@ -193,7 +194,7 @@ LotForecast LotMotion::forecast(double dt) const {
   }
   result.arrives.assign(cars_.size(), 0);
   int still = 0;
-  while (still < kStalled) {
+  while (still < kStagnation) {
     std::ranges::transform(cars_, stops.begin(), [](const LotCar& car) {
       return car.planned ? kInfinity : car.granted;  // what delays a plan is not known
     });
@@ -217,7 +218,7 @@ LotForecast LotMotion::forecast(double dt) const {
       moved = moved || next.s > state.s + kStandstill;
       state = next;
       result.driven[i].push_back(float(next.s));
-      result.complete = result.complete && car.stranded;
+      result.complete = result.complete && car.stopped_permanently;
     }
     if (result.complete) break;
     still = moved ? 0 : still + 1;

@@ -30,9 +30,10 @@ struct LotCar {
   ArcPath path;
   PathCells cells;  ///< of `path`
   Pose goal;
-  bool leaves = false;    ///< it drives on at the end of the path, out of reach, and does not stop
-  bool stranded = false;  ///< the path ends where the car comes to rest, short of its goal
-  bool planned = true;    ///< its path is part of a plan in which everyone arrives
+  bool leaves = false;  ///< it drives on at the end of the path, out of reach, and does not stop
+  bool stopped_permanently =
+      false;            ///< the path ends where the car comes to rest, short of its goal
+  bool planned = true;  ///< its path is part of a plan in which everyone arrives
   /// [m] It may drive so far until the next decision; infinity: as far as it is its turn.
   double granted = std::numeric_limits<double>::infinity();
   double s = 0.0;  ///< driven [m]
@@ -40,7 +41,7 @@ struct LotCar {
 
   [[nodiscard]] bool at_end() const { return s >= path.length(); }
   /// Does it stop at the end of the path?
-  [[nodiscard]] bool stops() const { return stranded || !leaves; }
+  [[nodiscard]] bool stops() const { return stopped_permanently || !leaves; }
   [[nodiscard]] Pose pose() const { return path.at(s); }
 };
 
@@ -84,9 +85,9 @@ class LotMotion {
   void set_order(std::int64_t first, std::int64_t second, Precedence order);
 
   /// The car brakes to rest and stays there: it broke down, or has no path any more.
-  void strand(std::int64_t key);
+  void stop_permanently(std::int64_t key);
   /// Strands those who would wait for ever. @return their keys
-  std::vector<std::int64_t> strand_the_blocked();
+  std::vector<std::int64_t> stop_the_blocked_permanently();
 
   /// Everyone drives for `dt` [s].
   /// @param halts  per car: it must stop before it has driven so far [m]; infinity: no matter

@@ -25,7 +25,7 @@ LotPlanner::LotPlanner(const ParkingLot& lot, const LotPlannerOptions& options)
       entries_(entry_strips(lot, walls_), kReach),
       footpaths_(lot.footpaths) {
   time_.dt = kTimeStep;
-  time_.macro_step = std::max(2, int(kAction / (options.limits.speed * kTimeStep)));
+  time_.macro_step = std::max(2, int(kPrimitive / (options.limits.speed * kTimeStep)));
   set_standing({});
 }
 

@@ -102,7 +102,7 @@ class LotPlanner {
   using GoalKey = std::tuple<double, double, double, double, double>;
 
   static constexpr double kTimeStep = 0.05;  ///< [s]
-  static constexpr double kAction = 1.0;     ///< [m] driven in one macro step
+  static constexpr double kPrimitive = 1.0;  ///< [m] driven in one macro step
   static constexpr int kMostRobots = 1000;   ///< in one search: cars, goals and those who wait
 
   struct KnownCost {

@@ -159,7 +159,7 @@ Group LotPlanner::World::group_of_asking() {
   if (!options_.regroup || choices_.empty()) return group;
   const Choice& wish = choices_.front();
   const std::vector<int> blockers =
-      session_.in_the_way(session_.robot_of_goal(wish.goal), wish.alone);
+      session_.blockers_of(session_.robot_of_goal(wish.goal), wish.alone);
   if (session_.may_replan(blockers)) group.insert(group.begin(), blockers.begin(), blockers.end());
   return group;
 }
@@ -190,7 +190,7 @@ Group LotPlanner::World::group_of_loser() {
   (void)session_.take(loser);
   wish_ = session_.alone(loser);
   if (!wish_) return {};
-  const std::vector<int> blockers = session_.in_the_way(loser, *wish_);
+  const std::vector<int> blockers = session_.blockers_of(loser, *wish_);
   if (!session_.may_replan(blockers)) return {};
   focus_ = loser;
   Group group = blockers;

@@ -13,7 +13,7 @@ constexpr float kNow = -1.0F;  ///< when a car is where it is: before all that i
 
 }  // namespace
 
-ArcPath LotPlanner::ReplanningSession::way(int robot, const ArcTrajectory& track) const {
+ArcPath LotPlanner::ReplanningSession::path_of(int robot, const ArcTrajectory& track) const {
   const Robot& r = robots_[std::size_t(robot)];
   ArcPath path = r.prefix;
   path.append(track.steps());
@@ -26,7 +26,7 @@ LotCar LotPlanner::ReplanningSession::car(int robot, const ArcTrajectory& track)
   LotCar car;
   car.key = r.key;
   car.body = r.body;
-  car.path = way(robot, track);
+  car.path = path_of(robot, track);
   car.goal = r.goal;
   car.leaves = r.leaves;
   car.s = r.s;
@@ -88,33 +88,33 @@ std::vector<float> LotPlanner::ReplanningSession::times_of_planned(const LotCar&
 
 LotMotion LotPlanner::ReplanningSession::result(std::span<const int> changed) const {
   LotMotion result = motion_;
-  struct Way {
+  struct TimedCar {
     std::int64_t key;
     std::vector<float> times;
     bool changed;
   };
-  std::vector<Way> ways;
+  std::vector<TimedCar> timed;
   for (int i = 0; i < cars(); ++i) {
     if (std::ranges::find(changed, i) != changed.end()) continue;
-    ways.push_back({robots_[std::size_t(i)].key, times_of_kept(i), false});
+    timed.push_back({robots_[std::size_t(i)].key, times_of_kept(i), false});
   }
   for (const int i : changed) {
     LotCar now = car(i, track(i));
     now.cells = PathCells(now.path, now.body, planner_.options_.gap);
     now.cells.keep_clear(planner_.footpaths_);
-    ways.push_back({now.key, times_of_planned(now, i), true});
+    timed.push_back({now.key, times_of_planned(now, i), true});
     result.put(std::move(now));
   }
-  const auto planned = [&](const Way& way) {
-    const LotCar& car = result.cars()[std::size_t(result.find(way.key))];
-    return PlannedPath{&car.cells, car.cells.cell_at(car.s), way.times};
+  const auto planned = [&](const TimedCar& of) {
+    const LotCar& car = result.cars()[std::size_t(result.find(of.key))];
+    return PlannedPath{&car.cells, car.cells.cell_at(car.s), of.times};
   };
-  for (std::size_t i = 0; i < ways.size(); ++i) {
-    for (std::size_t j = i + 1; j < ways.size(); ++j) {
-      if (!ways[i].changed && !ways[j].changed) continue;
-      auto [first, second] = precedence(planned(ways[i]), planned(ways[j]));
-      result.set_order(ways[i].key, ways[j].key, std::move(first));
-      result.set_order(ways[j].key, ways[i].key, std::move(second));
+  for (std::size_t i = 0; i < timed.size(); ++i) {
+    for (std::size_t j = i + 1; j < timed.size(); ++j) {
+      if (!timed[i].changed && !timed[j].changed) continue;
+      auto [first, second] = precedence(planned(timed[i]), planned(timed[j]));
+      result.set_order(timed[i].key, timed[j].key, std::move(first));
+      result.set_order(timed[j].key, timed[i].key, std::move(second));
     }
   }
   return result;

@@ -171,8 +171,8 @@ std::optional<std::vector<Arc>> LotPlanner::ReplanningSession::sample_alone(int 
 }
 
 std::optional<ArcTrajectory> LotPlanner::ReplanningSession::alone(int robot) {
-  std::optional<ArcTrajectory> way = alone(robot, Effort::kQuick);
-  return way ? std::move(way) : alone(robot, Effort::kThorough);
+  std::optional<ArcTrajectory> path = alone(robot, Effort::kQuick);
+  return path ? std::move(path) : alone(robot, Effort::kThorough);
 }
 
 std::optional<SoftCollisionPath> LotPlanner::ReplanningSession::search_alone(SoftProblem problem,
@@ -202,11 +202,11 @@ std::optional<SoftCollisionPath> LotPlanner::ReplanningSession::search_alone_bac
 
 /// The last metres of a way: a search among others need only find the rest.
 std::vector<Arc> LotPlanner::ReplanningSession::tail(const ArcTrajectory& alone) const {
-  ArcPath way(alone.start());
-  way.append(alone.steps());
+  ArcPath path(alone.start());
+  path.append(alone.steps());
   std::vector<Arc> result;
   double left = kTail;
-  for (auto piece = way.pieces().rbegin(); piece != way.pieces().rend() && left > 0.0; ++piece) {
+  for (auto piece = path.pieces().rbegin(); piece != path.pieces().rend() && left > 0.0; ++piece) {
     const double length = std::min(left, std::abs(piece->arc.length));
     result.push_back({piece->direction() * length, piece->arc.curvature});
     left -= length;
@@ -271,7 +271,7 @@ bool LotPlanner::ReplanningSession::comes_back_into_entry(int robot,
   return false;
 }
 
-std::vector<int> LotPlanner::ReplanningSession::in_the_way(int robot, const ArcTrajectory& track) {
+std::vector<int> LotPlanner::ReplanningSession::blockers_of(int robot, const ArcTrajectory& track) {
   joint_->place(robot, track);
   std::vector<int> result = joint_->conflicts_of(robot);
   (void)joint_->remove(robot);
@@ -284,8 +284,8 @@ std::vector<int> LotPlanner::ReplanningSession::plan_before(int robot, const Arc
   if (!plan(robot, alone)) return {};
   std::vector<int> group = {robot};
   for (const int i : others) {
-    const std::optional<ArcTrajectory> way = this->alone(i);
-    if (!way || !plan(i, *way)) return {};
+    const std::optional<ArcTrajectory> path = this->alone(i);
+    if (!path || !plan(i, *path)) return {};
     group.push_back(i);
   }
   return group;

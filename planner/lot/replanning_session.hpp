@@ -37,7 +37,7 @@ class LotPlanner::ReplanningSession {
   [[nodiscard]] ArcTrajectory take(int robot) { return joint_->remove(robot); }
   [[nodiscard]] const ArcTrajectory& track(int robot) const { return joint_->track(robot); }
   /// The cars under way that stand blocking a robot that moves like this.
-  [[nodiscard]] std::vector<int> in_the_way(int robot, const ArcTrajectory& track);
+  [[nodiscard]] std::vector<int> blockers_of(int robot, const ArcTrajectory& track);
 
   /// Must the car's path stay as it is? In an entry lane somebody follows; shortly before the end
   /// nothing is to be gained.
@@ -45,7 +45,7 @@ class LotPlanner::ReplanningSession {
     const LotCar& car = motion_.cars()[std::size_t(i)];
     const double end = car.path.length() - (car.leaves ? kRunOut : 0.0);
     const Robot& robot = robots_[std::size_t(i)];
-    return car.stranded || robot.prefix.length() >= end - kAction ||
+    return car.stopped_permanently || robot.prefix.length() >= end - kPrimitive ||
            planner_.in_entry(car.body, macro_robots_[std::size_t(i)].start);
   }
   /// PreCheck: can these be planned anew together with one more?
@@ -94,7 +94,7 @@ class LotPlanner::ReplanningSession {
   [[nodiscard]] std::optional<SoftCollisionPath> search_alone_backwards(int robot, int expansions);
   [[nodiscard]] std::optional<std::vector<Arc>> sample_alone(int robot) const;
   [[nodiscard]] std::vector<Arc> tail(const ArcTrajectory& alone) const;
-  [[nodiscard]] ArcPath way(int robot, const ArcTrajectory& track) const;
+  [[nodiscard]] ArcPath path_of(int robot, const ArcTrajectory& track) const;
   [[nodiscard]] std::vector<float> times_of_kept(int car) const;
   [[nodiscard]] std::vector<float> times_of_planned(const LotCar& car, int robot) const;
   [[nodiscard]] double ahead() const { return planner_.options_.ahead; }

@@ -113,11 +113,11 @@ std::pair<Precedence, Precedence> precedence(const PlannedPath& first, const Pla
       need_of_first[i] = std::max(need_of_first[i], beyond(b));
     }
   });
-  const auto collect = [](const PlannedPath& way, const std::vector<double>& needs,
+  const auto collect = [](const PlannedPath& path, const std::vector<double>& needs,
                           Precedence& precedence) {
     for (std::size_t k = 0; k < needs.size(); ++k) {
       if (needs[k] == 0.0) continue;
-      precedence.add(way.cells->waits_before(int(k), way.first) * PathCells::kLength, needs[k]);
+      precedence.add(path.cells->waits_before(int(k), path.first) * PathCells::kLength, needs[k]);
     }
     precedence.finish();
   };

@@ -33,8 +33,8 @@ class CostToGo {
     const double curve = radius_ * table_->length(cos_ * dx + sin_ * dy, cos_ * dy - sin_ * dx,
                                                   pose.theta - goal_.theta);
     if (!grid_) return curve;
-    const double way = grid_->at(pose.x, pose.y);
-    return std::isfinite(way) ? std::max(curve, way) : curve;
+    const double path = grid_->at(pose.x, pose.y);
+    return std::isfinite(path) ? std::max(curve, path) : curve;
   }
 
   [[nodiscard]] const Pose& goal() const { return goal_; }

@@ -13,7 +13,7 @@ namespace {
 constexpr double kSide = 1.0;            // [m]
 constexpr double kMaxCells = 2.5e5;      // huge maps get larger cells
 constexpr double kFreeAroundGoal = 2.0;  // [m]; a goal close to an obstacle must be reachable
-constexpr float kNoWay = std::numeric_limits<float>::infinity();
+constexpr float kUnreachable = std::numeric_limits<float>::infinity();
 
 /// A move to a neighbour; a knight's move passes between two cells that must be free as well.
 struct Move {
@@ -71,7 +71,8 @@ int ObstacleGrid::column_of(double x) const { return std::clamp(int(x / side_), 
 int ObstacleGrid::row_of(double y) const { return std::clamp(int(y / side_), 0, rows_ - 1); }
 
 GridDistance::GridDistance(std::shared_ptr<const ObstacleGrid> grid, const Point& goal)
-    : grid_(std::move(grid)), distance_(std::size_t(grid_->columns() * grid_->rows()), kNoWay) {
+    : grid_(std::move(grid)),
+      distance_(std::size_t(grid_->columns() * grid_->rows()), kUnreachable) {
   search(goal);
   fill_blocked_cells();
 }
@@ -102,8 +103,8 @@ void GridDistance::search(const Point& goal) {
 
   // Dijkstra with a macro step per cell's side: no move is shorter, so that nothing in a macro step
   // can still improve once the one before it is done.
-  std::vector<float> distance(usable.size(), kNoWay);  // in sides of a cell
-  std::vector<std::vector<int>> macro_steps(4);        // of the cells at floor(distance), modulo 4
+  std::vector<float> distance(usable.size(), kUnreachable);  // in sides of a cell
+  std::vector<std::vector<int>> macro_steps(4);  // of the cells at floor(distance), modulo 4
   const int source = index(grid.column_of(goal.x), grid.row_of(goal.y));
   distance[std::size_t(source)] = 0.0F;
   macro_steps[0].push_back(source);
@@ -143,7 +144,7 @@ void GridDistance::fill_blocked_cells() {
     for (int row = 0; row < grid.rows(); ++row) {
       for (int column = 0; column < grid.columns(); ++column) {
         const int cell = row * grid.columns() + column;
-        if (before[std::size_t(cell)] != kNoWay || !grid.blocked(column, row)) continue;
+        if (before[std::size_t(cell)] != kUnreachable || !grid.blocked(column, row)) continue;
         for (int r = std::max(row - 1, 0); r <= std::min(row + 1, grid.rows() - 1); ++r) {
           for (int c = std::max(column - 1, 0); c <= std::min(column + 1, grid.columns() - 1);
                ++c) {

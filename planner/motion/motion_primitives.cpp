@@ -78,33 +78,33 @@ MotionPrimitives::MotionPrimitives(const Vehicle& vehicle, TimeGrid time, const 
     arcs.push_back({arcs[std::size_t(a)].length / kSlow, arcs[std::size_t(a)].curvature});
   }
   for (std::size_t a = 0; a < arcs.size(); ++a) {
-    Action& action = actions_[a];
-    action.arc = arcs[a];
-    action.turn = int(std::lround(arcs[a].length * arcs[a].curvature / turn_));
-    action.end = arc_end(arcs[a]);
+    Primitive& primitive = primitives_[a];
+    primitive.arc = arcs[a];
+    primitive.turn = int(std::lround(arcs[a].length * arcs[a].curvature / turn_));
+    primitive.end = arc_end(arcs[a]);
     if (arcs[a].length != 0.0) {
-      action.travel = arcs[a].curvature == 0.0 ? float(step_length()) : shape_.travel;
+      primitive.travel = arcs[a].curvature == 0.0 ? float(step_length()) : shape_.travel;
     }
     for (int t = 0; t <= time.macro_step; ++t) {
       const Arc part{arcs[a].length * t / time.macro_step, arcs[a].curvature};
-      action.boxes.push_back(box_pose(vehicle, drive(Pose{}, part)));
+      primitive.boxes.push_back(box_pose(vehicle, drive(Pose{}, part)));
     }
-    action.swept = swept_box(action.boxes.data(), shape_, time.macro_step);
-    const BoxPose& middle = action.boxes[std::size_t(time.macro_step / 2)];
-    for (const BoxPose& box : action.boxes) {
-      action.radius = std::max(action.radius, std::hypot(box.x - middle.x, box.y - middle.y));
+    primitive.swept = swept_box(primitive.boxes.data(), shape_, time.macro_step);
+    const BoxPose& middle = primitive.boxes[std::size_t(time.macro_step / 2)];
+    for (const BoxPose& box : primitive.boxes) {
+      primitive.radius = std::max(primitive.radius, std::hypot(box.x - middle.x, box.y - middle.y));
     }
-    action.radius += shape_.half_diagonal();
-    const float way = std::hypot(middle.x - float(ahead()), middle.y);
-    reach_of_all_ = std::max(reach_of_all_, way + action.radius);
+    primitive.radius += shape_.half_diagonal();
+    const float driven = std::hypot(middle.x - float(ahead()), middle.y);
+    reach_of_all_ = std::max(reach_of_all_, driven + primitive.radius);
   }
 }
 
-const MotionPrimitives::Action* MotionPrimitives::beginning_of(const Arc& arc) const {
-  const auto* const begin = actions_.begin();
+const MotionPrimitives::Primitive* MotionPrimitives::beginning_of(const Arc& arc) const {
+  const auto* const begin = primitives_.begin();
   const auto* const end = begin + kWait;
-  const auto* const found = std::find_if(begin, end, [&](const Action& action) {
-    return action.arc.curvature == arc.curvature && action.arc.length * arc.length > 0.0;
+  const auto* const found = std::find_if(begin, end, [&](const Primitive& primitive) {
+    return primitive.arc.curvature == arc.curvature && primitive.arc.length * arc.length > 0.0;
   });
   return found == end ? nullptr : found;
 }

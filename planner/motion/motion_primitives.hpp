@@ -48,7 +48,7 @@ class MotionPrimitives {
                    const Obstacles& obstacles, const Clearance& clearance,
                    const Exemptions* exemptions = nullptr);
 
-  struct Action {
+  struct Primitive {
     Arc arc;
     int turn = 0;      ///< change of heading in units of turn()
     Frame end;         ///< of the rear axle, in the frame it starts from
@@ -60,9 +60,9 @@ class MotionPrimitives {
   static constexpr int kWait = 6;
   static constexpr int kQuick = 7;  ///< so many without the slow ones
 
-  [[nodiscard]] const std::array<Action, 13>& actions() const { return actions_; }
+  [[nodiscard]] const std::array<Primitive, 13>& primitives() const { return primitives_; }
   /// The one at full speed that an arc of this curvature begins with; nullptr if there is none.
-  [[nodiscard]] const Action* beginning_of(const Arc& arc) const;
+  [[nodiscard]] const Primitive* beginning_of(const Arc& arc) const;
   /// The change of heading of a slow turning motion primitive [rad].
   [[nodiscard]] double turn() const { return turn_; }
   [[nodiscard]] const Vehicle& vehicle() const { return vehicle_; }
@@ -99,7 +99,7 @@ class MotionPrimitives {
   float reach_;
   float reach_of_all_ = 0.0F;
   double turn_;
-  std::array<Action, 13> actions_;
+  std::array<Primitive, 13> primitives_;
 };
 
 }  // namespace mvtp

@@ -101,7 +101,7 @@ class CrossingPlanner {
       planned.push_back({v.key, std::make_shared<SpeedProfile>(std::move(*t))});
       return true;
     }
-    const Order blocking = those_in_the_way(v, planned);
+    const Order blocking = blockers_of(v, planned);
     if (blocking.empty() || work_.left <= 0) return false;
     std::erase_if(all, [&](const Entry& e) { return std::ranges::count(blocking, e.key) > 0; });
     for (const std::int64_t key : joined({v.key}, blocking)) {
@@ -114,7 +114,7 @@ class CrossingPlanner {
   }
 
   /// In lane order, those whose plans each leave none for `v`; empty if they are too many.
-  Order those_in_the_way(const RoadVehicle& v, const std::vector<Entry>& planned) {
+  Order blockers_of(const RoadVehicle& v, const std::vector<Entry>& planned) {
     constexpr std::size_t kFew = 4;
     const std::size_t self = pairs_.index(v.key);
     Order found;
@@ -267,7 +267,8 @@ class CrossingPlanner {
   void improve_neighbourhoods(CrossingResult& best) {
     std::vector<double> delays = cost_.own_delays(best.plan.entries);
     int left = options_.tries * options_.per_try;
-    for (int failures = 0; left > 0 && failures < options_.patience && !work_.is_spent(); --left) {
+    for (int failures = 0; left > 0 && failures < options_.stagnation_limit && !work_.is_spent();
+         --left) {
       if (std::accumulate(delays.begin(), delays.end(), 0.0) < 0.1) return;
       const Order chosen =
           neighbourhoods_.around(best.plan.entries, draws_.weighted(delays), draws_);

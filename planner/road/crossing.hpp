@@ -14,7 +14,7 @@ struct CrossingOptions {
   /// all others.
   int many = 12;
   int per_try = 10;             ///< as many times per order that might be tried instead,
-  int patience = 60;            ///< and so often in a row without success
+  int stagnation_limit = 60;    ///< and so often in a row without success
   int repairs = 30;             ///< times that a vehicle without a plan is moved to the front
   double headway_weight = 3.0;  ///< [s/s] cost of a headway that is missing at hand-back
 };

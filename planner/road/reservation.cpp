@@ -47,14 +47,14 @@ std::vector<Tile> tiles_under(const OrientedBox& box) {
 }
 
 /// For each tile the samples of `b` whose bodies touch it, as one run: a body is on a tile once.
-std::map<Tile, Samples> visits(const SweptPath& b, const Samples& range) {
-  std::map<Tile, Samples> visits;
+std::map<Tile, Samples> occupied_tiles(const SweptPath& b, const Samples& range) {
+  std::map<Tile, Samples> occupied_tiles;
   for (std::uint32_t j = range.first; j <= range.last; ++j) {
     for (const Tile tile : tiles_under(b.boxes()[j])) {
-      visits.try_emplace(tile, Samples{j, j}).first->second.last = j;
+      occupied_tiles.try_emplace(tile, Samples{j, j}).first->second.last = j;
     }
   }
-  return visits;
+  return occupied_tiles;
 }
 
 using Run = ContactTable::Run;
@@ -66,11 +66,12 @@ void add_rectangle(const Samples& a, const Samples& b, Rows& rows) {
 
 void add_tiles(const SweptPath& swept_a, const Samples& a, const SweptPath& swept_b,
                const Samples& b, Rows& rows) {
-  const std::map<Tile, Samples> there = visits(swept_b, b);
+  const std::map<Tile, Samples> there = occupied_tiles(swept_b, b);
   for (std::uint32_t i = a.first; i <= a.last; ++i) {
     for (const Tile tile : tiles_under(swept_a.boxes()[i])) {
-      const auto visit = there.find(tile);
-      if (visit != there.end()) rows[i].emplace_back(visit->second.first, visit->second.last);
+      const auto occupied = there.find(tile);
+      if (occupied != there.end())
+        rows[i].emplace_back(occupied->second.first, occupied->second.last);
     }
   }
 }

@@ -22,7 +22,7 @@ double half_depth(const OrientedBox& a, const OrientedBox& b) {
 }
 
 /// From `a` to `b` along the axis of `a` [m].
-double way_along(const OrientedBox& a, const OrientedBox& b) {
+double distance_along(const OrientedBox& a, const OrientedBox& b) {
   return (b.x - a.x) * a.ux + (b.y - a.y) * a.uy;
 }
 
@@ -33,10 +33,10 @@ double gap_across(const OrientedBox& a, const OrientedBox& b) {
          b.half_width * std::abs(a.ux * b.ux + a.uy * b.uy);
 }
 
-/// Is one of them behind the other, rather than beside it or across its way?
+/// Is one of them behind the other, rather than beside it or across its path?
 bool follow_each_other(const OrientedBox& a, const OrientedBox& b) {
   constexpr double kAligned = 0.7;  // cosine
-  const double along = std::abs(way_along(a, b)) - a.half_length - half_depth(a, b);
+  const double along = std::abs(distance_along(a, b)) - a.half_length - half_depth(a, b);
   return a.ux * b.ux + a.uy * b.uy > kAligned && along >= gap_across(a, b);
 }
 
@@ -74,7 +74,7 @@ RoadContact::RoadContact(const RoadScene& scene, const RoadVehicle& a, const Roa
   if (ab_->empty() || (!stuck_ && !touch_braking(a.now, b.now, false))) return;
   const OrientedBox box_a = footprint(library_->body(a.path), library_->path(a.path).at(a.now.s));
   const OrientedBox box_b = footprint(library_->body(b.path), library_->path(b.path).at(b.now.s));
-  b_ahead_ = way_along(box_a, box_b) > 0.0;
+  b_ahead_ = distance_along(box_a, box_b) > 0.0;
   in_one_lane_ = follow_each_other(box_a, box_b);
   const BrakingMotion stop_a{a.now, library_->body(a.path).max_decel, reaction};
   const BrakingMotion stop_b{b.now, library_->body(b.path).max_decel};
@@ -146,7 +146,7 @@ double RoadContact::gap(double s_a, double s_b) const {
   const OrientedBox b = footprint(library_->body(b_->path), library_->path(b_->path).at(s_b));
   const double across = std::max(gap_across(a, b), gap_across(b, a));
   if (!in_one_lane_ || across > -kGraze) return separation(a, b);
-  return (b_ahead_ ? 1.0 : -1.0) * way_along(a, b) - a.half_length - half_depth(a, b);
+  return (b_ahead_ ? 1.0 : -1.0) * distance_along(a, b) - a.half_length - half_depth(a, b);
 }
 
 namespace {
@@ -176,10 +176,10 @@ RoadPairs::RoadPairs(const RoadScene& scene)
       const RoadVehicle& a = scene.vehicles[i];
       const RoadContact& contact = vehicles_.emplace_back(scene, a, b, 0.0);
       if (contact.never()) continue;
-      const bool a_in_the_way = contact.a_blocks(a.now, b.now);
-      const bool b_in_the_way = contact.b_blocks(a.now, b.now);
-      leads_[i * n + j] = a_in_the_way && !b_in_the_way;
-      leads_[j * n + i] = b_in_the_way && !a_in_the_way;
+      const bool a_blocks = contact.a_blocks(a.now, b.now);
+      const bool b_blocks = contact.b_blocks(a.now, b.now);
+      leads_[i * n + j] = a_blocks && !b_blocks;
+      leads_[j * n + i] = b_blocks && !a_blocks;
     }
   }
   for (std::size_t i = 0; i < n; ++i) {

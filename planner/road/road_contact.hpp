@@ -58,11 +58,11 @@ class RoadContact {
   [[nodiscard]] bool touch_braking(const InertialState& a, const InertialState& b,
                                    bool lenient) const;
 
-  /// Is `a`, where it is, in the way of the rest of the path of `b`? Not if only its margins are,
+  /// Does `a`, where it is, block the rest of the path of `b`? Not if only its margins are,
   /// of two that stand too close.
   [[nodiscard]] bool a_blocks(const InertialState& a, const InertialState& b) const;
   [[nodiscard]] bool b_blocks(const InertialState& a, const InertialState& b) const;
-  /// Is only the one in the way of the other?
+  /// Does only the one block the other?
   [[nodiscard]] bool is_ahead(const InertialState& a, const InertialState& b) const {
     return a_blocks(a, b) && !b_blocks(a, b);
   }
@@ -176,7 +176,7 @@ class RoadPairs {
   [[nodiscard]] bool leads(std::size_t i, std::size_t j) const {
     return leads_[i * scene_->vehicles.size() + j];
   }
-  /// Does forecast f have vehicle i in its way, and not the other way round? Its driver has to keep
+  /// Does vehicle i block forecast f, and not the other way round? Its driver has to keep
   /// clear of us then, not we of him.
   [[nodiscard]] bool follows(std::size_t f, std::size_t i) const {
     return follows_[i * scene_->forecasts.size() + f];

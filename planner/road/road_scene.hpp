@@ -87,15 +87,15 @@ struct RoadVehicle {
   return vehicle.min_gap + vehicle.tau * speed + std::max(0.0, braking);
 }
 
-/// A vehicle that is not ours, with the motion that is expected of it; or, with `latest`, with all
-/// motions between that and the earliest: at each time it may be anywhere between the two.
+/// A vehicle that is not under control, with the motion that is expected of it; or, with `latest`,
+/// with all motions between that and the earliest: at each time it may be anywhere between the two.
 struct Forecast {
   RoadVehicle vehicle;
   SpeedProfile trajectory;  ///< the earliest
   std::optional<SpeedProfile> latest;
-  bool yields = true;  ///< to whoever is in its way; else only to those ahead on its own lane
-  /// Its driver relies on a signal and brakes for nobody across his way: braking there is no way
-  /// out.
+  bool yields = true;  ///< to whoever blocks it; else only to those ahead on its own lane
+  /// Its driver relies on a signal and brakes for nobody across his path: braking there does
+  /// not help.
   bool relies = false;
   /// Steps that new plans keep beside what is expected, before the earliest and behind the latest:
   /// plans that are kept need not, so that a small surprise does not break them.

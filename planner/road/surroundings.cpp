@@ -54,7 +54,7 @@ bool Surroundings::step_is_clear(std::int64_t k, const InertialState& from, doub
     if (may_brake && (k == now_ || stays)) return true;
     return !meets(other, k, from, a, to, reach) || (may_brake && !cuts_in(other, k, from, to));
   };
-  // Whoever stood in the way the last time will mostly do so again.
+  // Whoever blocked it the last time will mostly do so again.
   if (last_blocker_ < others_.size() && !is_clear_of(others_[last_blocker_])) return false;
   for (std::size_t i = 0; i < others_.size(); ++i) {
     if (!stretches_[i].overlaps(from.s, reach) || i == last_blocker_) continue;
@@ -82,16 +82,16 @@ bool Surroundings::can_wait(std::int64_t k, const InertialState& state) const {
   for (std::size_t o = 0; o < others_.size(); ++o) {
     if (!stretches_[o].overlaps(state.s, rest)) continue;
     const Other& other = others_[o];
-    if (other.reserved && stands_in_the_way(other, *other.reserved, k, state)) return false;
+    if (other.reserved && stands_blocking(other, *other.reserved, k, state)) return false;
     // Two that are too close now cannot be asked to stand clear of each other.
     if (other.contact.contact->is_close_now()) continue;
-    if (stands_in_the_way(other, other.contact.table(), k, state)) return false;
+    if (stands_blocking(other, other.contact.table(), k, state)) return false;
   }
   return true;
 }
 
-bool Surroundings::stands_in_the_way(const Other& other, const ContactTable& contacts,
-                                     std::int64_t k, const InertialState& state) const {
+bool Surroundings::stands_blocking(const Other& other, const ContactTable& contacts, std::int64_t k,
+                                   const InertialState& state) const {
   const double b = body_.max_decel;
   const double rest = state.s + stopping_distance(state.v, b);
   const double now = other.hindmost(k);
@@ -187,7 +187,7 @@ void Surroundings::add(Other other) {
     if (idle) other.reserved = nullptr;
   }
   if (other.contact.contact->never() && !same_exit && !other.reserved) return;
-  other.no_way_back = other.latest != nullptr && rests_in_passage(other, now_, vehicle_.now);
+  other.cannot_stop_before = other.latest != nullptr && rests_in_passage(other, now_, vehicle_.now);
   if (same_exit) on_exit_.push_back(others_.size());
   others_.push_back(other);
   const ContactTable& contacts = other.contact.table();
@@ -289,7 +289,7 @@ bool Surroundings::meets_anywhere(const Other& other, std::int64_t k, const Iner
     const double s_end = advance(from, a, (i + 1) * grid_.dt).s;
     if (is_there(s, s_end, k + i, k + i + 1)) return true;
   }
-  const bool goes_on = other.no_way_back && a >= 0.0;
+  const bool goes_on = other.cannot_stop_before && a >= 0.0;
   if (!goes_on && brakes_into(other, k + n, to)) return true;
   // Who follows it on its lane must be able to stop should it brake; later on, that is seen later.
   const InertialState hindmost = other.hindmost_state(k + n);

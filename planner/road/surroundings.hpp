@@ -34,7 +34,7 @@ class Surroundings {
   [[nodiscard]] bool leaves_passages_free(std::int64_t k, const InertialState& state) const;
 
   /// On a common exit lane: is the one behind far enough from the one ahead, whichever of the two
-  /// this vehicle is? Both ways, since a vehicle planned later may slip in ahead.
+  /// this vehicle is? In both orders, since a vehicle planned later may slip in ahead.
   [[nodiscard]] bool keeps_headway(std::int64_t k, const InertialState& state) const;
 
   /// Will the driver who takes over at step k in this state have his headway to those ahead? They
@@ -52,15 +52,15 @@ class Surroundings {
     const RoadVehicle* vehicle;
     const Vehicle* body;
     bool forecast;
-    bool yields;          ///< a forecast whose driver keeps clear of whoever is in his way
+    bool yields;          ///< a forecast whose driver keeps clear of whoever blocks him
     bool relies = false;  ///< as of Forecast
     /// What it has reserved; nullptr: nothing, or this vehicle is there already.
     const ContactTable* reserved = nullptr;
     int before = 0;  ///< steps of slack; see Forecast
     int behind = 0;
-    /// This vehicle comes to rest in its passage even if it brakes now. Then to go on may be the
-    /// way out: as long as it does not slow down, only where it drives counts.
-    bool no_way_back = false;
+    /// This vehicle comes to rest in its passage even if it brakes now. Then to go on may be
+    /// safe: as long as it does not slow down, only where it drives counts.
+    bool cannot_stop_before = false;
 
     /// Where it is at least at step k, and how fast then.
     [[nodiscard]] InertialState hindmost_state(std::int64_t k) const {
@@ -109,8 +109,8 @@ class Surroundings {
   /// Is the decision to drive from `from` at step k partly on ground that is closed then?
   [[nodiscard]] bool enters_closed(std::int64_t k, const InertialState& from, double a) const;
   /// Are we, braking from `state` at step k and then standing, where the other one will pass?
-  [[nodiscard]] bool stands_in_the_way(const Other& other, const ContactTable& contacts,
-                                       std::int64_t k, const InertialState& state) const;
+  [[nodiscard]] bool stands_blocking(const Other& other, const ContactTable& contacts,
+                                     std::int64_t k, const InertialState& state) const;
 
   /// Is the other one, who may be anywhere between two trajectories and does not brake, met by
   /// braking from `state` at step k?
@@ -129,7 +129,7 @@ class Surroundings {
   /// not brake because of that, but drives on.
   [[nodiscard]] bool brakes_onto_lane(const Other& other, std::int64_t k,
                                       const InertialState& state) const;
-  /// Has the driver of a forecast this vehicle in his way, and not the other way round? Then he
+  /// Does this vehicle block the driver of a forecast, and not the other way round? Then he
   /// keeps clear of it.
   [[nodiscard]] bool is_followed_by(const Other& other, const InertialState& state,
                                     const InertialState& other_state) const;
@@ -142,7 +142,7 @@ class Surroundings {
     const Vehicle* body = nullptr;
   };
   /// Does the vehicle come over beside a driver in this decision, or before one who could not stop
-  /// behind it? Between lanes its own braking is no way out, but what brings that about.
+  /// behind it? Between lanes its own braking does not help, but what brings that about.
   [[nodiscard]] bool cuts_in(const Other& other, std::int64_t k, const InertialState& from,
                              const InertialState& to) const;
   /// Is the gap between the two what it has to be there? It builds up along the exit lane, until

@@ -72,18 +72,18 @@ int JointMotion::overlaps(int i, const ArcTrajectory& track, int most, int wait)
   return count;
 }
 
-ArcTrajectory JointMotion::track_after(int i, int wait, std::span<const Arc> way,
+ArcTrajectory JointMotion::track_after(int i, int wait, std::span<const Arc> steps_driven,
                                        bool leaves) const {
   std::vector<Arc> steps(std::size_t(wait * time_.macro_step), Arc{});
-  steps.insert(steps.end(), way.begin(), way.end());
+  steps.insert(steps.end(), steps_driven.begin(), steps_driven.end());
   return {robot(i).car->vehicle(), robot(i).start, std::move(steps), time_.macro_step, leaves};
 }
 
-bool JointMotion::place_later(int i, std::span<const Arc> way, int latest, bool leaves) {
-  const ArcTrajectory track = track_after(i, 0, way, leaves);
+bool JointMotion::place_later(int i, std::span<const Arc> steps_driven, int latest, bool leaves) {
+  const ArcTrajectory track = track_after(i, 0, steps_driven, leaves);
   for (int wait = 0; wait * time_.macro_step <= latest; ++wait) {
     if (overlaps(i, track, 1, wait) > 0) continue;
-    place(i, track_after(i, wait, way, leaves));
+    place(i, track_after(i, wait, steps_driven, leaves));
     return true;
   }
   return false;
@@ -100,13 +100,13 @@ void JointMotion::clear() {
   for (int i = 0; i < size(); ++i) {
     if (present(i)) remove(i);
   }
-  horizon_ = sight_ = kNoHorizon;
+  horizon_ = lookahead_ = kNoHorizon;
 }
 
-void JointMotion::set_horizon(int conflicts, int sight) {
+void JointMotion::set_horizon(int conflicts, int lookahead) {
   const int before = std::min(horizon_, conflicts);
   horizon_ = conflicts;
-  sight_ = sight;
+  lookahead_ = lookahead;
   for (int i = 0; i < size(); ++i) {
     if (!present(i)) continue;
     for_each_contact(i, track(i), 0, before, [&](int j, int) {
@@ -127,7 +127,7 @@ bool JointMotion::place_all(const std::vector<ArcTrajectory>& tracks, const Dead
 
 void JointMotion::restore(const State& state) {
   clear();
-  set_horizon(state.horizon, state.sight);
+  set_horizon(state.horizon, state.lookahead);
   for (int i = 0; i < size(); ++i) place(i, state.tracks[std::size_t(i)]);
 }
 
@@ -174,7 +174,7 @@ OtherRobots JointMotion::others(int i, double soft_cost) {
   for (int j = 0; j < size(); ++j) {
     soft_costs_[std::size_t(j)] = float(soft_cost) * weights_[at(i, j)];
   }
-  return {&occupancy_, tracks_, shapes_, soft_costs_, sight_};
+  return {&occupancy_, tracks_, shapes_, soft_costs_, lookahead_};
 }
 
 int JointMotion::makespan() const {

@@ -44,11 +44,12 @@ class JointMotion {
   /// later; counted up to `most`.
   [[nodiscard]] int overlaps(int i, const ArcTrajectory& track, int most, int wait = 0);
   /// Robot i standing at its start for `wait` macro steps, and then on this way.
-  [[nodiscard]] ArcTrajectory track_after(int i, int wait, std::span<const Arc> way,
+  [[nodiscard]] ArcTrajectory track_after(int i, int wait, std::span<const Arc> steps_driven,
                                           bool leaves = false) const;
   /// Robot i, absent so far, drives the path from its start, begun as late as it must so that it
   /// overlaps nobody, but no later than `latest`. @return false if it is absent still
-  [[nodiscard]] bool place_later(int i, std::span<const Arc> way, int latest, bool leaves = false);
+  [[nodiscard]] bool place_later(int i, std::span<const Arc> steps_driven, int latest,
+                                 bool leaves = false);
   /// Takes robot i and its conflicts away. @return its track
   ArcTrajectory remove(int i);
   [[nodiscard]] const std::vector<ArcTrajectory>& tracks() const { return tracks_; }
@@ -56,7 +57,7 @@ class JointMotion {
   void clear();
   /// Overlaps from macro step `conflicts` on do not count yet; searches see others until macro step
   /// `horizon`. @pre neither is lower than before, or everyone is absent
-  void set_horizon(int conflicts, int sight);
+  void set_horizon(int conflicts, int lookahead);
   [[nodiscard]] bool has_horizon() const { return horizon_ != kNoHorizon; }
   /// Everyone moves along the given tracks, one per robot, and no horizon.
   /// @return false if the time ran out; then some are absent
@@ -66,10 +67,10 @@ class JointMotion {
   struct State {
     std::vector<ArcTrajectory> tracks;
     int horizon = kNoHorizon;
-    int sight = kNoHorizon;
+    int lookahead = kNoHorizon;
   };
   /// To go back to. @pre everyone is present
-  [[nodiscard]] State state() const { return {tracks_, horizon_, sight_}; }
+  [[nodiscard]] State state() const { return {tracks_, horizon_, lookahead_}; }
   void restore(const State& state);
 
   [[nodiscard]] const std::vector<Pair>& conflicts() const { return conflicts_; }
@@ -106,8 +107,8 @@ class JointMotion {
   std::vector<MacroRobot> robots_;
   TimeGrid time_;
   Occupancy occupancy_;
-  int horizon_ = kNoHorizon;  ///< of conflicts [macro steps]
-  int sight_ = kNoHorizon;    ///< of searches [macro steps]
+  int horizon_ = kNoHorizon;    ///< of conflicts [macro steps]
+  int lookahead_ = kNoHorizon;  ///< of searches [macro steps]
   std::vector<ArcTrajectory> tracks_;
   std::vector<BoxShape> shapes_;
   std::vector<char> present_;

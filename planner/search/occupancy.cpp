@@ -50,9 +50,9 @@ MotionBounds bounds_of(const BoxPose* boxes, int macro_step, float half_diagonal
     const float dy = boxes[t].y - middle.y;
     excursion = std::max(excursion, dx * dx + dy * dy);
     if (t == macro_step) break;
-    const float way = std::hypot(boxes[t + 1].x - boxes[t].x, boxes[t + 1].y - boxes[t].y);
+    const float driven = std::hypot(boxes[t + 1].x - boxes[t].x, boxes[t + 1].y - boxes[t].y);
     const float turn = std::abs(boxes[t].ux * boxes[t + 1].uy - boxes[t].uy * boxes[t + 1].ux);
-    travel = std::max(travel, way + turn * half_diagonal);
+    travel = std::max(travel, driven + turn * half_diagonal);
   }
   // Chords are shorter than arcs, and sines than angles, by less than this.
   constexpr float kArcs = 1.002F;

@@ -179,13 +179,14 @@ float SoftHybridAstar::soft_cost_of_nearby(int macro_step, const BoxPose* boxes,
 }
 
 /// Of those around, for a motion primitive that begins at `from`.
-float SoftHybridAstar::soft_cost_of_action(int macro_step, const Frame& from,
-                                           const BoxPose& halfway,
-                                           const MotionPrimitives::Action& action) {
+float SoftHybridAstar::soft_cost_of_primitive(int macro_step, const Frame& from,
+                                              const BoxPose& halfway,
+                                              const MotionPrimitives::Primitive& primitive) {
   if (around_ == 0) return 0.0F;
-  if (!anyone_nearby(macro_step, halfway, action.radius, moved(action.swept, from))) return 0.0F;
-  for (std::size_t t = 0; t < boxes_.size(); ++t) boxes_[t] = moved(action.boxes[t], from);
-  return soft_cost_of_nearby(macro_step, boxes_.data(), action.travel);
+  if (!anyone_nearby(macro_step, halfway, primitive.radius, moved(primitive.swept, from)))
+    return 0.0F;
+  for (std::size_t t = 0; t < boxes_.size(); ++t) boxes_[t] = moved(primitive.boxes[t], from);
+  return soft_cost_of_nearby(macro_step, boxes_.data(), primitive.travel);
 }
 
 double SoftHybridAstar::to_go(double x, double y, double theta) const {
@@ -248,7 +249,7 @@ SoftHybridAstar::Cell& SoftHybridAstar::cell_of(double x, double y, double theta
 /// Has the robot got there by waiting in the cell of its parent? The parent was there earlier, but
 /// that does not make it better.
 bool SoftHybridAstar::waits_in_its_cell(const Node& node) const {
-  return options_.waits && node.action == MotionPrimitives::kWait &&
+  return options_.waits && node.primitive == MotionPrimitives::kWait &&
          node.macro_step % options_.cell_macro_steps != 0;
 }
 
@@ -263,22 +264,22 @@ void SoftHybridAstar::expand(int node) {
   const MotionPrimitives& car = *problem_->car;
   const Node& from = nodes_[std::size_t(node)];
   update_neighbours(from.macro_step, box_pose(from.at, car.ahead()), car.reach_of_all());
-  const int actions = options_.slowly ? int(car.actions().size()) : MotionPrimitives::kQuick;
-  for (int a = 0; a < actions; ++a) try_action(node, a);
+  const int primitives = options_.slowly ? int(car.primitives().size()) : MotionPrimitives::kQuick;
+  for (int a = 0; a < primitives; ++a) try_primitive(node, a);
 }
 
-void SoftHybridAstar::try_action(int parent, int a) {
+void SoftHybridAstar::try_primitive(int parent, int a) {
   const MotionPrimitives& car = *problem_->car;
-  const MotionPrimitives::Action& action = car.actions()[std::size_t(a)];
+  const MotionPrimitives::Primitive& primitive = car.primitives()[std::size_t(a)];
   const Node from = nodes_[std::size_t(parent)];
   Node child = from;
   child.parent = parent;
-  child.action = std::int8_t(a);
+  child.primitive = std::int8_t(a);
   child.macro_step = from.macro_step + 1;
-  child.turns = from.turns + action.turn;
-  if (action.arc.length != 0.0) child.direction = action.arc.length > 0.0 ? 1 : -1;
+  child.turns = from.turns + primitive.turn;
+  if (primitive.arc.length != 0.0) child.direction = primitive.arc.length > 0.0 ? 1 : -1;
   if (child.direction * from.direction < 0) child.soft_cost += float(options_.reversal);
-  child.at = from.at.then(action.end);
+  child.at = from.at.then(primitive.end);
   const double theta = heading(child.turns);
   const double h = to_go(child.at.x, child.at.y, theta);
   const double slack = kSlack * car.vehicle().min_turning_radius / car.vehicle().max_speed;
@@ -290,9 +291,9 @@ void SoftHybridAstar::try_action(int parent, int a) {
   const bool waits = waits_in_its_cell(child);
   if (cell.f <= child.f && !waits) return;
 
-  const BoxPose halfway = moved(action.boxes[std::size_t(car.time().macro_step / 2)], from.at);
-  if (a != MotionPrimitives::kWait && !car.is_free(pose(from), action.arc, halfway)) return;
-  const float more = soft_cost_of_action(from.macro_step, from.at, halfway, action);
+  const BoxPose halfway = moved(primitive.boxes[std::size_t(car.time().macro_step / 2)], from.at);
+  if (a != MotionPrimitives::kWait && !car.is_free(pose(from), primitive.arc, halfway)) return;
+  const float more = soft_cost_of_primitive(from.macro_step, from.at, halfway, primitive);
   if (options_.hard && more > 0.0F) return;
   child.soft_cost += more;
   child.f += more;
@@ -352,12 +353,12 @@ double SoftHybridAstar::follow(const Pose& start, int macro_step, std::span<cons
   const double step = car.step_length();
   Ride ride{Frame(start), start.theta, macro_step};
   for (const Arc& arc : arcs) {
-    const MotionPrimitives::Action* action = car.beginning_of(arc);
+    const MotionPrimitives::Primitive* primitive = car.beginning_of(arc);
     for (double left = std::abs(arc.length); left > kRounding * step;) {
       double driven = whole * step;
       bool free = false;
-      if (action != nullptr && ride.time_steps == 0 && left >= driven) {
-        free = ride_action(ride, *action);
+      if (primitive != nullptr && ride.time_steps == 0 && left >= driven) {
+        free = ride_primitive(ride, *primitive);
       } else {
         const int time_steps =
             std::min(whole - ride.time_steps, int(std::ceil(left / step - kRounding)));
@@ -374,14 +375,14 @@ double SoftHybridAstar::follow(const Pose& start, int macro_step, std::span<cons
 }
 
 /// For a macro step, from its beginning on. @return false if the map is blocking
-bool SoftHybridAstar::ride_action(Ride& ride, const MotionPrimitives::Action& action) {
+bool SoftHybridAstar::ride_primitive(Ride& ride, const MotionPrimitives::Primitive& primitive) {
   const MotionPrimitives& car = *problem_->car;
-  const BoxPose halfway = moved(action.boxes[std::size_t(car.time().macro_step / 2)], ride.at);
-  if (!car.is_free({ride.at.x, ride.at.y, ride.theta}, action.arc, halfway)) return false;
-  update_neighbours(ride.macro_step, halfway, action.radius);
-  ride.soft_cost += double(soft_cost_of_action(ride.macro_step, ride.at, halfway, action));
-  ride.at = ride.at.then(action.end);
-  ride.theta += action.arc.length * action.arc.curvature;
+  const BoxPose halfway = moved(primitive.boxes[std::size_t(car.time().macro_step / 2)], ride.at);
+  if (!car.is_free({ride.at.x, ride.at.y, ride.theta}, primitive.arc, halfway)) return false;
+  update_neighbours(ride.macro_step, halfway, primitive.radius);
+  ride.soft_cost += double(soft_cost_of_primitive(ride.macro_step, ride.at, halfway, primitive));
+  ride.at = ride.at.then(primitive.end);
+  ride.theta += primitive.arc.length * primitive.arc.curvature;
   ++ride.macro_step;
   return true;
 }
@@ -425,10 +426,10 @@ SoftCollisionPath SoftHybridAstar::path() {
   const Node& last = nodes_[std::size_t(best_.node)];
   const std::span<const Arc> arcs = to_the_end(best_.arcs);
   double reversals = cost_of_reversals(last.direction, arcs);
-  std::vector<int> actions;
+  std::vector<int> primitives;
   for (int n = best_.node; nodes_[std::size_t(n)].parent >= 0; n = nodes_[std::size_t(n)].parent) {
     const Node& node = nodes_[std::size_t(n)];
-    actions.push_back(node.action);
+    primitives.push_back(node.primitive);
     const bool reversed = node.direction * nodes_[std::size_t(node.parent)].direction < 0;
     reversals += reversed ? options_.reversal : 0.0;
   }
@@ -436,10 +437,10 @@ SoftCollisionPath SoftHybridAstar::path() {
   path.cost = best_.cost;
   path.soft_cost = reversals == 0.0 ? best_.soft_cost : std::max(0.0, best_.soft_cost - reversals);
   if (path.soft_cost < kNoSoftCost) path.soft_cost = 0.0;
-  path.steps.reserve(actions.size() * std::size_t(time_steps) +
+  path.steps.reserve(primitives.size() * std::size_t(time_steps) +
                      std::size_t(duration(arcs, car.step_length())));
-  for (auto a = actions.rbegin(); a != actions.rend(); ++a) {
-    const Arc& arc = car.actions()[std::size_t(*a)].arc;
+  for (auto a = primitives.rbegin(); a != primitives.rend(); ++a) {
+    const Arc& arc = car.primitives()[std::size_t(*a)].arc;
     path.steps.insert(path.steps.end(), std::size_t(time_steps),
                       Arc{arc.length / time_steps, arc.curvature});
   }

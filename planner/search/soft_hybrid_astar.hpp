@@ -70,11 +70,11 @@ struct SoftCollisionPath {
 /// Weighted hybrid A* in (x, y, theta, t) that may drive through other robots at a soft-collision
 /// cost.
 ///
-/// Primitives last one macro step of time; Reeds-Shepp analytic expansions lead to the goal exactly,
-/// one arc per time step. Resting on the goal costs the soft-collision cost of whoever passes
-/// later, and the cost-to-go knows when the goal gets free. Map, obstacles and the deadline are
-/// hard. The best path found so far is returned when the expansions run out, or the time. Source of
-/// the soft collisions: LNS2, Li et al. 2022. One object per thread: it keeps its memory.
+/// Primitives last one macro step of time; Reeds-Shepp analytic expansions lead to the goal
+/// exactly, one arc per time step. Resting on the goal costs the soft-collision cost of whoever
+/// passes later, and the cost-to-go knows when the goal gets free. Map, obstacles and the deadline
+/// are hard. The best path found so far is returned when the expansions run out, or the time.
+/// Source of the soft collisions: LNS2, Li et al. 2022. One object per thread: it keeps its memory.
 class SoftHybridAstar {
  public:
   explicit SoftHybridAstar(int robots)
@@ -98,7 +98,7 @@ class SoftHybridAstar {
     int parent;
     int macro_step;
     int turns;
-    std::int8_t action;
+    std::int8_t primitive;
     std::int8_t direction;  ///< of the last drive: 1, -1, or 0 if there was none
   };
   struct Cell {
@@ -131,8 +131,9 @@ class SoftHybridAstar {
   [[nodiscard]] bool anyone_nearby(int macro_step, const BoxPose& halfway, float radius,
                                    const SweptBox& swept);
   [[nodiscard]] float soft_cost_of_nearby(int macro_step, const BoxPose* boxes, float travel);
-  [[nodiscard]] float soft_cost_of_action(int macro_step, const Frame& from, const BoxPose& halfway,
-                                          const MotionPrimitives::Action& action);
+  [[nodiscard]] float soft_cost_of_primitive(int macro_step, const Frame& from,
+                                             const BoxPose& halfway,
+                                             const MotionPrimitives::Primitive& primitive);
   [[nodiscard]] double heading(int turns) const { return problem_->start.theta + turns * turn_; }
   [[nodiscard]] Pose pose(const Node& node) const {
     return {node.at.x, node.at.y, heading(node.turns)};
@@ -147,11 +148,11 @@ class SoftHybridAstar {
   [[nodiscard]] double cost_of_reversals(int direction, std::span<const Arc> arcs) const;
   [[nodiscard]] bool shoots(int expansion, const Node& node) const;
   void expand(int node);
-  void try_action(int node, int a);
+  void try_primitive(int node, int a);
   void try_analytic_expansion(int node);
   [[nodiscard]] double follow(const Pose& start, int macro_step, std::span<const Arc> arcs,
                               double most);
-  [[nodiscard]] bool ride_action(Ride& ride, const MotionPrimitives::Action& action);
+  [[nodiscard]] bool ride_primitive(Ride& ride, const MotionPrimitives::Primitive& primitive);
   [[nodiscard]] bool ride_piece(Ride& ride, const Arc& piece, int time_steps);
   void end_macro_step(Ride& ride);
   /// The path behind an analytic expansion, the tail included; valid until the next call.

@@ -48,8 +48,8 @@ class AuditTest : public testing::Test {
   }
 
   void see(double time, const VehicleState& a, bool ours, const VehicleState& b) {
-    const std::vector<Sighting> sightings = {{&a, &type, ours}, {&b, &type, false}};
-    audit.observe(time, sightings);
+    const std::vector<Observation> observations = {{&a, &type, ours}, {&b, &type, false}};
+    audit.observe(time, observations);
   }
 
   /// `a` alone, coordinated, at one pose after the other.
@@ -57,8 +57,8 @@ class AuditTest : public testing::Test {
     double time = 0.0;
     for (const Pose& pose : poses) {
       const VehicleState a{.id = "a", .pose = pose};
-      const std::vector<Sighting> sightings = {{&a, &type, true}};
-      audit.observe(time += 0.1, sightings);
+      const std::vector<Observation> observations = {{&a, &type, true}};
+      audit.observe(time += 0.1, observations);
     }
   }
 
@@ -185,9 +185,9 @@ TEST_F(AuditTest, ATeleportIsNoWayThroughOthers) {
 TEST_F(AuditTest, SeesAPersonRunOverBetweenTwoSteps) {
   const auto walk = [&](double time, double y, double x) {
     const VehicleState a{.id = "a", .pose = {x, -1.6, 0}, .speed = 60};
-    const std::vector<Sighting> sightings = {{&a, &type, true}};
+    const std::vector<Observation> observations = {{&a, &type, true}};
     const std::vector<Pedestrian> people = {{.id = "p", .position = {-90, y}, .speed = 1.4}};
-    audit.observe(time, sightings, people);
+    audit.observe(time, observations, people);
   };
   walk(0.1, -1.67, -95.0);  // 1.1 m before the bumper
   EXPECT_EQ(audit.figures().people_touched, 0);

@@ -24,9 +24,9 @@ class OursAndAHuman : public testing::Test {
       const double t = kStep * k;
       VehicleState ours{.id = "ours", .pose = {speed * t, 0.0, 0.0}, .speed = speed};
       VehicleState human{.id = "human", .pose = {60.0, t < human_comes ? -50.0 : 0.0, 1.57}};
-      const std::vector<Sighting> sightings = {{&human, &type, false}, {&ours, &type, true}};
-      audit.observe(t, sightings);
-      analysis.observe(t, sightings, faults, audit.events());
+      const std::vector<Observation> observations = {{&human, &type, false}, {&ours, &type, true}};
+      audit.observe(t, observations);
+      analysis.observe(t, observations, faults, audit.events());
     }
     EXPECT_EQ(analysis.overlaps().size(), 1U);
     return analysis.overlaps().empty() ? HumanOverlap{} : analysis.overlaps().front();
@@ -60,9 +60,9 @@ TEST(TwoThatMeet, BetweenTheStepsAreJudgedToo) {
   for (int k = 0; k < 3; ++k) {
     const VehicleState ours{.id = "ours", .pose = {k * 0.1, 0.0, 0.0}, .speed = 1.0};
     const VehicleState human{.id = "human", .pose = {3.5, -10.0 + 6.0 * k, 1.57}, .speed = 60.0};
-    const std::vector<Sighting> sightings = {{&human, &type, false}, {&ours, &type, true}};
-    audit.observe(kStep * k, sightings);
-    analysis.observe(kStep * k, sightings, {}, audit.events());
+    const std::vector<Observation> observations = {{&human, &type, false}, {&ours, &type, true}};
+    audit.observe(kStep * k, observations);
+    analysis.observe(kStep * k, observations, {}, audit.events());
   }
   EXPECT_EQ(analysis.overlaps().size(), std::size_t(audit.figures().overlap_pairs_coordinated));
   ASSERT_EQ(analysis.overlaps().size(), 1U);

@@ -166,17 +166,17 @@ std::string ClosedLoop::words(const std::string& id, const Seen& seen) const {
 
 void ClosedLoop::look() {
   std::map<std::string, Seen> now;
-  std::vector<Sighting> sightings;
+  std::vector<Observation> observations;
   for (const VehicleState& v : traffic.vehicles()) {
     static_cast<void>(body(v.type));
     type_of_[v.id] = v.type;
     const bool driven = coordinator.drives(v.id);
     now[v.id] = {v.pose, v.speed, driven, v.lane};
-    sightings.push_back({&v, &types_.at(v.type), driven});
+    observations.push_back({&v, &types_.at(v.type), driven});
     const auto before = last_.find(v.id);
     if (before != last_.end()) look_at_motion(v, before->second, now[v.id]);
   }
-  audit.observe(traffic.time(), sightings, traffic.pedestrians());
+  audit.observe(traffic.time(), observations, traffic.pedestrians());
   look_for_contacts(now);
   last_ = std::move(now);
 }

@@ -45,11 +45,11 @@ struct ClosedLoop {
 
   void step() {
     simulation.step();
-    std::vector<Sighting> sightings;
+    std::vector<Observation> observations;
     for (const VehicleState& v : traffic.vehicles()) {
-      sightings.push_back({&v, &car, coordinator.drives(v.id)});
+      observations.push_back({&v, &car, coordinator.drives(v.id)});
     }
-    audit.observe(traffic.time(), sightings);
+    audit.observe(traffic.time(), observations);
   }
 
   void run_until(double end) {

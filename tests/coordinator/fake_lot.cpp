@@ -83,7 +83,7 @@ void FakeLotTraffic::step() {
     p.position.y += 0.1 * p.speed * std::sin(p.theta);
   }
   double leader = kLane + kGap;
-  std::vector<std::string> gone;
+  std::vector<std::string> left;
   for (const FakeStay& stay : stays_) {  // in the order of their departure
     const auto found = cars_.find(stay.id);
     if (found == cars_.end()) continue;
@@ -95,15 +95,15 @@ void FakeLotTraffic::step() {
     if (car.going) {
       drive_own(car, 1e3);
       car.pose = {-car.front + body_.front, 11.5, std::numbers::pi};
-      if (car.front > kLane) gone.push_back(stay.id);
+      if (car.front > kLane) left.push_back(stay.id);
     } else {
       drive_own(car, leader - kGap - car.front);
       car.pose = {car.front - kLane - body_.front, 6.5, 0.0};
       leader = car.front - body_.length();
     }
   }
-  for (const std::string& id : gone) cars_.erase(id);
-  arrived_ += int(gone.size());
+  for (const std::string& id : left) cars_.erase(id);
+  arrived_ += int(left.size());
   while (next_ < stays_.size() && stays_[next_].depart <= time_) {
     const FakeStay& stay = stays_[next_];
     if (stay.slot < 0 && leader < 2 * body_.length()) break;

@@ -474,8 +474,8 @@ bool FakeTraffic::must_yield(const Car& car, int k) const {
     const bool inside = !is_normal(other.lane);
     const int lane = inside ? (other.trail.empty() ? kNone : other.trail.back()) : other.lane;
     if (lane == kNone || lane == link.from) return false;
-    const int theirs = inside ? graph_.links_over(other.lane).front()
-                              : link_from(other, other.lane, other.edge);
+    const int theirs =
+        inside ? graph_.links_over(other.lane).front() : link_from(other, other.lane, other.edge);
     if (theirs == kNone || graph_.link(theirs).junction != link.junction) return false;
     const auto light = lights_.find({graph_.link(theirs).signal, graph_.link(theirs).signal_index});
     const bool is_first = std::ranges::none_of(cars_, [&](const auto& ahead) {
@@ -549,15 +549,15 @@ void FakeTraffic::enter(Car& car, int lane) {
 
 void FakeTraffic::drive(Car& car) {
   car.speed = car.next_speed;
-  double way = car.speed * step_length_;
-  const std::vector<Ahead> ahead = lanes_ahead(car, way + 1.0);
+  double driven = car.speed * step_length_;
+  const std::vector<Ahead> ahead = lanes_ahead(car, driven + 1.0);
   std::size_t next = 1;
-  while (car.position + way >= graph_.lane(car.lane).length && next < ahead.size()) {
-    way -= graph_.lane(car.lane).length - car.position;
+  while (car.position + driven >= graph_.lane(car.lane).length && next < ahead.size()) {
+    driven -= graph_.lane(car.lane).length - car.position;
     car.position = 0.0;
     enter(car, ahead[next++].lane);
   }
-  car.position = std::min(car.position + way, graph_.lane(car.lane).length);
+  car.position = std::min(car.position + driven, graph_.lane(car.lane).length);
   set_pose(car);
   if (!car.trip.stop) return;
   const bool here = graph_.find_lane(car.trip.stop->lane) == car.lane && car.speed < 0.1 &&

@@ -62,7 +62,7 @@ class FakeTraffic : public Traffic {
   [[nodiscard]] double time() const override { return time_; }
   [[nodiscard]] double step_length() const override { return step_length_; }
   [[nodiscard]] bool running() const override {
-    return !cars_.empty() || !waiting_.empty() || !walkers_.all_gone();
+    return !cars_.empty() || !waiting_.empty() || !walkers_.all_arrived();
   }
   [[nodiscard]] std::vector<std::string> pending() const override;
   [[nodiscard]] std::span<const VehicleState> vehicles() const override { return states_; }

@@ -25,7 +25,7 @@ struct FakeWalker {
 /// no vehicle while it is green or there is none.
 class FakeWalkers {
  public:
-  static constexpr double kWay = 16.0;  ///< [m] that they walk to the kerb
+  static constexpr double kApproach = 16.0;  ///< [m] that they walk to the kerb
 
   explicit FakeWalkers(const LaneGraph& graph) : graph_(graph) {}
 
@@ -33,13 +33,13 @@ class FakeWalkers {
   /// @param green  does the signal of a crossing show green?
   void step(double time, double dt, const std::function<bool(int)>& green);
   [[nodiscard]] const std::vector<Pedestrian>& people() const { return people_; }
-  [[nodiscard]] bool all_gone() const { return waiting_.empty() && walking_.empty(); }
+  [[nodiscard]] bool all_arrived() const { return waiting_.empty() && walking_.empty(); }
   [[nodiscard]] double longest_wait() const { return longest_wait_; }  ///< [s]
 
  private:
   struct Walking {
     FakeWalker walker;
-    double s = -kWay;  ///< [m] from the kerb
+    double s = -kApproach;  ///< [m] from the kerb
     double v = 0.0;
     double waited = 0.0;
   };

@@ -29,12 +29,12 @@ class LotRun {
 
   void step() {
     simulation.step();
-    std::vector<Sighting> sightings;
+    std::vector<Observation> observations;
     for (const VehicleState& v : traffic.vehicles()) {
       // Before they are let in, cars stand where the ground has no room drawn for them.
-      sightings.push_back({&v, &type_, coordinator.drives(v.id)});
+      observations.push_back({&v, &type_, coordinator.drives(v.id)});
     }
-    audit.observe(traffic.time(), sightings, traffic.pedestrians());
+    audit.observe(traffic.time(), observations, traffic.pedestrians());
     expect_that_braking_is_safe();
   }
 
@@ -50,8 +50,8 @@ class LotRun {
     for (double part = 0.0; part <= 1.0; part += 0.25) {
       std::vector<Pose> poses;
       for (const LotCar& car : motion.cars()) {
-        const double way = car.v * car.v / (2 * motion.limits().hardest);
-        poses.push_back(car.path.at(std::min(car.s + part * way, car.path.length())));
+        const double braking = car.v * car.v / (2 * motion.limits().hardest);
+        poses.push_back(car.path.at(std::min(car.s + part * braking, car.path.length())));
       }
       for (std::size_t i = 0; i < poses.size(); ++i) {
         for (std::size_t j = i + 1; j < poses.size(); ++j) {
@@ -108,22 +108,22 @@ TEST(LotCoordinator, ParksACarAndBringsItBack) {
   LotRun run(arrivals(1, 0.0));
   ASSERT_TRUE(run.finish(300.0));
   EXPECT_EQ(run.traffic.arrived(), 1);
-  const ParkingEvent& visit = run.coordinator.visits().at("c0");
-  ASSERT_TRUE(visit.parked && visit.handed_back);
-  EXPECT_NEAR(*visit.wished_out - *visit.parked, 40.0, 0.6);
+  const ParkingEvent& event = run.coordinator.events().at("c0");
+  ASSERT_TRUE(event.parked && event.handed_back);
+  EXPECT_NEAR(*event.wished_out - *event.parked, 40.0, 0.6);
   // Alone on the lot it takes what the forecast said, but for the moment of the decision.
-  EXPECT_NEAR(*visit.parked - *visit.admitted_in, visit.alone_in, 1.0);
-  EXPECT_GT(visit.distance, 25.0);
+  EXPECT_NEAR(*event.parked - *event.admitted_in, event.alone_in, 1.0);
+  EXPECT_GT(event.distance, 25.0);
   expect_clean(run.audit);
 }
 
 TEST(LotCoordinator, WhoseStayIsNotOverRests) {
   LotRun run(arrivals(1, 0.0));
-  const auto& visits = run.coordinator.visits();
+  const auto& events = run.coordinator.events();
   EXPECT_FALSE(run.coordinator.rests("c0"));
-  while (visits.empty() || !visits.at("c0").parked) run.step();
+  while (events.empty() || !events.at("c0").parked) run.step();
   EXPECT_TRUE(run.coordinator.rests("c0"));
-  while (!visits.at("c0").wished_out) run.step();
+  while (!events.at("c0").wished_out) run.step();
   EXPECT_FALSE(run.coordinator.rests("c0"));
 }
 
@@ -176,9 +176,9 @@ TEST(LotPbcr, LetsOneAfterTheOtherPass) {
 double mean_time(const LotRun& run) {
   double sum = 0.0;
   int n = 0;
-  for (const auto& [id, visit] : run.coordinator.visits()) {
-    if (visit.asked_in) sum += *visit.parked - *visit.asked_in, ++n;
-    if (visit.wished_out) sum += *visit.handed_back - *visit.wished_out, ++n;
+  for (const auto& [id, event] : run.coordinator.events()) {
+    if (event.asked_in) sum += *event.parked - *event.asked_in, ++n;
+    if (event.wished_out) sum += *event.handed_back - *event.wished_out, ++n;
   }
   return sum / n;
 }
@@ -199,9 +199,9 @@ TEST(LotCoordinator, StandsAsAskedFor) {
     options.parking = direction;
     LotRun run(arrivals(3, 20.0, 1e6), options);
     while (run.traffic.time() < 200.0) run.step();
-    const std::vector<LotSighting> parked = run.coordinator.parked();
+    const std::vector<LotObservation> parked = run.coordinator.parked();
     ASSERT_EQ(parked.size(), 3U);
-    for (const LotSighting& car : parked) {
+    for (const LotObservation& car : parked) {
       const Pose middle = compose(car.pose, {1.35, 0.0, 0.0});
       const ParkingSlot* slot = nullptr;
       for (const ParkingSlot& s : run.coordinator.lot().slots) {
@@ -225,9 +225,9 @@ TEST(LotCoordinator, FullLotQueuesAndServesWhenASlotGetsFree) {
   EXPECT_EQ(run.coordinator.occupied(0.0).parked, 16);
   ASSERT_TRUE(run.finish(2000.0));
   expect_clean(run.audit);
-  const auto& visits = run.coordinator.visits();
-  EXPECT_EQ(visits.at("c0").slot, "s3");
-  EXPECT_GT(*visits.at("c0").admitted_in, 120.0);
+  const auto& events = run.coordinator.events();
+  EXPECT_EQ(events.at("c0").slot, "s3");
+  EXPECT_GT(*events.at("c0").admitted_in, 120.0);
 }
 
 TEST(LotCoordinator, DrivesAroundABreakdownWhereThereIsRoom) {
@@ -235,7 +235,7 @@ TEST(LotCoordinator, DrivesAroundABreakdownWhereThereIsRoom) {
   options.breakdowns["c1"] = 25.0;
   LotRun run(arrivals(6, 12.0, 30.0), options);
   EXPECT_FALSE(run.finish(400.0));  // the broken one stays
-  EXPECT_TRUE(run.coordinator.visits().at("c1").broken);
+  EXPECT_TRUE(run.coordinator.events().at("c1").broken);
   EXPECT_EQ(run.audit.figures().overlap_pairs, 0);
   EXPECT_GE(run.traffic.arrived(), 1);
 }
@@ -275,8 +275,8 @@ TEST(LotCoordinator, SameRunTwice) {
   LotRun second(busy());
   ASSERT_TRUE(first.finish(2000.0) && second.finish(2000.0));
   EXPECT_EQ(first.traffic.time(), second.traffic.time());
-  for (const auto& [id, visit] : first.coordinator.visits()) {
-    EXPECT_EQ(visit.distance, second.coordinator.visits().at(id).distance) << id;
+  for (const auto& [id, event] : first.coordinator.events()) {
+    EXPECT_EQ(event.distance, second.coordinator.events().at(id).distance) << id;
   }
 }
 
@@ -287,8 +287,8 @@ TEST(LotCoordinator, ThePolicyChoosesTheSlot) {
   LotRun far(arrivals(1, 0.0), options);
   LotRun near(arrivals(1, 0.0));
   ASSERT_TRUE(far.finish(300.0) && near.finish(300.0));
-  EXPECT_GT(far.coordinator.visits().at("c0").distance,
-            near.coordinator.visits().at("c0").distance + 10.0);
+  EXPECT_GT(far.coordinator.events().at("c0").distance,
+            near.coordinator.events().at("c0").distance + 10.0);
 }
 
 /// The entry lane as the exit of a junction, whose controller still drives the cars there.

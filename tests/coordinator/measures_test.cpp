@@ -73,10 +73,10 @@ class Scene {
   template <class Observer>
   void step(Observer observe) {
     std::ranges::sort(states_, {}, &VehicleState::id);
-    std::vector<Sighting> sightings;
-    for (const VehicleState& s : states_) sightings.push_back({&s, &type_, false});
+    std::vector<Observation> observations;
+    for (const VehicleState& s : states_) observations.push_back({&s, &type_, false});
     const std::vector<char> resting(states_.size(), 0);
-    observe(time_, std::span<const Sighting>(sightings), std::span<const char>(resting));
+    observe(time_, std::span<const Observation>(observations), std::span<const char>(resting));
     time_ += 0.1;
     states_.clear();
   }

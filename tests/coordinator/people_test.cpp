@@ -57,7 +57,7 @@ TEST_P(PeopleAmongVehicles, NobodyIsTouchedAndEverybodyArrives) {
   EXPECT_EQ(run.audit.figures().people_touched_all, 0);
   EXPECT_EQ(run.audit.figures().overlap_pairs, 0);
   EXPECT_EQ(run.traffic.arrived(), run.number_of_trips);
-  EXPECT_TRUE(run.traffic.walkers().all_gone());
+  EXPECT_TRUE(run.traffic.walkers().all_arrived());
 }
 
 std::string name_of(const testing::TestParamInfo<Mix>& info) {
@@ -71,7 +71,7 @@ TEST(People, OneAloneHardlyWaits) {
   ClosedLoop run(under_lights(), {}, 0.1, share(1.0));
   run.traffic.walkers().add({.id = "p", .crossing = 2});
   run.run_until(60.0);
-  EXPECT_TRUE(run.traffic.walkers().all_gone());
+  EXPECT_TRUE(run.traffic.walkers().all_arrived());
   EXPECT_LT(run.traffic.walkers().longest_wait(), 1.0);
   EXPECT_EQ(run.coordinator.people()->greens(), 1);
 }
@@ -80,7 +80,7 @@ TEST(People, WhoOnlyPassesByGetsNoGreen) {
   ClosedLoop run(under_lights(), {}, 0.1, share(1.0));
   run.traffic.walkers().add({.id = "p", .crossing = 2, .turns = true});
   run.run_until(60.0);
-  EXPECT_TRUE(run.traffic.walkers().all_gone());
+  EXPECT_TRUE(run.traffic.walkers().all_arrived());
   EXPECT_EQ(run.coordinator.people()->greens(), 0);
 }
 
@@ -99,7 +99,7 @@ TEST(People, DoNotWaitForEverBesideAStreamOfVehicles) {
     run.run_until(110.0);
     EXPECT_THAT(run.broken, IsEmpty());
     EXPECT_EQ(run.audit.figures().people_touched_all, 0);
-    EXPECT_TRUE(run.traffic.walkers().all_gone()) << penetration;
+    EXPECT_TRUE(run.traffic.walkers().all_arrived()) << penetration;
   }
 }
 

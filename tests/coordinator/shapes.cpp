@@ -58,8 +58,8 @@ std::vector<Point> cut(std::vector<Point> line, double length) {
     length -= length_of({line[0], line[1]});
     line.erase(line.begin());
   }
-  const Point way = unit(line[0], line[1]);
-  line[0] = {line[0].x + length * way.x, line[0].y + length * way.y};
+  const Point direction = unit(line[0], line[1]);
+  line[0] = {line[0].x + length * direction.x, line[0].y + length * direction.y};
   return line;
 }
 
@@ -75,8 +75,8 @@ std::vector<Point> without_ends(std::vector<Point> line, double first, double la
 std::vector<Point> beside(const std::vector<Point>& line, double right) {
   std::vector<Point> moved;
   for (std::size_t i = 0; i < line.size(); ++i) {
-    const Point way = unit(line[i == 0 ? 0 : i - 1], line[std::min(i + 1, line.size() - 1)]);
-    moved.push_back({line[i].x + right * way.y, line[i].y - right * way.x});
+    const Point direction = unit(line[i == 0 ? 0 : i - 1], line[std::min(i + 1, line.size() - 1)]);
+    moved.push_back({line[i].x + right * direction.y, line[i].y - right * direction.x});
   }
   return moved;
 }
@@ -183,7 +183,7 @@ RoadNetwork make_crossroads(double arm) {
                   {kHalf, 3.2},   {3.2, kHalf},   {-3.2, kHalf}, {-kHalf, 3.2}};
   const std::vector<Point> in = {{-arm, -kAside}, {-kHalf, -kAside}};
   const std::vector<Point> out = {{-kHalf, kAside}, {-arm, kAside}};
-  const std::array<std::vector<Point>, 3> ways = {
+  const std::array<std::vector<Point>, 3> turns = {
       arc({-kHalf, -kHalf}, kHalf - kAside, kPi / 2, 0.0),
       {{-kHalf, -kAside}, {kHalf, -kAside}},
       arc({-kHalf, kHalf}, kHalf + kAside, -kPi / 2, 0.0)};
@@ -198,7 +198,7 @@ RoadNetwork make_crossroads(double arm) {
     centre.incoming_lanes.push_back(from + "_in_0");
     for (int w = 0; w < 3; ++w) {
       const std::string& to = kArms[std::size_t((k + w + 1) % 4)];
-      add(make_lane(":C_" + from + to, ways[std::size_t(w)], k, true));
+      add(make_lane(":C_" + from + to, turns[std::size_t(w)], k, true));
       centre.connections.push_back({from + "_in_0", {":C_" + from + to + "_0"}, to + "_out_0"});
     }
   }
@@ -220,7 +220,7 @@ void NetworkMaker::one_way(const std::string& a, const std::string& b, int lanes
 void NetworkMaker::road(const std::string& a, const std::string& b, int lanes) {
   one_way(a, b, lanes);
   one_way(b, a, lanes);
-  edges_[a + "-" + b].both_ways = edges_[b + "-" + a].both_ways = true;
+  edges_[a + "-" + b].two_directions = edges_[b + "-" + a].two_directions = true;
 }
 
 void NetworkMaker::connect(const std::string& from_lane, const std::string& to_lane) {
@@ -240,7 +240,8 @@ void NetworkMaker::add_lanes(const std::string& id, const Edge& edge, RoadNetwor
       without_ends(edge.line, nodes_.at(edge.from).radius, nodes_.at(edge.to).radius);
   for (int i = 0; i < edge.lanes; ++i) {
     const double from_middle = kLaneWidth * (edge.lanes - i - 0.5);
-    const double right = edge.both_ways ? from_middle : from_middle - 0.5 * kLaneWidth * edge.lanes;
+    const double right =
+        edge.two_directions ? from_middle : from_middle - 0.5 * kLaneWidth * edge.lanes;
     Lane lane{.id = fmt::format("{}_{}", id, i), .edge = id, .index = i};
     lane.shape = beside(line, right);
     lane.length = length_of(lane.shape);
@@ -270,10 +271,10 @@ void NetworkMaker::add_junction(const std::string& id, const Node& node,
   Junction junction{.id = id, .type = "priority", .position = node.middle};
   std::vector<Point> border;
   const auto add_end = [&](const Lane& lane, const Point& end) {
-    const Point way = unit(lane.shape.front(), lane.shape.back());
+    const Point direction = unit(lane.shape.front(), lane.shape.back());
     const double half = lane.width / 2.0;
-    border.push_back({end.x + half * way.y, end.y - half * way.x});
-    border.push_back({end.x - half * way.y, end.y + half * way.x});
+    border.push_back({end.x + half * direction.y, end.y - half * direction.x});
+    border.push_back({end.x - half * direction.y, end.y + half * direction.x});
   };
   for (const auto& [edge_id, edge] : edges_) {
     for (const std::string& lane : network.edges.at(edge_id)) {
@@ -396,8 +397,8 @@ NetworkShape roundabout_shape() {
     std::vector<Point> between;
     for (int i = 1; i < 12; ++i) between.push_back(on_ring(k + i / 12.0));
     maker.one_way(ring, fmt::format("R{}", (k + 1) % 4), 1, between);
-    const Point way = on_ring(k);
-    maker.node(end, {way.x * 130.0 / kRing, way.y * 130.0 / kRing}, 0.0);
+    const Point direction = on_ring(k);
+    maker.node(end, {direction.x * 130.0 / kRing, direction.y * 130.0 / kRing}, 0.0);
     add_arms(maker, ring, {end}, 1, shape);
   }
   shape.network = maker.make();

@@ -51,7 +51,7 @@ class NetworkMaker {
     std::string from, to;
     int lanes = 1;
     std::vector<Point> line;  ///< from node to node
-    bool both_ways = false;
+    bool two_directions = false;
   };
 
   void add_lanes(const std::string& id, const Edge& edge, RoadNetwork& network) const;

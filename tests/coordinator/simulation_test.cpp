@@ -149,7 +149,7 @@ TEST(Simulation, SeveralControllersDecideBeforeAnyActs) {
   simulation.add(b);
   std::vector<bool> ours;
   simulation.add([&](const Snapshot& now) {
-    for (const Sighting& s : now.vehicles) ours.push_back(s.coordinated);
+    for (const Observation& s : now.vehicles) ours.push_back(s.coordinated);
   });
   OneDriver::said.clear();
   simulation.step();

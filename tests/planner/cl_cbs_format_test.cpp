@@ -104,8 +104,9 @@ TEST_P(ClCbsFormat, PlaysFromTheStartsToTheGoalsWithoutJumps) {
     EXPECT_EQ(player.state(agent.name, 1e6), agent.goal);
     const double end = double(player.states(agent.name).size()) - 1;
     for (double t = 0; t < end; t += 0.5) {
-      const double way = distance(player.state(agent.name, t), player.state(agent.name, t + 0.5));
-      EXPECT_LE(way, 0.5 * dt * agent.vehicle.max_speed + 1e-6) << agent.name << " at " << t;
+      const double driven =
+          distance(player.state(agent.name, t), player.state(agent.name, t + 0.5));
+      EXPECT_LE(driven, 0.5 * dt * agent.vehicle.max_speed + 1e-6) << agent.name << " at " << t;
     }
   }
 }

@@ -21,11 +21,11 @@ class Departures : public testing::Test {
         motion_(scene_.robots, scene_.time) {}
 
   /// Straight ahead for so many time steps, begun `wait` macro steps later, and out.
-  [[nodiscard]] ArcTrajectory way_out(int i, int time_steps, int wait = 0) const {
-    const std::vector<Arc> way(std::size_t(time_steps), Arc{0.1, 0.0});
-    return motion_.track_after(i, wait, way, true);
+  [[nodiscard]] ArcTrajectory path_out(int i, int time_steps, int wait = 0) const {
+    const std::vector<Arc> steps_driven(std::size_t(time_steps), Arc{0.1, 0.0});
+    return motion_.track_after(i, wait, steps_driven, true);
   }
-  [[nodiscard]] ArcTrajectory long_way() const {
+  [[nodiscard]] ArcTrajectory long_path() const {
     return motion_.track_after(2, 0, std::vector<Arc>(300, Arc{0.1, 0.0}));
   }
 
@@ -34,47 +34,47 @@ class Departures : public testing::Test {
 };
 
 TEST_F(Departures, TwoThatHaveLeftMeetNobody) {
-  motion_.place(0, way_out(0, 50));
-  motion_.place(1, way_out(1, 50));
-  motion_.place(2, long_way());  // it alone is there in the end
+  motion_.place(0, path_out(0, 50));
+  motion_.place(1, path_out(1, 50));
+  motion_.place(2, long_path());  // it alone is there in the end
   EXPECT_THAT(motion_.conflicts(), IsEmpty());
 }
 
 TEST_F(Departures, WhoLeavesIsInNobodysWayWhicheverIsPlacedFirst) {
-  motion_.place(2, long_way());
-  motion_.place(0, way_out(0, 40));
-  EXPECT_EQ(motion_.overlaps(1, way_out(1, 50), 3), 0);
-  motion_.place(1, way_out(1, 50));
+  motion_.place(2, long_path());
+  motion_.place(0, path_out(0, 40));
+  EXPECT_EQ(motion_.overlaps(1, path_out(1, 50), 3), 0);
+  motion_.place(1, path_out(1, 50));
   EXPECT_THAT(motion_.conflicts_of(1), IsEmpty());
 }
 
 TEST_F(Departures, AnExitIsNotPutOffByAnEarlierOne) {
-  motion_.place(2, long_way());
-  motion_.place(0, way_out(0, 50));
-  const std::vector<Arc> way(50, Arc{0.1, 0.0});
-  ASSERT_TRUE(motion_.place_later(1, way, 200, true));
+  motion_.place(2, long_path());
+  motion_.place(0, path_out(0, 50));
+  const std::vector<Arc> steps_driven(50, Arc{0.1, 0.0});
+  ASSERT_TRUE(motion_.place_later(1, steps_driven, 200, true));
   EXPECT_EQ(motion_.track(1).arrival(), 50);
 }
 
 //   Until the end of the macro step in which it arrives it is there, and not a macro step longer.
 TEST_F(Departures, TheWayOutItselfCounts) {
-  motion_.place(0, way_out(0, 50));
+  motion_.place(0, path_out(0, 50));
   const MacroRobot& second = motion_.robot(1);
   const auto standing = [&] {
     return ArcTrajectory(second.car->vehicle(), {9.5, 5, 0}, {}, scene_.time.macro_step);
   };
   EXPECT_EQ(motion_.overlaps(1, standing(), 3), 1);
-  const int gone = motion_.track(0).departure();
-  EXPECT_EQ(gone, 60);
-  const ArcTrajectory late(second.car->vehicle(), {9.5 - 0.1 * gone, 12, 0},
-                           std::vector<Arc>(std::size_t(gone), Arc{0.1, 0.0}),
+  const int departure = motion_.track(0).departure();
+  EXPECT_EQ(departure, 60);
+  const ArcTrajectory late(second.car->vehicle(), {9.5 - 0.1 * departure, 12, 0},
+                           std::vector<Arc>(std::size_t(departure), Arc{0.1, 0.0}),
                            scene_.time.macro_step);
   EXPECT_EQ(motion_.overlaps(1, late, 3), 0);
 }
 
 TEST_F(Departures, WhoArrivesAtOnceIsThereForOneBucket) {
-  EXPECT_EQ(way_out(0, 0).departure(), scene_.time.macro_step);
-  motion_.place(0, way_out(0, 0));
+  EXPECT_EQ(path_out(0, 0).departure(), scene_.time.macro_step);
+  motion_.place(0, path_out(0, 0));
   const ArcTrajectory standing(motion_.robot(1).car->vehicle(), {4, 5, 0}, {},
                                scene_.time.macro_step);
   EXPECT_EQ(motion_.overlaps(1, standing, 3), 1);

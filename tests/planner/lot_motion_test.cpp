@@ -174,7 +174,7 @@ TEST(LotMotion, ACycleOfWaitsIsNotComplete) {
   never.finish();
   motion.set_order(0, 1, never);
   EXPECT_FALSE(motion.forecast().complete);
-  EXPECT_THAT(motion.strand_the_blocked(), ElementsAre(0, 1));
+  EXPECT_THAT(motion.stop_the_blocked_permanently(), ElementsAre(0, 1));
   EXPECT_TRUE(motion.forecast().complete);
 }
 
@@ -185,7 +185,7 @@ TEST(LotMotion, WhoseWayIsLongIsNotBlocked) {
   const LotForecast forecast = motion.forecast();
   EXPECT_TRUE(forecast.complete);
   EXPECT_NEAR(forecast.arrival(0), 1800.0, 5.0);
-  EXPECT_THAT(motion.strand_the_blocked(), IsEmpty());
+  EXPECT_THAT(motion.stop_the_blocked_permanently(), IsEmpty());
 }
 
 TEST(LotMotion, StopsWhereItChangesDirection) {

@@ -138,14 +138,14 @@ struct RandomScene {
     std::ranges::shuffle(places, rng);
     from.assign(places.begin(), places.begin() + 9);
     for (int a = 0; a < 14; ++a) {
-      std::vector<int> ways(4);
-      for (int& way : ways) way = (a + 1 + below(13)) % 14;
-      for (const int to : ways) {
+      std::vector<int> wishes_of(4);
+      for (int& wish : wishes_of) wish = (a + 1 + below(13)) % 14;
+      for (const int to : wishes_of) {
         if (below(3) == 0) world.wide[{a, to}] = {below(14)};
       }
       for (int i = 0; i < 9; ++i) {
-        std::ranges::shuffle(ways, rng);
-        world.wishes[{i, a}] = ways;
+        std::ranges::shuffle(wishes_of, rng);
+        world.wishes[{i, a}] = wishes_of;
       }
     }
   }

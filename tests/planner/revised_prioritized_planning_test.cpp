@@ -12,25 +12,25 @@ namespace {
 constexpr std::int64_t kEnough = 1'000'000;
 
 /// Everyone in turn, and what the referee says of it.
-class Turns : public testing::Test {
+class RevisedPrioritizedPlanningTest : public testing::Test {
  protected:
   void take(Instance instance, std::int64_t expansions = kEnough) {
     scene_.emplace(std::move(instance));
     motion_.emplace(scene_->robots, scene_->time);
-    RevisedPrioritizedPlanning turns(*motion_, scene_->alone, scene_->never);
-    turns.run(expansions);
-    gone_.clear();
-    for (int i = 0; i < motion_->size(); ++i) gone_.push_back(turns.has_gone(i));
+    RevisedPrioritizedPlanning planning(*motion_, scene_->alone, scene_->never);
+    planning.run(expansions);
+    departed_.clear();
+    for (int i = 0; i < motion_->size(); ++i) departed_.push_back(planning.has_departed(i));
   }
 
-  void expect_all_gone() const {
-    EXPECT_EQ(gone_, std::vector<bool>(gone_.size(), true));
+  void expect_all_departed() const {
+    EXPECT_EQ(departed_, std::vector<bool>(departed_.size(), true));
     scene_->expect_valid(*motion_);
   }
 
   std::optional<JointScene> scene_;
   std::optional<JointMotion> motion_;
-  std::vector<bool> gone_;
+  std::vector<bool> departed_;
 };
 
 /// Walls along a lane from west to east that no two cars can pass each other in.
@@ -42,7 +42,7 @@ Map with_lane(Map map, double from, double to, double y) {
 
 //   Whatever the order of their numbers, the first in the queue goes first: its start is on the
 //   path of the rest.
-TEST_F(Turns, AQueueDrivesOff) {
+TEST_F(RevisedPrioritizedPlanningTest, AQueueDrivesOff) {
   for (const bool reversed : {false, true}) {
     Instance queue{.agents = {}, .map = with_lane(empty_map(40), -1, 21, 20)};
     for (int i = 0; i < 5; ++i) {
@@ -50,38 +50,38 @@ TEST_F(Turns, AQueueDrivesOff) {
       queue.agents.push_back(agent({2.0 + 4.0 * place, 20, 0}, {34, 4.0 + 7.0 * place, 0}, i));
     }
     take(queue, 300);  // in any other order somebody searches in vain for longer
-    expect_all_gone();
+    expect_all_departed();
   }
 }
 
 //   The one before the entrance closes the dead end for the one behind it, who must go first.
-TEST_F(Turns, ADeadEndIsFilledFromItsEnd) {
+TEST_F(RevisedPrioritizedPlanningTest, ADeadEndIsFilledFromItsEnd) {
   Instance dead_end{.agents = {}, .map = with_lane(empty_map(40), 20, 41, 20)};
   dead_end.agents = {agent({9, 20, 0}, {24, 20, 0}, 0), agent({3, 20, 0}, {36, 20, 0}, 1)};
   take(dead_end);
-  expect_all_gone();
+  expect_all_departed();
 }
 
 //   Nose to nose there is no turn to take: both stand where they were.
-TEST_F(Turns, WhoFindsNoWayStandsAtItsStart) {
+TEST_F(RevisedPrioritizedPlanningTest, WhoFindsNoWayStandsAtItsStart) {
   const Instance swap{
       .agents = {agent({5, 20, 0}, {36, 20, 0}, 0), agent({32, 20, 0}, {2, 20, 0}, 1)},
       .map = with_lane(empty_map(40), -1, 41, 20)};
   take(swap);
-  EXPECT_EQ(gone_, std::vector<bool>({false, false}));
+  EXPECT_EQ(departed_, std::vector<bool>({false, false}));
   EXPECT_TRUE(motion_->conflicts().empty());
   EXPECT_EQ(motion_->makespan(), 0);
 }
 
-TEST_F(Turns, WithoutPatienceNobodyGoes) {
+TEST_F(RevisedPrioritizedPlanningTest, WithoutPatienceNobodyGoes) {
   take(random_instance(11, 30, 5, 45), 0);
-  EXPECT_EQ(gone_, std::vector<bool>(30, false));
+  EXPECT_EQ(departed_, std::vector<bool>(30, false));
   EXPECT_EQ(motion_->makespan(), 0);
 }
 
-TEST_F(Turns, ACrowdIsLedThroughItself) {
+TEST_F(RevisedPrioritizedPlanningTest, ACrowdIsLedThroughItself) {
   take(random_instance(11, 30, 5, 45));
-  expect_all_gone();
+  expect_all_departed();
 }
 
 }  // namespace

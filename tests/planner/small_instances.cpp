@@ -92,12 +92,12 @@ Instance small_instance(std::uint64_t seed) {
   Dice dice(seed);
   Instance instance{.agents = {}, .map = odd_map(dice), .dt = 1.0};
   instance.dt = std::array{0.5, 1.0, 2.118}[std::size_t(dice.below(3))];
-  const int fleet = dice.below(3);
+  const int mix = dice.below(3);
   const int robots = dice.chance(0.03) ? 0 : 1 + dice.below(8);
   for (int i = 0; i < robots; ++i) {
-    const Vehicle vehicle = fleet == 2
+    const Vehicle vehicle = mix == 2
                                 ? odd_vehicle(dice)
-                                : vehicle_preset(fleet == 0 ? "escot" : "cl-cbs").value().vehicle;
+                                : vehicle_preset(mix == 0 ? "escot" : "cl-cbs").value().vehicle;
     for (int attempt = 0; attempt < 30; ++attempt) {
       instance.agents.push_back(odd_agent(dice, instance, vehicle));
       if (is_clean(instance)) break;

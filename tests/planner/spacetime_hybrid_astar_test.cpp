@@ -32,8 +32,8 @@ class SpacetimeSearch : public testing::Test {
     result.start = planning_problem.starts()[std::size_t(i)];
     return result;
   }
-  static void expect_free_way_to_goal(const PlanningProblem& planning_problem, int i,
-                                      const SpacetimePath& path) {
+  static void expect_free_path_to_goal(const PlanningProblem& planning_problem, int i,
+                                       const SpacetimePath& path) {
     Pose pose = planning_problem.starts()[std::size_t(i)];
     for (const Arc& arc : path.steps) {
       EXPECT_TRUE(planning_problem.car(i).is_free(pose, arc));
@@ -50,7 +50,7 @@ TEST_F(SpacetimeSearch, FindsTheReedsSheppPathWhereNothingIsInTheWay) {
   const auto path = SpacetimeHybridAstar(planning_problem.curves())
                         .search(problem(planning_problem, 0), {}, kNever);
   ASSERT_TRUE(path);
-  expect_free_way_to_goal(planning_problem, 0, *path);
+  expect_free_path_to_goal(planning_problem, 0, *path);
   EXPECT_LE(double(path->steps.size()),
             planning_problem.lower_bound() + 5.0);  // one short step per piece
 }
@@ -61,7 +61,7 @@ TEST_F(SpacetimeSearch, GoesRoundAWall) {
   const auto path = SpacetimeHybridAstar(planning_problem.curves())
                         .search(problem(planning_problem, 0), {}, kNever);
   ASSERT_TRUE(path);
-  expect_free_way_to_goal(planning_problem, 0, *path);
+  expect_free_path_to_goal(planning_problem, 0, *path);
   EXPECT_GT(path->steps.size(), 40U);
 }
 
@@ -92,7 +92,7 @@ TEST_F(SpacetimeSearch, KeepsClearOfARobotThatComesTowardsIt) {
   avoiding.to_avoid = to_avoid;
   const auto path = planner.search(avoiding, {}, kNever);
   ASSERT_TRUE(path);
-  expect_free_way_to_goal(planning_problem, 0, *path);
+  expect_free_path_to_goal(planning_problem, 0, *path);
   EXPECT_EQ(path->conflicts, 0);
   EXPECT_LE(path->cost, 1.5 * path->lower_bound + 1e-9);
   const SweptTrajectory own(planning_problem.car(0), planning_problem.starts()[0], path->steps);
@@ -109,7 +109,7 @@ TEST_F(SpacetimeSearch, LeavesItsGoalForAConstraintAndComesBack) {
   constrained.constraints = constraints;
   const auto path = SpacetimeHybridAstar(planning_problem.curves()).search(constrained, {}, kNever);
   ASSERT_TRUE(path);
-  expect_free_way_to_goal(planning_problem, 0, *path);
+  expect_free_path_to_goal(planning_problem, 0, *path);
   const SweptTrajectory own(planning_problem.car(0), planning_problem.starts()[0], path->steps);
   for (int t = 5; t <= 8; ++t) EXPECT_FALSE(collide(own.at(t), constraints[0].sweep));
 }
@@ -128,7 +128,7 @@ TEST_F(SpacetimeSearch, ShorterArcsFindTheWayOutOfATightPlace) {
   const auto path = planner.search(problem(planning_problem, 0),
                                    {.w = 1.2, .max_expansions = 20000, .arc_scale = 0.5}, kNever);
   ASSERT_TRUE(path);
-  expect_free_way_to_goal(planning_problem, 0, *path);
+  expect_free_path_to_goal(planning_problem, 0, *path);
 }
 
 //   Another robot drives over the goal at steps 25 ... 30: it is reached only after that.
@@ -147,7 +147,7 @@ TEST_F(SpacetimeSearch, ArrivesWhenNobodyComesByTheGoalAnyMore) {
   const auto path =
       SpacetimeHybridAstar(planning_problem.curves()).search(careful, {.w = 1.0}, kNever);
   ASSERT_TRUE(path);
-  expect_free_way_to_goal(planning_problem, 0, *path);
+  expect_free_path_to_goal(planning_problem, 0, *path);
   EXPECT_GT(path->steps.size(), 28U);
   EXPECT_LT(path->steps.size(), 36U);
   const SweptTrajectory own(planning_problem.car(0), planning_problem.starts()[0], path->steps);

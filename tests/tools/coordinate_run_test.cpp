@@ -312,7 +312,7 @@ class LotsAndJunction : public CoordinateRun {
   void make() const {
     std::string nodes = "<nodes>";
     std::string edges = "<edges>";
-    std::string ways = "<connections>";
+    std::string connections = "<connections>";
     std::string lots = "<additional>";
     std::string demand = "<routes><vType id=\"car\" length=\"4.5\" width=\"1.8\"/>";
     for (const int lot : {0, 1}) {
@@ -327,9 +327,9 @@ class LotsAndJunction : public CoordinateRun {
                        0,   15, -28, 15, -28, 11, 0,  11, 0,  5,  -28, 5}) +
               "\"/><parkingArea id=\"lot" + n + "\" lane=\"entry" + n +
               "_0\" startPos=\"85\" endPos=\"95\">";
-      ways += "<connection from=\"entry" + n + "\" to=\"exit" + n +
-              "\" fromLane=\"0\" toLane=\"0\" shape=\"" +
-              line(y, {0, 3, -4, 5, -6, 8, -4, 11, 0, 13}) + "\"/>";
+      connections += "<connection from=\"entry" + n + "\" to=\"exit" + n +
+                     "\" fromLane=\"0\" toLane=\"0\" shape=\"" +
+                     line(y, {0, 3, -4, 5, -6, 8, -4, 11, 0, 13}) + "\"/>";
       for (const int x : {12, 15, 18}) {
         lots += "<space x=\"" + std::to_string(x) + "\" y=\"" + std::to_string(y + 22) +
                 "\" angle=\"180\" width=\"3\" length=\"5.5\"/>";
@@ -348,7 +348,7 @@ class LotsAndJunction : public CoordinateRun {
     demand += vehicle("x", 40, "we ee") + vehicle("y", 40, "sn nn") + "</routes>";
     (void)directory_.file("x.nod.xml", nodes);
     (void)directory_.file("x.edg.xml", edges);
-    (void)directory_.file("x.con.xml", ways + "</connections>");
+    (void)directory_.file("x.con.xml", connections + "</connections>");
     (void)directory_.file("x.add.xml", lots + "</additional>");
     (void)directory_.file("x.rou.xml", demand);
     (void)directory_.file("x.sumocfg",

@@ -34,10 +34,10 @@ class TemporaryDirectory {
 };
 
 /// The message of the InputError that the call throws; "" if it throws none.
-template <class Action>
-std::string message_of(const Action& action) {
+template <class Call>
+std::string message_of(const Call& call) {
   try {
-    static_cast<void>(action());
+    static_cast<void>(call());
   } catch (const InputError& error) {
     return error.what();
   }

@@ -42,7 +42,7 @@ WORDS = {
 ENGLISH = re.compile(
     r"[Rr]ight of way|right_of_way|[Gg]iv(?:e|es|en|ing) way|\b(?:in )?(?:the same|this|that|either|"
     r"both|which|other|any|each|a|no other|one|two) ways?\b|half[- ]way|\bway round\b|[Hh]alf way|\b[Gg]one on\b|\bon (?:its|his|her|the|their) ways?\b|[Gg]reedy action|by the way|under way|under_way|"
-    r"one-way|all the way|no way to\b|\bways? to (?!the\b|its\b|their\b|it\b|them\b)")
+    r"one-way|one_way|std::visit|all the way|no way to\b|\bways? to (?!the\b|its\b|their\b|it\b|them\b)")
 CODE = (".cpp", ".hpp", ".py", ".js", ".sh", ".html")
 SKIPPED = ("build", "out", ".git", "tests/vocabulary", "networks", "scenarios/toio/random")
 

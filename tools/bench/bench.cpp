@@ -33,7 +33,7 @@ namespace {
 namespace fs = std::filesystem;
 
 // A solver that keeps its time limit never meets these; one that hangs must not stop the rest.
-constexpr double kPatience = 1.5;         // times the time limit
+constexpr double kTimeLimitFactor = 1.5;  // times the time limit
 constexpr double kLoading = 30.0;         // [s]
 constexpr double kRefereeLimit = 1000.0;  // [s]
 
@@ -143,7 +143,7 @@ class Bench : public JobSource {
     job.arguments.insert(job.arguments.end(), options_.solve_words.begin(),
                          options_.solve_words.end());
     job.messages = scratch(i, "messages");
-    job.time_limit = kPatience * options_.time_limit + kLoading;
+    job.time_limit = kTimeLimitFactor * options_.time_limit + kLoading;
     job.tag = 2 * i;
     return job;
   }

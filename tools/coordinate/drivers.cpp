@@ -31,7 +31,7 @@ void check_junctions(const CoordinateOptions& options, const RoadNetwork& networ
   }
 }
 
-/// Do all ways through a junction lead from and to lanes of parking lots?
+/// Do all movements through a junction lead from and to lanes of parking lots?
 bool belongs_to_lots(const Junction& junction, std::span<const ParkingLot> lots,
                      const RoadNetwork& network) {
   const auto is_lots = [&](const std::string& lane) {
@@ -251,7 +251,7 @@ void Drivers::report_lots(RunReport& report, const TripLog& log, std::span<const
 
 void Drivers::write_lot_files(const RunReport& report, RunFolder& folder) const {
   if (lots_.empty()) return;
-  folder.write("visits.csv", visits_csv(report.lots, report.end));
+  folder.write("visits.csv", parking_events_csv(report.lots, report.end));
   folder.write("occupancy.csv", occupancy_csv(report.lots));
   for (std::size_t i = 0; i < lots_.size(); ++i) {
     const std::string name = i == 0 ? "lot.svg" : fmt::format("lot{}.svg", i + 1);

@@ -46,7 +46,7 @@ void LotRecorder::observe(double time) {
   }
   if (time < next_point_) return;
   next_point_ = time + kPointEvery;
-  for (const LotSighting& s : lot_.under_way()) {
+  for (const LotObservation& s : lot_.under_way()) {
     std::vector<Trail>& trails = trails_[s.id];
     if (trails.empty() || trails.back().leaving != s.leaving) trails.push_back({s.leaving, {}});
     const Pose middle = compose(s.pose, {(s.body.front - s.body.rear) / 2, 0.0, 0.0});
@@ -56,11 +56,11 @@ void LotRecorder::observe(double time) {
 
 LotReport LotRecorder::report(const std::map<std::string, double>& at_gate) const {
   LotReport report{.lot = lot_.lot().id, .slots = int(lot_.lot().slots.size())};
-  for (const auto& [id, visit] : lot_.visits()) {
-    ParkingRecord record{visit, std::nullopt};
+  for (const auto& [id, event] : lot_.events()) {
+    ParkingRecord record{event, std::nullopt};
     const auto gate = at_gate.find(id);
-    if (gate != at_gate.end() && !visit.there_at_start) record.at_gate = gate->second;
-    report.visits.push_back(record);
+    if (gate != at_gate.end() && !event.there_at_start) record.at_gate = gate->second;
+    report.events.push_back(record);
   }
   report.occupancy = occupancy_;
   return report;
@@ -88,7 +88,7 @@ std::string LotRecorder::picture() const {
   for (const Polygon& polygon : lot.obstacles) {
     svg += fmt::format("<polygon class=\"obstacle\" points=\"{}\"/>\n", points_of(polygon));
   }
-  for (const LotSighting& s : lot_.parked()) {
+  for (const LotObservation& s : lot_.parked()) {
     const Pose middle = compose(s.pose, {(s.body.front - s.body.rear) / 2, 0.0, 0.0});
     svg += rectangle(middle, s.body.length(), s.body.width, "car");
   }

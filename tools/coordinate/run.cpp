@@ -147,7 +147,7 @@ class SumoRun::Impl {
     }
     try {
       (void)finish(failure);
-    } catch (const InputError& error) {  // a full disk, a folder that is gone
+    } catch (const InputError& error) {  // a full disk, a folder that was deleted
       say(error.what());
       return kNotAchieved;
     }

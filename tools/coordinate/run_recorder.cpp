@@ -41,7 +41,7 @@ ReplayScene scene_of(const RoadNetwork& network, const std::set<std::string>& ju
   return scene;
 }
 
-ReplayState state_of(const Sighting& s, bool rests) {
+ReplayState state_of(const Observation& s, bool rests) {
   if (rests) return ReplayState::kParked;
   if (!s.coordinated) return ReplayState::kOwnDriver;
   return s.state->speed < 0.1 ? ReplayState::kWaiting : ReplayState::kCoordinated;
@@ -127,7 +127,7 @@ RunRecorder::RunRecorder(const CoordinateOptions& options, const Traffic& traffi
   for (const auto& [id, lights] : traffic.network().signals) (void)recorder_.add_signal(id);
 }
 
-std::size_t RunRecorder::index_of(const Sighting& s) {
+std::size_t RunRecorder::index_of(const Observation& s) {
   const auto known = indices_.find(s.state->id);
   if (known != indices_.end()) return known->second;
   const Vehicle& body = s.type->body;
@@ -183,7 +183,7 @@ void RunRecorder::observe(const Snapshot& now, const Audit& audit) {
   std::vector<ReplayVehicleState> states;
   const bool is_due = recorder_.is_due(now.time);
   for (std::size_t i = 0; i < now.vehicles.size(); ++i) {
-    const Sighting& s = now.vehicles[i];
+    const Observation& s = now.vehicles[i];
     const bool rests = now.resting[i] != 0;
     if (is_due) co2_[s.state->id] = traffic_.co2(s.state->id);
     states.push_back({index_of(s), s.state->pose, s.state->speed, state_of(s, rests)});
@@ -229,7 +229,7 @@ void RunRecorder::add_corridors(const RunReport& report) {
   std::set<std::vector<std::pair<int, int>>> known;
   for (int c = 0; c < corridors.size(); ++c) {
     const Corridor& corridor = corridors[c];
-    const bool is_driven = corridor.undriven.empty() && !corridor.course.own_driver;
+    const bool is_driven = corridor.undriven.empty() && !corridor.course.human_driven;
     if (!is_driven || corridor.lines.empty()) continue;
     std::vector<std::pair<int, int>> lanes;
     for (const CorridorPiece& piece : corridor.course.pieces) {

@@ -36,7 +36,7 @@ class RunRecorder {
     int rank = 0;           ///< in the order in which they were planned, 1 first
   };
 
-  std::size_t index_of(const Sighting& sighting);
+  std::size_t index_of(const Observation& observation);
   std::size_t index_of(const Pedestrian& person);
   [[nodiscard]] std::map<std::string, Member> members() const;
   void observe_events(const Audit& audit);

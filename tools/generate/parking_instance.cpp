@@ -154,10 +154,10 @@ class ParkingScene {
   double road_ = 0.0;  ///< length of either road [m]
 };
 
-bool all_find_a_way_alone(const Instance& instance) {
-  const PlanningProblem fleet(instance, CollisionRule::kContinuous);
-  for (int i = 0; i < fleet.size(); ++i) {
-    if (!solvable_alone(fleet, i)) return false;
+bool all_are_solvable_alone(const Instance& instance) {
+  const PlanningProblem problem(instance, CollisionRule::kContinuous);
+  for (int i = 0; i < problem.size(); ++i) {
+    if (!solvable_alone(problem, i)) return false;
   }
   return true;
 }
@@ -180,7 +180,7 @@ GeneratedInstance generate_parking(const ParkingCell& cell, std::uint64_t seed, 
   const std::string origin = fmt::format("parking, seed {}, instance {} of its cell", seed, index);
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
     Instance instance = ParkingScene(cell, dice).draw();
-    if (all_find_a_way_alone(instance)) return {std::move(instance), origin};
+    if (all_are_solvable_alone(instance)) return {std::move(instance), origin};
   }
   throw InputError(origin,
                    "no instance was found in which each car has a single-agent path; give "

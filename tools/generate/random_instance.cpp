@@ -155,7 +155,7 @@ class Scene {
     std::vector<std::size_t> unproven(starts_->size());
     for (std::size_t i = 0; i < unproven.size(); ++i) unproven[i] = i;
     for (int round = 0; round < kRounds; ++round) {
-      unproven = without_way(unproven);
+      unproven = not_solvable_alone(unproven);
       if (unproven.empty()) return true;
       for (const std::size_t i : unproven) {
         if (!move(*starts_, i) || !move(*goals_, i)) return false;
@@ -164,13 +164,14 @@ class Scene {
     return false;
   }
 
-  [[nodiscard]] std::vector<std::size_t> without_way(std::span<const std::size_t> robots) const {
+  [[nodiscard]] std::vector<std::size_t> not_solvable_alone(
+      std::span<const std::size_t> robots) const {
     Instance part{.agents = {}, .map = map_, .dt = preset_.dt};
     for (const std::size_t i : robots) part.agents.push_back(agent(i));
-    const PlanningProblem fleet(part, CollisionRule::kContinuous);
+    const PlanningProblem problem(part, CollisionRule::kContinuous);
     std::vector<std::size_t> result;
-    for (int k = 0; k < fleet.size(); ++k) {
-      if (!solvable_alone(fleet, k)) result.push_back(robots[std::size_t(k)]);
+    for (int k = 0; k < problem.size(); ++k) {
+      if (!solvable_alone(problem, k)) result.push_back(robots[std::size_t(k)]);
     }
     return result;
   }

@@ -153,8 +153,8 @@ def deepest(a, b, samples):
 def leaps(before, now, dt):
     """A lane change within one step or a teleport: no motion that could be looked at."""
     turn = now[1] / before[1]
-    way = (now[0] - before[0]) / (before[1] * cmath.exp(0.5j * cmath.phase(turn)))
-    return abs(way.imag) > 1.0 or abs(way.real) > max(before[2], now[2]) * dt + 1.0
+    motion = (now[0] - before[0]) / (before[1] * cmath.exp(0.5j * cmath.phase(turn)))
+    return abs(motion.imag) > 1.0 or abs(motion.real) > max(before[2], now[2]) * dt + 1.0
 
 
 def near_pairs(motions):

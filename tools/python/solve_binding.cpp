@@ -22,7 +22,7 @@ namespace mvtp {
 namespace {
 
 /// How long Python's signals and callbacks wait while a search goes on.
-constexpr std::chrono::milliseconds kPatience(50);
+constexpr std::chrono::milliseconds kPollInterval(50);
 
 struct Search {
   SolveOptions options;
@@ -71,7 +71,7 @@ std::pair<PlanObject, py::object> search(const NamedInstance& self,
   py::object raised = py::none();
   {
     const py::gil_scoped_release released;
-    while (plan.wait_for(kPatience) != std::future_status::ready) {
+    while (plan.wait_for(kPollInterval) != std::future_status::ready) {
       const std::chrono::duration<double> elapsed = Clock::now() - start;
       const py::gil_scoped_acquire acquired;
       if (!stop) raised = ask_python(progress, elapsed.count(), search.time_limit);

@@ -130,12 +130,12 @@ Line line_of(const std::vector<Sample>& samples) {
   double stw = 0.0;
   for (const Sample& s : samples) {
     if (s.time < 0.5 * kDriveTime) continue;
-    const double way = std::hypot(s.x - samples.front().x, s.y - samples.front().y);
+    const double driven = std::hypot(s.x - samples.front().x, s.y - samples.front().y);
     n += 1.0;
     st += s.time;
-    sw += way;
+    sw += driven;
     stt += s.time * s.time;
-    stw += s.time * way;
+    stw += s.time * driven;
   }
   const double determinant = n * stt - st * st;
   if (n < 5.0 || determinant <= 0.0) throw BluetoothError("the cube reports too seldom to measure");

@@ -203,9 +203,9 @@ void CubeModel::step(double dt) {
   };
   const double left = turned(left_, flaws_.left_gain, units_.left);
   const double right = turned(right_, flaws_.right_gain, units_.right);
-  const double way = (left + right) / 2.0;
+  const double driven = (left + right) / 2.0;
   const double turn = (right - left) / desk_.cube.track;
-  pose_ = compose(pose_, {way * std::cos(turn / 2), way * std::sin(turn / 2), turn});
+  pose_ = compose(pose_, {driven * std::cos(turn / 2), driven * std::sin(turn / 2), turn});
   report_position();
 }
 

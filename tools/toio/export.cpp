@@ -36,14 +36,14 @@ MatPose rounded_for_file(const MatPose& pose) {
 
 double file_time(double time) { return to_places(time, 1e4); }
 
-std::vector<RunWaypoint> waypoints_of(const std::vector<Instant>& instants, const DeskFrame& desk,
-                                      double period) {
+std::vector<RunWaypoint> waypoints_of(const std::vector<MotionSample>& samples,
+                                      const DeskFrame& desk, double period) {
   std::vector<RunWaypoint> waypoints;
-  const double end = instants.back().time;
+  const double end = samples.back().time;
   for (int k = 0;; ++k) {
     const double time = file_time(std::min(k * period, end));
-    const Instant instant = at_time(instants, time);
-    waypoints.push_back({time, rounded_for_file(desk.to_mat(instant.pose)), instant.direction, {}});
+    const MotionSample sample = at_time(samples, time);
+    waypoints.push_back({time, rounded_for_file(desk.to_mat(sample.pose)), sample.direction, {}});
     // A last interval of no length would have no speed.
     if (k * period >= end - 1e-3) break;
   }
@@ -52,24 +52,24 @@ std::vector<RunWaypoint> waypoints_of(const std::vector<Instant>& instants, cons
 }
 
 /// When the segments begin; the motion ends with its last whole or partial segment.
-std::vector<double> segment_starts(const std::vector<Instant>& instants, double segment,
+std::vector<double> segment_starts(const std::vector<MotionSample>& samples, double segment,
                                    double end) {
   std::vector<double> starts = {0.0};
-  const double plan_end = instants.back().plan_time;
+  const double plan_end = samples.back().plan_time;
   for (int k = 1; double(k) * segment < plan_end - 1e-9; ++k) {
-    starts.push_back(std::min(file_time(time_of(instants, k * segment)), end));
+    starts.push_back(std::min(file_time(time_of(samples, k * segment)), end));
   }
   if (plan_end > 0.0) starts.push_back(end);
   return starts;
 }
 
 RunRobot robot_of(const ToioRun& run, const PlannedRobot& planned, double dt,
-                  std::vector<Instant>& instants) {
+                  std::vector<MotionSample>& samples) {
   const Pace pace{run.timing.speedup, run.timing.accel, run.desk.cube};
-  instants = retime(to_desk(run.frame, planned.legs), run.frame.to_desk(planned.start), dt, pace);
+  samples = retime(to_desk(run.frame, planned.legs), run.frame.to_desk(planned.start), dt, pace);
   RunRobot robot;
   robot.id = planned.name;
-  robot.waypoints = waypoints_of(instants, run.desk, run.timing.control);
+  robot.waypoints = waypoints_of(samples, run.desk, run.timing.control);
   const Reference reference(robot, run.desk);
   for (RunWaypoint& waypoint : robot.waypoints) {
     waypoint.units = wheel_units(run.desk.cube, run.desk.facing, reference.at(waypoint.time).twist);
@@ -84,7 +84,7 @@ std::vector<Reference> references_of(const ToioRun& run) {
 }
 
 /// Cuts the motions into segments, finer ones where robots pass close to each other.
-std::string release(const std::vector<std::vector<Instant>>& motions, double segment,
+std::string release(const std::vector<std::vector<MotionSample>>& motions, double segment,
                     ToioRun& run) {
   const Vehicle body = body_of(run.desk.cube, run.desk.facing, run.margins);
   while (true) {
@@ -126,7 +126,7 @@ Exported make_run(const std::vector<PlannedRobot>& robots, double dt, const Fit&
   run.timing.accel = fit_options.accel;
   run.margins = fit_options.margins;
   run.mode = options.mode;
-  std::vector<std::vector<Instant>> motions(robots.size());
+  std::vector<std::vector<MotionSample>> motions(robots.size());
   for (std::size_t i = 0; i < robots.size(); ++i) {
     run.robots.push_back(robot_of(run, robots[i], dt, motions[i]));
     run.robots.back().color = kColours[i % kColours.size()];

@@ -218,11 +218,11 @@ class LiveRun {
     }
   }
 
-  void log(double now, std::size_t robot, const char* way, Characteristic characteristic,
+  void log(double now, std::size_t robot, const char* direction, Characteristic characteristic,
            const Bytes& bytes) const {
     if (!hooks_.log) return;
     hooks_.log(fmt::format("{{\"t\": {:.3f}, \"robot\": {}, \"{}\": \"{}\", \"hex\": \"{}\"}}", now,
-                           robot, way, to_string(characteristic), to_hex(bytes)));
+                           robot, direction, to_string(characteristic), to_hex(bytes)));
   }
 
   void tell_faults(const Player& player, std::vector<Fault>& told) const {

@@ -136,53 +136,55 @@ std::vector<Leg> to_desk(const PlanFrame& frame, const std::vector<Leg>& legs) {
   return result;
 }
 
-std::vector<Instant> retime(const std::vector<Leg>& legs, const Pose& start, double dt,
-                            const Pace& pace) {
-  std::vector<Instant> instants = {{0.0, 0.0, start, 0, 0.0}};
+std::vector<MotionSample> retime(const std::vector<Leg>& legs, const Pose& start, double dt,
+                                 const Pace& pace) {
+  std::vector<MotionSample> samples = {{0.0, 0.0, start, 0, 0.0}};
   for (const Stretch& stretch : stretches_of(legs)) {
     const double plan_begin = double(stretch.begin) * dt;
     const int direction = sign_of(legs[stretch.begin].arc.length);
-    double time = std::max(instants.back().time, plan_begin / pace.speedup);
+    double time = std::max(samples.back().time, plan_begin / pace.speedup);
     if (direction == 0) continue;  // the next stretch begins when the plan says, or later
 
-    instants.push_back({time, plan_begin, instants.back().pose, direction, 0.0});
+    samples.push_back({time, plan_begin, samples.back().pose, direction, 0.0});
     const std::vector<Piece> pieces = pieces_of(legs, stretch, dt, pace);
     const std::vector<double> speeds = speeds_of(pieces, pace.accel);
     for (std::size_t i = 0; i < pieces.size(); ++i) {
       time += 2.0 * pieces[i].length / (speeds[i] + speeds[i + 1]);
-      instants.push_back({time, pieces[i].plan_end, pieces[i].end, direction, speeds[i + 1]});
+      samples.push_back({time, pieces[i].plan_end, pieces[i].end, direction, speeds[i + 1]});
     }
-    instants.push_back({time, pieces.back().plan_end, pieces.back().end, 0, 0.0});
+    samples.push_back({time, pieces.back().plan_end, pieces.back().end, 0, 0.0});
   }
-  return instants;
+  return samples;
 }
 
-Instant at_time(const std::vector<Instant>& instants, double time) {
-  const auto after = std::ranges::upper_bound(instants, time, {}, &Instant::time);
-  if (after == instants.begin()) return instants.front();
-  if (after == instants.end()) return instants.back();
-  const Instant& a = *(after - 1);
-  const Instant& b = *after;
+MotionSample at_time(const std::vector<MotionSample>& samples, double time) {
+  const auto after = std::ranges::upper_bound(samples, time, {}, &MotionSample::time);
+  if (after == samples.begin()) return samples.front();
+  if (after == samples.end()) return samples.back();
+  const MotionSample& a = *(after - 1);
+  const MotionSample& b = *after;
   const double s = (time - a.time) / (b.time - a.time);  // share of the time, then of the path
   const double speeds = a.speed + b.speed;
-  const double way = speeds > 0.0 ? s * (2.0 * a.speed + s * (b.speed - a.speed)) / speeds : s;
-  const Pose pose{a.pose.x + way * (b.pose.x - a.pose.x), a.pose.y + way * (b.pose.y - a.pose.y),
-                  wrap_to_pi(a.pose.theta + way * wrap_to_pi(b.pose.theta - a.pose.theta))};
-  return {time, a.plan_time + way * (b.plan_time - a.plan_time), pose, a.direction,
+  const double share = speeds > 0.0 ? s * (2.0 * a.speed + s * (b.speed - a.speed)) / speeds : s;
+  const Pose pose{a.pose.x + share * (b.pose.x - a.pose.x),
+                  a.pose.y + share * (b.pose.y - a.pose.y),
+                  wrap_to_pi(a.pose.theta + share * wrap_to_pi(b.pose.theta - a.pose.theta))};
+  return {time, a.plan_time + share * (b.plan_time - a.plan_time), pose, a.direction,
           a.speed + s * (b.speed - a.speed)};
 }
 
-double time_of(const std::vector<Instant>& instants, double plan_time) {
-  const auto at = std::ranges::lower_bound(instants, plan_time, {}, &Instant::plan_time);
-  if (at == instants.begin()) return instants.front().time;
-  if (at == instants.end()) return instants.back().time;
-  const Instant& a = *(at - 1);
-  const Instant& b = *at;
-  const double way = (plan_time - a.plan_time) / (b.plan_time - a.plan_time);
+double time_of(const std::vector<MotionSample>& samples, double plan_time) {
+  const auto at = std::ranges::lower_bound(samples, plan_time, {}, &MotionSample::plan_time);
+  if (at == samples.begin()) return samples.front().time;
+  if (at == samples.end()) return samples.back().time;
+  const MotionSample& a = *(at - 1);
+  const MotionSample& b = *at;
+  const double share = (plan_time - a.plan_time) / (b.plan_time - a.plan_time);
   const double speeds = a.speed + b.speed;
-  if (speeds <= 0.0) return a.time + way * (b.time - a.time);
-  const double speed = std::sqrt(a.speed * a.speed + way * (b.speed * b.speed - a.speed * a.speed));
-  return a.time + way * (b.time - a.time) * speeds / (a.speed + speed);
+  if (speeds <= 0.0) return a.time + share * (b.time - a.time);
+  const double speed =
+      std::sqrt(a.speed * a.speed + share * (b.speed * b.speed - a.speed * a.speed));
+  return a.time + share * (b.time - a.time) * speeds / (a.speed + speed);
 }
 
 }  // namespace mvtp

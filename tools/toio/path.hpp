@@ -32,7 +32,7 @@ struct Leg {
 [[nodiscard]] std::vector<Leg> to_desk(const PlanFrame& frame, const std::vector<Leg>& legs);
 
 /// One instant of a motion on the desk.
-struct Instant {
+struct MotionSample {
   double time = 0.0;       ///< since the start of the run [s]
   double plan_time = 0.0;  ///< the time in the plan at which it is there [s of the plan]
   Pose pose;
@@ -54,13 +54,13 @@ struct Pace {
 /// no earlier than the plan says; where it is late, the next wait is shorter.
 /// @param dt duration of a step in the plan [s].
 /// @return moments at most 0.25 mm or a wait apart, in order; times and plan times never fall.
-[[nodiscard]] std::vector<Instant> retime(const std::vector<Leg>& desk_legs, const Pose& start,
-                                          double dt, const Pace& pace);
+[[nodiscard]] std::vector<MotionSample> retime(const std::vector<Leg>& desk_legs, const Pose& start,
+                                               double dt, const Pace& pace);
 
 /// The state at a time between the first and the last instant; rests before and after.
-[[nodiscard]] Instant at_time(const std::vector<Instant>& instants, double time);
+[[nodiscard]] MotionSample at_time(const std::vector<MotionSample>& samples, double time);
 
 /// When the motion reaches a time of the plan [s]; the end of the motion for later ones.
-[[nodiscard]] double time_of(const std::vector<Instant>& instants, double plan_time);
+[[nodiscard]] double time_of(const std::vector<MotionSample>& samples, double plan_time);
 
 }  // namespace mvtp

@@ -53,9 +53,9 @@ std::optional<Pose> Predictor::at(double now) const {
     double end = std::min(now, time + kStep);
     if (phase + 1 != phases_.end()) end = std::min(end, (phase + 1)->begin);
     const Twist twist = speed(*phase, (time + end) / 2.0);
-    const double way = twist.v * (end - time);
+    const double driven = twist.v * (end - time);
     const double turn = twist.omega * (end - time);
-    pose = compose(pose, {way * std::cos(turn / 2), way * std::sin(turn / 2), turn});
+    pose = compose(pose, {driven * std::cos(turn / 2), driven * std::sin(turn / 2), turn});
     time = end;
   }
   return pose;

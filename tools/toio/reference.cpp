@@ -12,8 +12,8 @@ constexpr double kStands = 0.001;  // slower is no direction [m/s]
 Twist twist_between(const Pose& a, const Pose& b, double duration) {
   const double turn = wrap_to_pi(b.theta - a.theta);
   const double middle = a.theta + turn / 2;
-  const double way = (b.x - a.x) * std::cos(middle) + (b.y - a.y) * std::sin(middle);
-  return {way / duration, turn / duration};
+  const double driven = (b.x - a.x) * std::cos(middle) + (b.y - a.y) * std::sin(middle);
+  return {driven / duration, turn / duration};
 }
 
 }  // namespace

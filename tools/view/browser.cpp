@@ -23,7 +23,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr int kPatience = 60'000;  // [ms] for one answer
+constexpr int kAnswerTimeout = 60'000;  // [ms] for one answer
 
 [[noreturn]] void fail(const std::string& why) {
   throw InputError("Chromium", why + "; install chromium-headless-shell anew, or do without");
@@ -132,7 +132,7 @@ void Browser::open(const std::filesystem::path& page, const std::string& fragmen
     }
   }
   if (!fragment.empty()) address += "#" + fragment;
-  // By way of an empty page: another fragment of the same one would not read it anew.
+  // Through an empty page: another fragment of the same one would not read it anew.
   for (const std::string& next : {std::string("about:blank"), address}) {
     last_event_.clear();
     call("Page.navigate", {{"url", next}});
@@ -178,7 +178,7 @@ Json Browser::receive() {
   std::size_t end = 0;
   while ((end = unread_.find('\0')) == std::string::npos) {
     pollfd file{socket_, POLLIN, 0};
-    const int ready = poll(&file, 1, kPatience);
+    const int ready = poll(&file, 1, kAnswerTimeout);
     if (ready < 0 && errno == EINTR) continue;
     if (ready <= 0) fail("it does not answer");
     std::array<char, 65536> buffer{};

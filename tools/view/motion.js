@@ -18,7 +18,7 @@ function poseOf(track, k) {
   return {x: track.x[k] / 100, y: track.y[k] / 100, heading: track.heading[k] * Math.PI / 1800};
 }
 
-/// The pose a fraction u of the way from a to b along the arc that joins them: the constant twist of
+/// The pose at a fraction u of the distance from a to b along the arc that joins them: the constant twist of
 /// SE(2), which is the very arc if a car drove one.
 function alongArc(a, b, u) {
   const turn = wrap(b.heading - a.heading);
@@ -34,7 +34,7 @@ function alongArc(a, b, u) {
   return {x: a.x + c * qx - s * qy, y: a.y + s * qx + c * qy, heading: a.heading + phi};
 }
 
-/// Fraction of the way done after a fraction u of the time, if the speed changes evenly from v0 to v1.
+/// Fraction of the distance done after a fraction u of the time, if the speed changes evenly from v0 to v1.
 function progress(u, v0, v1) {
   const mean = (v0 + v1) / 2;
   if (v0 * v1 < 0 || Math.abs(mean) < 0.05) return u;
@@ -51,8 +51,8 @@ function stateAt(replay, track, frame, t) {
   if (k + 1 >= track.count) return Object.assign(now, poseOf(track, k), {speed: v0});
   const u = (t - t0) / (replay.times[frame + 1] - t0);
   const v1 = track.speed[k + 1] * SPEED_UNIT;
-  const way = replay.steps ? u : progress(u, v0, v1);
-  Object.assign(now, alongArc(poseOf(track, k), poseOf(track, k + 1), way));
+  const share = replay.steps ? u : progress(u, v0, v1);
+  Object.assign(now, alongArc(poseOf(track, k), poseOf(track, k + 1), share));
   now.speed = replay.steps ? v1 : v0 + u * (v1 - v0);
   return now;
 }

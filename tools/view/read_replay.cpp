@@ -53,7 +53,7 @@ ReplayLaneKind lane_kind_of(const std::string& name) {
   return ReplayLaneKind::kCars;
 }
 
-void read_ways(const Json& json, ReplayScene& scene) {
+void read_paths(const Json& json, ReplayScene& scene) {
   for (const Json& lane : json.at("lanes")) {
     scene.lanes.push_back({.shape = points_of(lane.at("shape")),
                            .width = lane.at("width").get<double>(),
@@ -82,7 +82,7 @@ void read_ways(const Json& json, ReplayScene& scene) {
 
 ReplayScene scene_of(const Json& json) {
   ReplayScene scene;
-  read_ways(json, scene);
+  read_paths(json, scene);
   const auto read = [&](const char* name, std::vector<Polygon>& polygons) {
     for (const Json& polygon : json.at(name)) polygons.push_back(points_of(polygon));
   };
@@ -190,7 +190,8 @@ void read_track(const Json& track, const Extras& extras, ColumnReader& reader,
   }
 }
 
-/// A fraction u of the way from a to b, with a constant twist: along an arc, if a car drove one.
+/// At a fraction u of the distance from a to b, with a constant twist: along an arc, if a car drove
+/// one.
 Pose between(const Pose& a, const Pose& b, double u) {
   const Pose step = relative(a, b);
   if (std::abs(step.theta) < 1e-4) return compose(a, {u * step.x, u * step.y, u * step.theta});

@@ -110,14 +110,14 @@ class Watched {
  private:
   struct Inside {
     std::string id;
-    const Connection* way;
+    const Connection* connection;
     OrientedBox body;
   };
 
   void look(const Snapshot& seen) {
     audit.observe(seen.time, seen.vehicles);
     std::vector<Inside> inside;
-    for (const Sighting& s : seen.vehicles) {
+    for (const Observation& s : seen.vehicles) {
       log_ += fmt::format("{} {:.3f} {:.3f};", s.state->id, s.state->pose.x, s.state->pose.y);
       if (!s.coordinated) continue;
       for (const Connection& c : traffic.network().junctions.at("C").connections) {
@@ -130,7 +130,7 @@ class Watched {
     for (std::size_t i = 0; i < inside.size(); ++i) {
       look_at_lights(inside[i]);
       for (std::size_t j = 0; j < i; ++j) {
-        shared_tiles += inside[i].way->from_lane != inside[j].way->from_lane &&
+        shared_tiles += inside[i].connection->from_lane != inside[j].connection->from_lane &&
                                 share_a_tile(inside[i].body, inside[j].body)
                             ? 1
                             : 0;
@@ -140,19 +140,19 @@ class Watched {
 
   void look_at_lights(const Inside& car) {
     const std::string& lights = traffic.phases[traffic.now].lights;
-    const bool is_red = lights[std::size_t(car.way->signal_index)] == 'r';
+    const bool is_red = lights[std::size_t(car.connection->signal_index)] == 'r';
     if (!came_at_red_.try_emplace(car.id, is_red).first->second) return;
     ++passed_at_red;
     for (const Connection& c : traffic.network().junctions.at("C").connections) {
-      if (c.from_lane == car.way->from_lane) continue;
+      if (c.from_lane == car.connection->from_lane) continue;
       const bool green = lights[std::size_t(c.signal_index)] == 'G';
       on_green_ground += green && touches(car.body, c) ? 1 : 0;
     }
   }
 
   /// Does a body touch the middle of a path over the junction?
-  bool touches(const OrientedBox& body, const Connection& way) {
-    for (const std::string& via : way.via) {
+  bool touches(const OrientedBox& body, const Connection& connection) {
+    for (const std::string& via : connection.via) {
       for (const Point& p : traffic.network().lanes.at(via).shape) {
         const OrientedBox point{.x = p.x, .y = p.y, .half_length = 0.01, .half_width = 0.01};
         if (separation(body, point) <= 0.0) return true;

@@ -113,15 +113,15 @@ const std::vector<Leg> kThereAndBack = {{{0.1, 0.1, 0.0}, {0.05, 0.0}, {}},
 //   0.1 m forwards in two steps, a wait, 0.05 m back; 1 s per step. From rest to rest at 50 mm/s
 //   with 200 mm/s^2 it takes 0.25 s longer than at full speed all the way.
 TEST(ToioPath, RetimingKeepsTheAccelerationLimitAndStopsAtCusps) {
-  const std::vector<Instant> instants =
+  const std::vector<MotionSample> samples =
       retime(kThereAndBack, {0.1, 0.1, 0.0}, 1.0, {.speedup = 1.0, .accel = 0.2, .cube = {}});
-  EXPECT_NEAR(time_of(instants, 2.0), 2.25, 1e-3);
-  EXPECT_NEAR(instants.back().time, 4.25, 1e-3);  // leaves when the plan says: the wait is shorter
-  EXPECT_EQ(at_time(instants, 2.6).direction, 0);
-  EXPECT_EQ(at_time(instants, 3.6).direction, -1);
+  EXPECT_NEAR(time_of(samples, 2.0), 2.25, 1e-3);
+  EXPECT_NEAR(samples.back().time, 4.25, 1e-3);  // leaves when the plan says: the wait is shorter
+  EXPECT_EQ(at_time(samples, 2.6).direction, 0);
+  EXPECT_EQ(at_time(samples, 3.6).direction, -1);
   double speed = 0.0;
-  for (double t = 0.01; t < instants.back().time; t += 0.01) {
-    const double now = distance(at_time(instants, t - 0.01).pose, at_time(instants, t).pose) / 0.01;
+  for (double t = 0.01; t < samples.back().time; t += 0.01) {
+    const double now = distance(at_time(samples, t - 0.01).pose, at_time(samples, t).pose) / 0.01;
     EXPECT_LE(std::abs(now - speed), 0.2 * 0.01 * 1.1) << t;
     EXPECT_LE(now, 0.05 + 1e-9);
     speed = now;
@@ -129,11 +129,11 @@ TEST(ToioPath, RetimingKeepsTheAccelerationLimitAndStopsAtCusps) {
 }
 
 TEST(ToioPath, TimesNeverFall) {
-  const std::vector<Instant> instants =
+  const std::vector<MotionSample> samples =
       retime(kThereAndBack, {0.1, 0.1, 0.0}, 0.1, {.speedup = 0.5, .accel = 0.2, .cube = {}});
-  for (std::size_t i = 1; i < instants.size(); ++i) {
-    EXPECT_GE(instants[i].time, instants[i - 1].time);
-    EXPECT_GE(instants[i].plan_time, instants[i - 1].plan_time);
+  for (std::size_t i = 1; i < samples.size(); ++i) {
+    EXPECT_GE(samples[i].time, samples[i - 1].time);
+    EXPECT_GE(samples[i].plan_time, samples[i - 1].plan_time);
   }
 }
 
@@ -141,12 +141,12 @@ TEST(ToioPath, TimesNeverFall) {
 TEST(ToioPath, NoStepIsSlowerThanTheWheelsCan) {
   const std::vector<Leg> creep = {{{0.1, 0.1, 0.0}, {0.02, 0.0}, {}},
                                   {{0.12, 0.1, 0.0}, {-0.02, 0.0}, {}}};
-  const std::vector<Instant> instants =
+  const std::vector<MotionSample> samples =
       retime(creep, {0.1, 0.1, 0.0}, 4.0, {.speedup = 1.0, .accel = 0.2, .cube = {}});
-  EXPECT_LT(time_of(instants, 4.0), 1.1);
-  EXPECT_GE(at_time(instants, 4.2).time, 4.0);
-  EXPECT_EQ(at_time(instants, 3.9).direction, 0);
-  EXPECT_EQ(at_time(instants, 4.1).direction, -1);
+  EXPECT_LT(time_of(samples, 4.0), 1.1);
+  EXPECT_GE(at_time(samples, 4.2).time, 4.0);
+  EXPECT_EQ(at_time(samples, 3.9).direction, 0);
+  EXPECT_EQ(at_time(samples, 4.1).direction, -1);
 }
 
 using ToioFitProgram = Program;
