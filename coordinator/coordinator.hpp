@@ -180,10 +180,6 @@ class Coordinator : public Controller {
   [[nodiscard]] const VehicleState* find_state(const std::string& id) const;
 
   // Taking over and handing back: coordinator_takeover.cpp
-  /// Comfortable braking towards lower speed limits [m/s^2].
-  [[nodiscard]] static double comfortable_braking(const Vehicle& body) {
-    return std::min(3.5, 0.8 * body.max_decel);
-  }
   [[nodiscard]] static bool can_wait(double speed, const Vehicle& body, double to_line);
   [[nodiscard]] std::map<std::string, Driven> leave_corridors(bool may_go_on);
   void stay(const std::string& id);

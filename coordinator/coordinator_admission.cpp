@@ -9,9 +9,10 @@
 namespace mvtp {
 namespace {
 
-constexpr double kApproachReserve = 0.9;  ///< share of its acceleration used off its path,
-constexpr double kBeforeCrossing = 0.4;   ///< [m] before a line who waits leaves to people there
-constexpr double kLeastShare = 0.5;       ///< and where the path bends besides
+constexpr double kBeforeCrossing = 0.4;  ///< [m] before a line who waits leaves to people there
+constexpr double kLeastShare = 0.5;      ///< of its acceleration, however it comes onto its path
+constexpr double kWholeShare = 0.99;     ///< from here on it uses all of it
+constexpr double kShareStep = 0.05;      ///< vehicles of about the same share use one corridor
 
 /// Behind a line nobody without a complete plan creeps on, onto a crossing where people wait for
 /// it to leave: a line at every place there.
@@ -64,14 +65,14 @@ Driven Coordinator::admit(const Newcomer& newcomer, std::int64_t key) {
   const CorridorCourse& course = corridors_[newcomer.corridor].course;
   const double expected = corridors_[newcomer.corridor].lines.front() - newcomer.to_line;
   driven.approach = approach_to(corridors_[driven.corridor], v, expected);
-  if (driven.approach.is_notable()) {
-    // Beside its path the vehicle drives a little faster or slower than along it.
-    Vehicle body = type.body;
-    const double beside = driven.approach.ground_acceleration(
-        corridors_.library().path(corridors_[driven.corridor].path), v.speed);
-    const double left = 1.0 - beside / std::min(body.max_accel, body.max_decel);
-    // In steps, so that vehicles share corridors.
-    const double share = std::clamp(std::floor(left * 10.0) / 10.0, kLeastShare, kApproachReserve);
+  // Beside its path the vehicle drives a little faster or slower than along it.
+  const Corridor& along = corridors_[driven.corridor];
+  Vehicle body = type.body;
+  const double left = driven.approach.acceleration_share(
+      corridors_.library().path(along.path), v.speed, std::min(body.max_accel, body.max_decel),
+      along.lateral_limits);
+  if (left < kWholeShare) {
+    const double share = std::max(std::floor(left / kShareStep) * kShareStep, kLeastShare);
     body.max_accel *= share;
     body.max_decel *= share;
     driven.corridor = corridors_.corridor_for(course, body);

@@ -90,8 +90,7 @@ bool Coordinator::stands_for_good(const Driven& driven) const {
 /// Is there no place left for a later hand-back?
 bool Coordinator::ends_soon(const Driven& driven) const {
   const InertialState now = here(driven);
-  return planner_is_dead() || now.s + now.v * grid_.dt >= corridors_[driven.corridor].s_latest ||
-         now.s + now.v * grid_.decision() >= driven.road.s_end;
+  return planner_is_dead() || now.s + now.v * grid_.dt >= corridors_[driven.corridor].s_latest;
 }
 
 /// Would the driver who gets it back have his headway to whoever is ahead? Else it is driven on

@@ -13,6 +13,7 @@
 namespace mvtp {
 namespace {
 
+constexpr double kAside = 0.05;  ///< [m] of either end of a body that lies along its lane
 constexpr double kChangeLateralAccel = 3.0;  ///< [m/s^2] while changing lanes, whatever the limit
 
 }  // namespace
@@ -220,6 +221,12 @@ void CorridorMap::set_stations(const Line& line, const ReferencePath& path, cons
   const double earliest = corridor.s_exit + std::min(course.handback, body.length() + 1.0);
   corridor.s_handback = straight_near(line, path, body, wanted, {earliest, corridor.s_end});
   corridor.s_latest = straight_until(line, path, body, corridor.s_handback, corridor.s_end);
+  // Vehicles come by in steps: there is room to find one of those where the body lies so.
+  constexpr double kRoom = 3.0;  // [m]
+  while (corridor.s_latest - corridor.s_handback < kRoom && corridor.s_handback - 0.5 > earliest &&
+         aside(line, path, body, corridor.s_handback - 0.5) <= kAside) {
+    corridor.s_handback -= 0.5;
+  }
 }
 
 /// How far the ends of the body are off the lanes' centre line [m].
@@ -229,8 +236,6 @@ double CorridorMap::aside(const Line& line, const ReferencePath& path, const Veh
   return std::max(distance_to(line.points, compose(pose, {body.front, 0.0, 0.0})),
                   distance_to(line.points, compose(pose, {-body.rear, 0.0, 0.0})));
 }
-
-constexpr double kAside = 0.05;  ///< [m] of either end of a body that lies along its lane
 
 /// The first place from `from` on, or else the last before it, where the body lies along its lane;
 /// else the one where it does so best.
@@ -289,6 +294,16 @@ double CorridorMap::lateral_limit(const ReferencePath& path, double s, bool chan
   return std::sqrt(kSpare * most / sharpest);
 }
 
+/// The speed at s from which the body can still stop before the next coordinated line, in case that
+/// it is not admitted to the corridor through that one [m/s].
+double CorridorMap::limit_before_next_line(const Corridor& corridor, const Vehicle& body,
+                                           double s) {
+  constexpr double kSpare = 1.0;  // [m]
+  constexpr double kLeast = 2.0;  // [m/s]: it has to come to the end of its plan
+  const double room = corridor.s_exit + corridor.course.next_line - kSpare - s;
+  return std::max(kLeast, std::sqrt(2.0 * comfortable_braking(body) * std::max(room, 0.0)));
+}
+
 void CorridorMap::set_limits(const ReferencePath& path, const Vehicle& body,
                              Corridor& corridor) const {
   const std::vector<CorridorPiece>& pieces = corridor.course.pieces;
@@ -305,7 +320,8 @@ void CorridorMap::set_limits(const ReferencePath& path, const Vehicle& body,
       changes = changes || (front > pieces[k].begin - 2.0 && front < pieces[k].end + body.length());
     }
     corridor.lane_limits.push_back(limit);
-    corridor.lateral_limits.push_back(lateral_limit(path, s, changes));
+    corridor.lateral_limits.push_back(
+        std::min(lateral_limit(path, s, changes), limit_before_next_line(corridor, body, s)));
   }
 }
 

