@@ -146,9 +146,11 @@ TEST_F(BenchCommand, ResumeDoesOnlyWhatIsMissing) {
 TEST_F(BenchCommand, RunsWithDifferentOptionsNeverShareATable) {
   ASSERT_EQ(run("bench in/easy.yaml -o r.csv -q --time-limit 5").exit_code, 0);
   const std::string more = "bench in -o r.csv --resume ";
-  expect_refused(more, "r.csv: has runs with --time-limit=5, not with no options; give the same, .*");
-  expect_refused(more + "--time-limit 5 --vehicle cl-cbs",
-                 "r.csv: has runs with --time-limit=5, not with --time-limit=5 --vehicle=cl-cbs; .*");
+  expect_refused(more,
+                 "r.csv: has runs with --time-limit=5, not with no options; give the same, .*");
+  expect_refused(
+      more + "--time-limit 5 --vehicle cl-cbs",
+      "r.csv: has runs with --time-limit=5, not with --time-limit=5 --vehicle=cl-cbs; .*");
   EXPECT_EQ(run(more + "--time-limit 5").exit_code, 0);
   EXPECT_THAT(results(), SizeIs(2));
 }
@@ -157,7 +159,8 @@ TEST_F(BenchCommand, RunsWithDifferentOptionsNeverShareATable) {
 TEST_F(BenchCommand, WithoutATemporaryFolderNothingIsRecorded) {
   Outcome outcome = shell(std::string("TMPDIR=none '") + MVTP_PROGRAM + "' bench in -o r.csv");
   EXPECT_EQ(outcome.exit_code, 2);
-  EXPECT_THAT(outcome.err, MatchesRegex("mvtp: TMPDIR: names no folder [^\n]*; set it to another\n"));
+  EXPECT_THAT(outcome.err,
+              MatchesRegex("mvtp: TMPDIR: names no folder [^\n]*; set it to another\n"));
 }
 
 TEST_F(BenchCommand, AFullDiskIsNoResult) {
@@ -214,8 +217,11 @@ TEST_F(BenchCommand, AKilledRunLosesNothing) {
   EXPECT_THAT(results(), SizeIs(testing::Ge(1U)));
 
   for (const std::string signal : {"TERM", "INT"}) {
-    const Outcome interrupted = shell(bench + " & child=$!; sleep 0.2; kill -" + signal +
-                                      " $child; wait $child; code=$?; exit $code");
+    // Once it has started a run of its own, it listens to signals.
+    const std::string at_work = "grep -q . /proc/$child/task/$child/children";
+    const Outcome interrupted =
+        shell(bench + " & child=$!; for i in $(seq 200); do " + at_work +
+              " && break; sleep 0.05; done; kill -" + signal + " $child; wait $child");
     EXPECT_EQ(interrupted.exit_code, 130);
     EXPECT_THAT(content_of(directory_.path("r.csv")), testing::StartsWith(after_kill));
     for (const ResultRow& row : results()) EXPECT_NE(row.status, "crashed");  // it was us
