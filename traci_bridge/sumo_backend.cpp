@@ -6,14 +6,15 @@
 #include <exception>
 #include <map>
 #include <optional>
-#include <set>
 #include <span>
 #include <stdexcept>
 #include <utility>
 
-#include "planner/problem/input_error.hpp"
 #include "traci_bridge/sumo_api.hpp"
+#include "traci_bridge/sumo_calls.hpp"
 #include "traci_bridge/sumo_connection.hpp"
+#include "traci_bridge/sumo_controlled.hpp"
+#include "traci_bridge/sumo_drivers.hpp"
 #include "traci_bridge/sumo_frame.hpp"
 #include "traci_bridge/sumo_holds.hpp"
 #include "traci_bridge/sumo_lanes.hpp"
@@ -21,6 +22,7 @@
 #include "traci_bridge/sumo_reading.hpp"
 #include "traci_bridge/sumo_routes.hpp"
 #include "traci_bridge/sumo_signals.hpp"
+#include "traci_bridge/sumo_stops.hpp"
 
 namespace mvtp {
 
@@ -28,41 +30,25 @@ using namespace MVTP_SUMO_NAMESPACE;
 
 namespace {
 
-// moveToXY's bits "keep the route" and "off the road is allowed": poses are exact and the route
-// stays. Every other value snaps to lanes, or rewrites the route.
-constexpr int kKeepRoute = 3;
-constexpr int kNewRoute = 2;          // the same, but the route is that of the lane it comes to
-constexpr int kOntoRoute = 1;         // onto the nearest lane of the route, and its middle
-constexpr double kAnyDistance = 1e6;  // [m]
-// Speed and lane-change modes in which SUMO neither corrects the commanded pose nor the speed.
-constexpr int kObey = 0;
-// Safe speed, acceleration and braking as ever, but no right of way, no signal, no foe inside.
-constexpr int kHeedNobody = 39;
-constexpr int kOwnSpeedMode = 31;
-// No lane change but those that avoid a collision, which are none where nobody changes.
-constexpr int kKeepLane = 512;
-constexpr double kSwerve = 1.0;  ///< [s] for which a swerving driver stays on his new lane
-/// A vehicle that was just handed back first finds its place in its lane [s]; SUMO changes lanes at
-/// once, 3 m aside, where its sublane model is off.
-constexpr double kNoLaneChange = 1.0;
-constexpr double kOwnSpeed = -1.0;  // TraCI: the driver's choice again
-constexpr int kStoppedBit = 1;      // of getStopState()
-constexpr double kStanding = 0.1;   // [m/s]
+constexpr int kStoppedBit = 1;     // of getStopState()
+constexpr double kStanding = 0.1;  // [m/s]
 
 class Backend final : public SumoTraffic {
  public:
   explicit Backend(SumoLaunch launch)
-      : configuration_(launch.configuration),
-        joined_(launch.remote.has_value()),
+      : joined_(launch.remote.has_value()),
         network_(std::move(launch.network)),
         outputs_(std::move(launch.outputs)),
         log_(launch.log),
+        calls_(launch.configuration, log_, clock_),
         lanes_(network_, log_),
         routes_(network_, log_),
-        holds_(network_, log_) {
+        holds_(network_, log_),
+        stops_(network_, holds_, routes_, clock_),
+        controlled_(network_, lanes_, routes_, drivers_, clock_) {
     ask([&] {
       connection_ = std::make_unique<SumoConnection>(launch, log_);
-      step_length_ = api::Simulation::getDeltaT();
+      clock_.step_length = api::Simulation::getDeltaT();
       observe();
     });
   }
@@ -89,8 +75,8 @@ class Backend final : public SumoTraffic {
     return ask([&] { return read_type(id); });
   }
 
-  double time() const override { return time_; }
-  double step_length() const override { return step_length_; }
+  double time() const override { return clock_.now; }
+  double step_length() const override { return clock_.step_length; }
   bool running() const override { return running_; }
   std::span<const VehicleState> vehicles() const override { return vehicles_; }
   std::span<const Pedestrian> pedestrians() const override { return pedestrians_; }
@@ -110,7 +96,7 @@ class Backend final : public SumoTraffic {
   }
 
   std::span<const std::string> route_edges(const std::string& id) const override {
-    return look_up([&] { return routes_.rest(id, time_); });
+    return look_up([&] { return routes_.rest(id, clock_.now); });
   }
 
   void take_over(const std::string& id) override {
@@ -118,18 +104,7 @@ class Backend final : public SumoTraffic {
     hold(id, false);
     rely_on_signal(id, {});
     keep_lane(id, false);
-    unrestored_.erase(id);
-    ask([&] {
-      const Characteristics& vehicle = characteristics(id);
-      const libsumo::TraCIPosition p = api::Vehicle::getPosition(id);
-      controlled_[id] = {.front = vehicle.front,
-                         .position = {p.x, p.y, api::Vehicle::getAngle(id)},
-                         .speed = api::Vehicle::getSpeed(id),
-                         .speed_mode = own_speed_mode(id),
-                         .lane_change_mode = pending_lane_change_mode(id)};
-      api::Vehicle::setSpeedMode(id, kObey);
-      api::Vehicle::setLaneChangeMode(id, kObey);
-    });
+    ask([&] { controlled_.take_over(id, characteristics(id).front); });
   }
 
   bool is_taken_over(const std::string& id) const override {
@@ -140,50 +115,23 @@ class Backend final : public SumoTraffic {
   }
 
   void hand_back(const std::string& id) override {
-    const auto found = controlled_.find(id);
-    if (found == controlled_.end()) return;
-    ask([&] {
-      settle(id);
-      if (!routes_.restore(id, time_)) unrestored_.insert(id);
-      if (api::Vehicle::getLaneID(id).empty()) put_onto_route(id, found->second);
-      // SUMO only knows a speed it has measured itself, cut off at the limit of the lane.
-      api::Vehicle::setPreviousSpeed(id, found->second.speed);
-      api::Vehicle::setSpeedMode(id, found->second.speed_mode);
-    });
-    lane_changes_[id] = {time_ + kNoLaneChange, found->second.lane_change_mode};
-    controlled_.erase(found);
+    if (!controlled_.contains(id)) return;
+    ask([&] { controlled_.hand_back(id); });
   }
 
   void drive_along(const std::string& id, std::span<const std::string> edges) override {
     if (!controlled_.contains(id) || edges.empty()) return;
-    const std::size_t length = look_up([&] { return routes_.length_to_cut(id, edges, time_); });
-    if (length > 0) ask([&] { cut_route(id, length); });
+    ask([&] { controlled_.drive_along(id, edges); });
   }
 
-  /// SUMO puts a vehicle onto any lane of the rest of its route that it comes near, and fails an
-  /// assertion once it has been near the inside of a junction.
   void leave_road(const std::string& id) override {
-    const auto found = controlled_.find(id);
-    if (found == controlled_.end() || !found->second.rest_of_route.empty()) return;
-    Controlled& vehicle = found->second;
-    vehicle.rest_of_route = route(id);
-    ask([&] {
-      (void)routes_.restore(id, time_);
-      api::Vehicle::setRoute(id, std::vector<std::string>{vehicle.rest_of_route.front()});
-    });
+    if (!controlled_.contains(id)) return;
+    ask([&] { controlled_.leave_road(id); });
   }
 
   void enter_road(const std::string& id, const std::string& lane) override {
-    const auto found = controlled_.find(id);
-    if (found == controlled_.end()) return;
-    Controlled& vehicle = found->second;
-    const std::string& edge = network_.lanes.at(lane).edge;
-    std::vector<std::string>& rest = vehicle.rest_of_route;
-    const auto here = std::ranges::find(rest, edge);
-    if (here == rest.end()) return;
-    rest.erase(rest.begin(), here);
-    vehicle.lane_index = network_.lanes.at(lane).index;
-    vehicle.enters = true;
+    if (!controlled_.contains(id)) return;
+    controlled_.enter_road(id, lane);
   }
 
   void place(const std::string& id, const Pose& pose, double speed) override {
@@ -191,10 +139,7 @@ class Backend final : public SumoTraffic {
         !std::isfinite(speed)) {
       throw std::invalid_argument("place: the pose of vehicle \"" + id + "\" is not finite");
     }
-    const auto found = controlled_.find(id);
-    if (found == controlled_.end()) return;
-    found->second.position = to_sumo(pose, found->second.front);
-    found->second.speed = speed;
+    if (controlled_.contains(id)) controlled_.place(id, pose, speed);
   }
 
   void hold(const std::string& id, bool stop) override {
@@ -209,55 +154,32 @@ class Backend final : public SumoTraffic {
   }
 
   void let_through(const std::string& id, bool pass) override {
-    if (controlled_.contains(id) || !is_here(id)) return;
-    ask([&] {
-      if (pass) {
-        api::Vehicle::setSpeedMode(id, kHeedNobody);
-      } else {
-        api::Vehicle::setSpeedMode(id, kOwnSpeedMode);
-      }
-    });
+    if (!is_driven_by_sumo(id)) return;
+    ask([&] { drivers_.let_through(id, pass); });
   }
 
   void rely_on_signal(const std::string& id, const std::vector<std::string>& waiting) override {
-    if (!is_here(id) || (waiting.empty() && !relying_.contains(id))) return;
-    std::string words;
-    for (const std::string& other : waiting) words += (words.empty() ? "" : " ") + other;
-    ask([&] { api::Vehicle::setParameter(id, "junctionModel.ignoreIDs", words); });
-    if (waiting.empty()) {
-      relying_.erase(id);
-    } else {
-      relying_.insert(id);
-    }
+    if (!is_here(id) || (waiting.empty() && !drivers_.relies_on_signal(id))) return;
+    ask([&] { drivers_.rely_on_signal(id, waiting); });
   }
 
   void keep_lane(const std::string& id, bool keep) override {
-    if (controlled_.contains(id) || !is_here(id) || keep == lane_keepers_.contains(id)) return;
-    ask([&] {
-      if (keep) {
-        lane_keepers_[id] = pending_lane_change_mode(id);
-        api::Vehicle::setLaneChangeMode(id, kKeepLane);
-      } else {
-        api::Vehicle::setLaneChangeMode(id, lane_keepers_.extract(id).mapped());
-      }
-    });
+    if (!is_driven_by_sumo(id) || keep == drivers_.keeps_lane(id)) return;
+    ask([&] { drivers_.keep_lane(id, keep); });
   }
 
   void swerve(const std::string& id) override {
-    if (controlled_.contains(id) || !is_here(id)) return;
-    ask([&] {
-      const int lane = api::Vehicle::getLaneIndex(id);
-      const int lanes = api::Edge::getLaneNumber(api::Vehicle::getRoadID(id));
-      const int beside = lane + 1 < lanes ? lane + 1 : lane - 1;
-      if (beside < 0) return;
-      api::Vehicle::setLaneChangeMode(id, kObey);
-      api::Vehicle::changeLane(id, beside, kSwerve);
-    });
+    if (!is_driven_by_sumo(id)) return;
+    ask([&] { drivers_.swerve(id); });
   }
 
   void react_late(const std::string& id, double seconds) override {
-    if (controlled_.contains(id) || !is_here(id)) return;
-    ask([&] { api::Vehicle::setActionStepLength(id, std::max(seconds, step_length())); });
+    if (!is_driven_by_sumo(id)) return;
+    ask([&] { drivers_.react_late(id, std::max(seconds, step_length())); });
+  }
+
+  void cap_speed(const std::string& id, double speed) override {
+    ask([&] { drivers_.cap_speed(id, speed); });
   }
 
   void show(const std::string& signal, int index, Light light) override {
@@ -293,18 +215,6 @@ class Backend final : public SumoTraffic {
     ask([&] { signals_.control(signal, control); });
   }
 
-  void cap_speed(const std::string& id, double speed) override {
-    ask([&] {
-      const bool slower = speed < api::Vehicle::getAllowedSpeed(id);
-      if (slower) {
-        api::Vehicle::setSpeed(id, speed);
-        capped_.insert(id);
-      } else if (capped_.erase(id) > 0) {
-        api::Vehicle::setSpeed(id, kOwnSpeed);
-      }
-    });
-  }
-
   void limit_speed(const std::string& lane, double speed) override {
     Lane& limited = network_.lanes.at(lane);
     if (speed >= limited.speed_limit) return;
@@ -313,71 +223,27 @@ class Backend final : public SumoTraffic {
   }
 
   std::optional<Stop> next_stop(const std::string& id) const override {
-    return ask([&]() -> std::optional<Stop> {
-      std::vector<libsumo::TraCINextStopData> stops = api::Vehicle::getStops(id, 0);
-      std::erase_if(stops, [&](const auto& stop) { return holds_.is_hold(id, stop); });
-      if (stops.empty()) stops = routes_.stops_behind(id);
-      if (stops.empty()) return std::nullopt;
-      const libsumo::TraCINextStopData& next = stops.front();
-      return Stop{.lane = next.lane,
-                  .edge = network_.lanes.contains(next.lane)
-                              ? network_.lanes.at(next.lane).edge
-                              : next.lane.substr(0, next.lane.rfind('_')),
-                  .position = next.endPos,
-                  .duration = std::max(next.duration, 0.0),
-                  .until = next.until < 0.0 ? -1.0 : next.until,
-                  .reached = next.arrival >= 0.0};
-    });
+    return ask([&] { return stops_.next(id); });
   }
 
   std::optional<ParkingStop> parking_stop(const std::string& id) const override {
-    if (leaving_.contains(id)) return std::nullopt;
-    return ask([&]() -> std::optional<ParkingStop> {
-      const std::optional<NextStop> next = next_parking_stop(id);
-      if (!next) return std::nullopt;
-      ParkingStop stop{.area = next->data.stoppingPlaceID,
-                       .duration = std::max(next->data.duration, 0.0),
-                       .until = next->data.until < 0.0 ? -1.0 : next->data.until,
-                       .parked = is_parked(id)};
-      // SUMO counts it down, from the step after the one in which the stop was reached.
-      if (stop.parked) {
-        stop.duration = next->data.duration + time_ - step_length_ - next->data.arrival;
-      }
-      return stop;
-    });
+    return ask([&] { return stops_.parking(id); });
   }
 
   void drop_parking_stop(const std::string& id) override {
-    ask([&] {
-      const std::optional<NextStop> stop = next_parking_stop(id);
-      if (!stop) return;
-      if (is_parked(id)) {
-        leaving_.insert(id);
-      } else {
-        api::Vehicle::replaceStop(id, stop->index, "");
-      }
-    });
+    ask([&] { stops_.drop_parking(id); });
   }
 
-  bool can_move(const std::string& id) const override { return !leaving_.contains(id); }
+  bool can_move(const std::string& id) const override { return !stops_.leaving().contains(id); }
 
   void step() override {
     ask([&] {
-      resume_lane_changes();
-      leave_parking_areas();
+      drivers_.resume_lane_changes(clock_.now);
+      stops_.leave_parking_areas();
       signals_.send();
-      std::erase_if(unrestored_, [&](const std::string& id) { return routes_.restore(id, time_); });
-      for (const auto& [id, vehicle] : controlled_) {
-        if (leaving_.contains(id)) continue;
-        settle(id);
-        if (const std::size_t next = routes_.next_cut(id, time_)) routes_.cut(id, next, time_);
-        const SumoPosition& p = vehicle.position;
-        api::Vehicle::moveToXY(id, vehicle.enters ? vehicle.rest_of_route.front() : "",
-                               vehicle.enters ? vehicle.lane_index : -1, p.x_m, p.y_m, p.angle_deg,
-                               vehicle.enters ? kNewRoute : kKeepRoute, kAnyDistance);
-      }
+      controlled_.send(stops_.leaving());
       api::Simulation::step();
-      resume_routes();
+      controlled_.resume_routes();
       observe();
     });
   }
@@ -400,18 +266,9 @@ class Backend final : public SumoTraffic {
     return std::ranges::binary_search(vehicles_, id, {}, &VehicleState::id);
   }
 
-  /// A vehicle that goes where we put it: there again in each step until put elsewhere, since SUMO
-  /// loses a vehicle that is off the road and not put anywhere in a step.
-  struct Controlled {
-    double front = 0.0;  ///< Vehicle::front [m]
-    SumoPosition position;
-    double speed = 0.0;
-    int speed_mode = 0;  ///< to restore
-    int lane_change_mode = 0;
-    std::vector<std::string> rest_of_route;  ///< edges, of a vehicle that has left the road
-    bool enters = false;                     ///< it is to be on the first of them again, in
-    int lane_index = -1;                     ///< this lane
-  };
+  [[nodiscard]] bool is_driven_by_sumo(const std::string& id) const {
+    return is_here(id) && !controlled_.contains(id);
+  }
 
   /// What does not change while a vehicle is on the road.
   struct Characteristics {
@@ -420,48 +277,18 @@ class Backend final : public SumoTraffic {
     double speed_factor = 1.0;
   };
 
-  /// When a vehicle that was handed back may change lanes again, and in which mode.
-  struct Resumption {
-    double time = 0.0;
-    int mode = 0;
-  };
-
-  /// Calls SUMO; what it throws, or says on stderr, becomes one InputError.
   template <class Call>
   auto ask(const Call& call) const -> decltype(call()) {
-    std::string problem;
-    try {
-      const SumoLog::Redirection redirection(log_);
-      return call();
-    } catch (const std::exception& error) {
-      problem = error.what();
-    }
-    if (const std::string said = log_.take_errors(); !said.empty()) problem = said;
-    std::ranges::replace(problem, '\n', ' ');
-    if (problem.ends_with('.')) problem.pop_back();
-    const std::string when =
-        time_ < 0.0 ? "SUMO does not start: " : "SUMO stopped after " + seconds(time_) + ": ";
-    throw InputError(configuration_, when + problem + "; correct the scenario or SUMO's options");
+    return calls_.ask(call);
   }
-
-  /// The same for what is asked often and only reads.
   template <class Call>
   auto look_up(const Call& call) const -> decltype(call()) {
-    try {
-      return call();
-    } catch (const std::exception&) {
-      return ask(call);
-    }
-  }
-
-  static std::string seconds(double time) {
-    const std::string text = std::to_string(time);
-    return text.substr(0, text.find('.') + 3) + " s";
+    return calls_.look_up(call);
   }
 
   /// Reads the state after a step, each value once.
   void observe() {
-    time_ = api::Simulation::getTime();
+    clock_.now = api::Simulation::getTime();
     running_ = api::Simulation::getMinExpectedNumber() > 0;
     departed_ = api::Simulation::getDepartedIDList();
     arrived_ = api::Simulation::getArrivedIDList();
@@ -486,19 +313,10 @@ class Backend final : public SumoTraffic {
     const auto has_left = [&](const std::string& id) {
       return !std::ranges::binary_search(ids, id);
     };
-    const auto entry_has_left = [&](const auto& entry) { return has_left(entry.first); };
-    std::erase_if(controlled_, [&](const auto& entry) {
-      if (!has_left(entry.first)) return false;
-      routes_.forget(entry.first);
-      return true;
-    });
+    controlled_.forget_if(has_left);
+    drivers_.forget_if(has_left);
     holds_.forget_if(has_left);
-    std::erase_if(lane_changes_, entry_has_left);
-    std::erase_if(capped_, has_left);
-    std::erase_if(unrestored_, has_left);
-    std::erase_if(leaving_, has_left);
-    std::erase_if(relying_, has_left);
-    std::erase_if(lane_keepers_, entry_has_left);
+    stops_.forget_if(has_left);
   }
 
   /// Does it depart in a parking area? SUMO puts such a vehicle on the lane beside it for one step.
@@ -507,53 +325,17 @@ class Backend final : public SumoTraffic {
     return is_placed_beside_its_parking(id);
   }
 
-  void settle(const std::string& id) { lanes_.settle(id, route_edges(id), step_length_); }
-
-  void cut_route(const std::string& id, std::size_t length) {
-    settle(id);
-    routes_.cut(id, length, time_);
-  }
-
-  /// From open ground onto the road, in the next step: SUMO's driver cannot go back.
-  static void put_onto_route(const std::string& id, const Controlled& vehicle) {
-    const SumoPosition& p = vehicle.position;
-    api::Vehicle::moveToXY(id, "", -1, p.x_m, p.y_m, p.angle_deg, kOntoRoute, kAnyDistance);
-  }
-
-  /// Those who came onto a lane again in this step go on along their own routes.
-  void resume_routes() {
-    for (auto& [id, vehicle] : controlled_) {
-      if (!vehicle.enters || api::Vehicle::getRoadID(id) != vehicle.rest_of_route.front()) continue;
-      api::Vehicle::setRoute(id, vehicle.rest_of_route);
-      vehicle.rest_of_route.clear();
-      vehicle.enters = false;
-    }
-  }
-
-  /// A vehicle that leaves goes by the lane beside its area, if only for a moment: moveToXY in the
-  /// same step takes it away from there. It waits for room, as SUMO would try it again in later
-  /// steps, when it is long under control, and in the end remove it twice.
-  void leave_parking_areas() {
-    std::erase_if(leaving_, [&](const std::string& id) {
-      if (is_parked(id) && !is_lane_free_beside(id)) return false;
-      if (is_parked(id)) api::Vehicle::resume(id);
-      return true;
-    });
-  }
-
   void observe(std::string id, VehicleState& state) {
     const Characteristics& vehicle = characteristics(id);
     const libsumo::TraCIPosition p = api::Vehicle::getPosition(id);
-    const auto controlled = controlled_.find(id);
+    const std::optional<double> told = controlled_.speed(id);
     state.type = vehicle.type;
     state.pose = from_sumo({p.x, p.y, api::Vehicle::getAngle(id)}, vehicle.front);
-    state.speed =
-        controlled == controlled_.end() ? api::Vehicle::getSpeed(id) : controlled->second.speed;
+    state.speed = told ? *told : api::Vehicle::getSpeed(id);
     state.speed_factor = vehicle.speed_factor;
     state.lane = api::Vehicle::getLaneID(id);
     state.lane_position = state.lane.empty() ? 0.0 : api::Vehicle::getLanePosition(id);
-    state.halted_by_stop = state.speed < kStanding && controlled == controlled_.end() &&
-                           !holds_.contains(id) &&
+    state.halted_by_stop = state.speed < kStanding && !told && !holds_.contains(id) &&
                            (api::Vehicle::getStopState(id) & kStoppedBit) != 0;
     state.id = std::move(id);
   }
@@ -567,28 +349,6 @@ class Backend final : public SumoTraffic {
                                    .speed_factor = api::Vehicle::getSpeedFactor(id)};
   }
 
-  /// The vehicle's own mode, even while it is let through.
-  static int own_speed_mode(const std::string& id) {
-    const int mode = api::Vehicle::getSpeedMode(id);
-    return mode == kHeedNobody ? kOwnSpeedMode : mode;
-  }
-
-  /// The vehicle's own mode, even if it has not got it back yet.
-  [[nodiscard]] int pending_lane_change_mode(const std::string& id) {
-    const auto pending = lane_changes_.extract(id);
-    return pending ? pending.mapped().mode : api::Vehicle::getLaneChangeMode(id);
-  }
-
-  /// Gives vehicles that were handed back a while ago their own lane-change mode again.
-  void resume_lane_changes() {
-    std::erase_if(lane_changes_, [&](const auto& entry) {
-      const auto& [id, resumption] = entry;
-      if (time_ < resumption.time) return false;
-      if (!controlled_.contains(id)) api::Vehicle::setLaneChangeMode(id, resumption.mode);
-      return true;
-    });
-  }
-
   void end() {
     if (!connection_) return;
     const std::unique_ptr<SumoConnection> ending = std::move(connection_);
@@ -596,18 +356,21 @@ class Backend final : public SumoTraffic {
     ending->close();
   }
 
-  std::string configuration_;
   bool joined_;  ///< somebody else runs this SUMO
   RoadNetwork network_;
   std::vector<OutputFile> outputs_;
-  mutable SumoLog log_;
+  SumoLog log_;
+  SumoClock clock_;
+  SumoCalls calls_;
   SumoLanes lanes_;
   SumoRoutes routes_;
   SumoHolds holds_;
+  SumoStops stops_;
+  SumoDrivers drivers_;
+  SumoControlled controlled_;
+  SumoSignals signals_;
   std::unique_ptr<SumoConnection> connection_;
 
-  double time_ = -1.0;  ///< before the start
-  double step_length_ = 0.0;
   bool running_ = false;
   std::vector<VehicleState> vehicles_;
   std::vector<Pedestrian> pedestrians_;
@@ -616,14 +379,6 @@ class Backend final : public SumoTraffic {
   int collisions_ = 0;
 
   std::map<std::string, Characteristics> characteristics_;
-  std::map<std::string, Controlled> controlled_;
-  std::set<std::string> capped_;
-  std::set<std::string> unrestored_;  ///< handed back, but SUMO does not know the whole route yet
-  std::set<std::string> leaving_;     ///< parked, without a stop from the next step on
-  std::map<std::string, Resumption> lane_changes_;
-  std::set<std::string> relying_;            ///< on protected greens
-  std::map<std::string, int> lane_keepers_;  ///< their own lane-change modes
-  SumoSignals signals_;
 };
 
 }  // namespace
