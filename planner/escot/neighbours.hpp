@@ -8,6 +8,11 @@
 
 namespace mvtp {
 
+/// Of two places [m^2].
+[[nodiscard]] inline double squared_distance(const Point& a, const Point& b) {
+  return (a.x - b.x) * (a.x - b.x) + (a.y - b.y) * (a.y - b.y);
+}
+
 /// Robots found by place: sorted by x, so that only those in a strip of the map are looked at.
 class Neighbours {
  public:
@@ -25,9 +30,8 @@ class Neighbours {
     result.clear();
     const auto first = std::ranges::lower_bound(entries_, place.x - radius, {}, &Entry::x);
     for (auto entry = first; entry != entries_.end() && entry->x <= place.x + radius; ++entry) {
-      const double dx = entry->x - place.x;
-      const double dy = entry->y - place.y;
-      if (dx * dx + dy * dy <= radius * radius) result.push_back(entry->robot);
+      const double d2 = squared_distance({entry->x, entry->y}, {place.x, place.y});
+      if (d2 <= radius * radius) result.push_back(entry->robot);
     }
   }
 

@@ -14,8 +14,10 @@ struct Arc {
   friend bool operator==(const Arc&, const Arc&) = default;
 };
 
+[[nodiscard]] inline bool is_wait(const Arc& arc) { return arc.length == 0.0; }
+
 [[nodiscard]] inline Pose drive(const Pose& from, const Arc& arc) {
-  return arc.length == 0.0 ? from : drive(from, arc.length, arc.curvature);
+  return is_wait(arc) ? from : drive(from, arc.length, arc.curvature);
 }
 
 [[nodiscard]] inline Pose drive(Pose pose, const std::vector<Arc>& arcs) {

@@ -41,6 +41,14 @@ struct BoxShape {
   return box_pose(Frame(pose), (vehicle.front - vehicle.rear) / 2);
 }
 
+/// A box given in the frame of a car, in the world.
+[[nodiscard]] inline BoxPose moved(const BoxPose& box, const Frame& car) {
+  const Point middle = car.world(double(box.x), double(box.y));
+  const float ux = float(car.ux);
+  const float uy = float(car.uy);
+  return {float(middle.x), float(middle.y), ux * box.ux - uy * box.uy, uy * box.ux + ux * box.uy};
+}
+
 /// The widest gap between two bodies along the directions of their sides [m]: negative if and only
 /// if they overlap (separating axis theorem).
 [[nodiscard]] inline float gap(const BoxPose& a, const BoxShape& size_a, const BoxPose& b,
@@ -66,6 +74,10 @@ struct SweptBox {
   float half_length = 0.0F;
   float half_width = 0.0F;
 };
+
+[[nodiscard]] inline SweptBox moved(const SweptBox& box, const Frame& car) {
+  return {moved(box.pose, car), box.half_length, box.half_width};
+}
 
 /// A box around the body while it moves through `boxes[0] ... boxes[steps]`, one arc of a circle
 /// between two time steps each, aligned with the body half way.
