@@ -99,6 +99,9 @@ class Coordinator : public Controller {
   /// Drivers at signals that are ours; none if everybody is automated.
   [[nodiscard]] const HumanDrivers* humans() const { return humans_.get(); }
 
+  /// Steps of the traffic so far.
+  [[nodiscard]] std::int64_t steps() const { return step_; }
+
   /// Who walks over crossings; none if the network has none.
   [[nodiscard]] const People* people() const { return people_ ? &*people_ : nullptr; }
 

@@ -5,6 +5,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,18 @@
 namespace mvtp {
 
 class PhaseChoice;
+
+/// The ground ahead of a driver on which he may be at some moments.
+struct ExpectedGround {
+  /// Metres along his path from where he is to where his rear axle may be.
+  struct Reach {
+    double least = 0.0;
+    double most = 0.0;
+  };
+  bool passes = false;         ///< he has green, or is behind his line; else he stays before it
+  std::vector<int> paths;      ///< in the PathLibrary: one if it is known where he turns
+  std::vector<Reach> reaches;  ///< one for each moment, over all these paths
+};
 
 /// Human-driven vehicles at signals that the coordinator owns. Each is an agent of the planner
 /// whose only decision is when it gets green: its passage is planned first, then the signal is
@@ -52,6 +65,13 @@ class HumanDrivers {
   [[nodiscard]] bool passes(const std::string& id) const;
   /// What it may do if it passes, one forecast for each movement; none if it is not known.
   [[nodiscard]] std::vector<Forecast> passages(const std::string& id) const;
+
+  /// Where it may be some steps after `step`, as the last decision expects it; nullopt if it is not
+  /// known, or what was expected is older than that.
+  /// @param where  its rear axle at `step`
+  [[nodiscard]] std::optional<ExpectedGround> ground_of(const std::string& id, const Pose& where,
+                                                        std::int64_t step,
+                                                        std::span<const int> later) const;
 
   /// Groups of drivers that may get green now, the longest waiting first: each group wholly or not
   /// at all, and any of them beside each other. Nobody of a group meets a driver who has green.
@@ -162,6 +182,8 @@ class HumanDrivers {
   [[nodiscard]] int slack_before() const;
   [[nodiscard]] int slack_behind() const;
   [[nodiscard]] double length_of(const std::string& type) const;
+  [[nodiscard]] ExpectedGround::Reach reach_of(const Agent& agent, const Movement& movement,
+                                               const Pose& where, std::int64_t then) const;
 
   Traffic& traffic_;
   const LaneGraph& graph_;

@@ -194,6 +194,38 @@ std::vector<TubeLeader> HumanDrivers::leaders_of(const Agent& agent,
   return leaders;
 }
 
+/// Between its latest and its earliest motion; as long as it waits, anywhere before its line.
+ExpectedGround::Reach HumanDrivers::reach_of(const Agent& agent, const Movement& movement,
+                                             const Pose& where, std::int64_t then) const {
+  constexpr double kAround = 15.0;  // [m] that it has driven since the decision, at most
+  const double at_decision = movement.driver.road.now.s;
+  const ReferencePath& path = corridors_.library().path(movement.driver.road.path);
+  const double here = path.project({where.x, where.y}, at_decision, at_decision + kAround);
+  const double driven = here - at_decision;
+  if (!agent.granted) return {0.0, std::max(0.0, movement.driver.line - here)};
+  const double most = std::max(0.0, station(movement.forecast.trajectory, then) - driven);
+  return {std::clamp(station(*movement.forecast.latest, then) - driven, 0.0, most), most};
+}
+
+std::optional<ExpectedGround> HumanDrivers::ground_of(const std::string& id, const Pose& where,
+                                                      std::int64_t step,
+                                                      std::span<const int> later) const {
+  const auto known = agents_.find(id);
+  if (known == agents_.end() || step - step_ > grid_.steps_per_decision) return std::nullopt;
+  const Agent& agent = known->second;
+  ExpectedGround ground{.passes = agent.granted, .paths = {}, .reaches = {}};
+  for (const Movement& m : agent.movements) ground.paths.push_back(m.driver.road.path);
+  for (const int steps : later) {
+    ExpectedGround::Reach all{.least = std::numeric_limits<double>::infinity()};
+    for (const Movement& m : agent.movements) {
+      const ExpectedGround::Reach reach = reach_of(agent, m, where, step + steps);
+      all = {std::min(all.least, reach.least), std::max(all.most, reach.most)};
+    }
+    ground.reaches.push_back(all);
+  }
+  return ground;
+}
+
 double HumanDrivers::length_of(const std::string& type) const {
   const auto known = lengths_.find(type);
   if (known != lengths_.end()) return known->second;

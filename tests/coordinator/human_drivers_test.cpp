@@ -120,6 +120,88 @@ TEST(HumanDrivers, OneAloneHardlySlowsDown) {
   EXPECT_EQ(run.coordinator.humans()->unplanned_passages(), 0);
 }
 
+/// The ground of one who drives from the west over a signal that is green for him.
+TEST(HumanDrivers, AreOnTheGroundThatIsExpectedOfThem) {
+  ClosedLoop run = loop({{"a", 0.0, "W-C", "C-E"}}, share(0.0));
+  const std::vector<int> later = {5, 20};  // steps
+  struct Expected {
+    Pose from;
+    ExpectedGround::Reach reach;
+  };
+  std::map<std::int64_t, std::vector<Expected>> at;  // by step
+  int seen = 0;
+  while (run.traffic.running() && run.traffic.time() < 60.0) {
+    run.step();
+    if (run.traffic.vehicles().empty()) continue;
+    const Pose& pose = run.traffic.vehicles().front().pose;
+    const std::int64_t step = run.coordinator.steps();
+    for (const auto& [from, reach] : at[step]) {
+      const double driven = distance(from, pose);
+      EXPECT_GE(driven, reach.least - 0.3) << step;
+      EXPECT_LE(driven, reach.most + 0.3) << step;
+      ++seen;
+    }
+    const auto ground = run.coordinator.humans()->ground_of("a", pose, step, later);
+    if (!ground || !ground->passes) continue;
+    EXPECT_EQ(ground->paths.size(), 1U);
+    for (std::size_t i = 0; i < later.size(); ++i) {
+      at[step + later[i]].push_back({pose, ground->reaches[i]});
+    }
+  }
+  EXPECT_GT(seen, 50);
+}
+
+TEST(HumanDrivers, StayBeforeTheirLineUntilTheyHaveGreen) {
+  ClosedLoop run = loop(cars(2), share(0.3));
+  const std::vector<int> later = {20};
+  std::map<std::string, Pose> lines;  // where the rear axle comes to at most, straight ahead
+  int seen = 0;
+  while (run.traffic.running() && run.traffic.time() < 200.0) {
+    run.step();
+    for (const VehicleState& v : run.traffic.vehicles()) {
+      const auto ground =
+          run.coordinator.humans()->ground_of(v.id, v.pose, run.coordinator.steps(), later);
+      if (!ground || ground->passes) {
+        lines.erase(v.id);
+        continue;
+      }
+      EXPECT_EQ(ground->reaches[0].least, 0.0);
+      const Pose line = compose(v.pose, {ground->reaches[0].most, 0.0, 0.0});
+      const auto [known, is_new] = lines.try_emplace(v.id, line);
+      if (is_new) continue;
+      EXPECT_LT(distance(known->second, line), 0.3) << v.id << ": the line does not move";
+      ++seen;
+    }
+  }
+  EXPECT_GT(seen, 100);
+}
+
+TEST(HumanDrivers, HaveAPathForEachTurnThatIsInQuestion) {
+  CoordinatorOptions options = share(0.0);
+  options.intent = KnownIntent::kLane;
+  ClosedLoop run = loop({{"a", 0.0, "W-C", "C-E"}}, options);
+  std::size_t most = 0;
+  while (run.traffic.running() && run.traffic.time() < 30.0) {
+    run.step();
+    for (const VehicleState& v : run.traffic.vehicles()) {
+      const auto ground =
+          run.coordinator.humans()->ground_of(v.id, v.pose, run.coordinator.steps(), {});
+      if (ground) most = std::max(most, ground->paths.size());
+    }
+  }
+  EXPECT_EQ(most, 3U);
+}
+
+TEST(HumanDrivers, WhatWasExpectedLongAgoIsNoGround) {
+  ClosedLoop run = loop({{"a", 0.0, "W-C", "C-E"}}, share(0.0));
+  const HumanDrivers& humans = *run.coordinator.humans();
+  while (!humans.knows("a")) run.step();
+  const Pose& pose = run.traffic.vehicles().front().pose;
+  EXPECT_TRUE(humans.ground_of("a", pose, run.coordinator.steps(), {}));
+  EXPECT_FALSE(humans.ground_of("a", pose, run.coordinator.steps() + 6, {}));
+  EXPECT_FALSE(humans.ground_of("b", pose, run.coordinator.steps(), {}));
+}
+
 TEST(HumanDrivers, DoNotWaitForEverBesideAStreamOfControlledCars) {
   std::vector<FakeTrip> trips = {{"bike", 0.0, "S-C", "C-N", "bike"}};
   for (int i = 0; i < 60; ++i) {

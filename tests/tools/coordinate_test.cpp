@@ -251,6 +251,19 @@ TEST_F(Coordinate, ThePageOfACoordinatedRunHasGroupsCorridorsAndEmissions) {
   EXPECT_EQ(automated.size(), 2U);
 }
 
+TEST_F(Coordinate, ThePageOfMixedTrafficHasTheTubesOfHumanDrivers) {
+  const std::string signalised =
+      std::string(MVTP_SCENARIOS) + "/crossroads/crossroads.static.sumocfg";
+  const std::string command = "coordinate -c '" + signalised + "' --end 60 --no-fcd --quiet";
+  (void)run(command + " --penetration 0.5");
+  const json tubes = page_of(directory_.path("out/view.html"))["tubes"];
+  ASSERT_TRUE(tubes.is_object());
+  EXPECT_GE(tubes["paths"].size(), 4U);
+  EXPECT_GE(tubes["forks"].size(), 4U);
+  (void)run(command + " --penetration 1");
+  EXPECT_TRUE(page_of(directory_.path("out/view.html"))["tubes"].is_null());
+}
+
 TEST_F(Coordinate, ThePageOfASignalHasItsLightsPeopleAndSidewalks) {
   const std::string people =
       std::string(MVTP_SCENARIOS) + "/crossroads/crossroads-people.static.sumocfg";

@@ -193,6 +193,57 @@ TEST_F(Page, ColoursSayWhoDrivesHowFastAndWithWhom) {
   EXPECT_NE(colours("priority").first, colours("priority").second);
 }
 
+/// `b` waits for its green at x = 160 until t = 6 s, and then passes. Its path bends to the north
+/// at x = 180, and another one goes on to the east.
+Replay waiting_and_passing() {
+  ReplayScene scene;
+  scene.lanes = {{.shape = {{0, 0}, {300, 0}}}};
+  ReplayRecorder recorder = recorder_with(scene);
+  ReplayTubes& tubes = recorder.tubes();
+  const std::size_t north = tubes.add_path({{100, 0}, {180, 0}, {180, 100}});
+  const std::size_t east = tubes.add_path({{100, 0}, {300, 0}});
+  const std::size_t known = tubes.add_fork({north});
+  const std::size_t open = tubes.add_fork({north, east});
+  for (int i = 0; i <= 20; ++i) {
+    const double t = 5.0 + 0.1 * i;
+    const bool passes = t >= 6.0;
+    ReplayVehicleState b{1, {153 + i * 0.1, 0, 0}, 1.0, ReplayState::kOwnDriver};
+    b.tube = ReplayTube{.fork = passes ? known : open, .passes = passes, .reaches = {}};
+    b.tube->reaches = {{{0, 8}, {0, 8}}};
+    if (passes) b.tube->reaches = {{{2, 10}, {14, 40}}};
+    recorder.add_frame(t, std::vector{b});
+  }
+  return recorder.finish();
+}
+
+TEST_F(Page, TheTubeOfTheSelectedDriverIsTheGroundAhead) {
+  show({waiting_and_passing()}, "t=6.5");
+  const Json road = colour_at(200.0, 0.9);
+  const auto facts = [&] { return see("document.getElementById('vehicle-facts').innerText"); };
+  EXPECT_EQ(colour_at(175.0, 0.7), road) << "nobody is selected";
+  show({waiting_and_passing()}, "t=6.5&sel=b");
+  EXPECT_THAT(facts(), HasSubstr("where it may be in 2 and 4 s, from the slowest to the quickest"));
+  EXPECT_NE(colour_at(175.0, 0.7), road);
+  EXPECT_NE(colour_at(180.7, 18.0), road) << "round the bend, until 194 + 7 m";
+  EXPECT_EQ(colour_at(175.0, 0.7), colour_at(164.0, 0.7)) << "in 4 s; in 2 s";
+  EXPECT_NE(colour_at(175.0, 0.7), colour_at(168.5, 0.7)) << "both, from 166 to 171 m";
+  const Json ground = colour_at(183.5, 10.0);
+  EXPECT_EQ(colour_at(180.7, 24.0), ground);
+  EXPECT_EQ(colour_at(200.0, 0.7), road) << "it does not go straight on";
+  (void)see("mvtp.select('a')");
+  draw();
+  EXPECT_EQ(colour_at(175.0, 0.7), road) << "another one is selected";
+}
+
+TEST_F(Page, OneWithoutGreenHasTheGroundUpToItsLine) {
+  show({waiting_and_passing()}, "t=5.5&sel=b");
+  EXPECT_THAT(see("document.getElementById('vehicle-facts').innerText"),
+              HasSubstr("anywhere up to its stop line until it has green, on any of 2 turns"));
+  const Json road = colour_at(200.0, 0.9);
+  EXPECT_NE(colour_at(167.0, 0.7), road) << "153 + 8 + 7 m";
+  EXPECT_EQ(colour_at(170.0, 0.7), road);
+}
+
 TEST_F(Page, TheTimeSpaceDiagramHasTheVehiclesOfAMovementAndItsLights) {
   show({street()}, "t=12&movement=W%3EE");
   EXPECT_TRUE(see("document.querySelector('#timespace canvas').checkVisibility()"));

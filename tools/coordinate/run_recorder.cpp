@@ -7,14 +7,13 @@
 #include <limits>
 #include <set>
 
+#include "tools/coordinate/drawn_path.hpp"
 #include "tools/coordinate/drivers.hpp"
 #include "tools/view/page.hpp"
 #include "tools/view/scene.hpp"
 
 namespace mvtp {
 namespace {
-
-constexpr double kFine = 0.05;  ///< [m] that a drawn path may be beside the true one
 
 /// The outline of a slot, from the aisle round its back to the aisle again.
 std::vector<Point> outline(const ParkingSlot& slot) {
@@ -65,33 +64,6 @@ ReplayEventKind kind_of(AuditEventKind kind) {
   return ReplayEventKind::kNote;
 }
 
-/// Does a point lie as far from the line through two others as drawing can leave out?
-bool is_between(const Point& a, const Point& p, const Point& b) {
-  const double length = std::hypot(b.x - a.x, b.y - a.y);
-  return std::abs((b.x - a.x) * (p.y - a.y) - (b.y - a.y) * (p.x - a.x)) <= kFine * length;
-}
-
-/// The path from one place to another with the samples that show how it bends.
-std::vector<Point> drawn(const ReferencePath& path, double from, double to) {
-  std::vector<Point> kept;
-  std::vector<Point> skipped;
-  const auto steps = int(std::ceil((to - from) / ReferencePath::kSpacing));
-  for (int i = 0; i <= steps; ++i) {
-    const Pose pose = path.at(std::min(from + i * ReferencePath::kSpacing, to));
-    const Point point{pose.x, pose.y};
-    const bool bends = !kept.empty() && std::ranges::any_of(skipped, [&](const Point& p) {
-      return !is_between(kept.back(), p, point);
-    });
-    if (kept.empty() || bends) {
-      kept.push_back(skipped.empty() ? point : skipped.back());
-      skipped.clear();
-    }
-    skipped.push_back(point);
-  }
-  if (!skipped.empty()) kept.push_back(skipped.back());
-  return kept;
-}
-
 /// The zone of the junction that is nearest to a stop line.
 int zone_at(const Pose& line, const std::vector<ZoneFigures>& zones, const RoadNetwork& network) {
   int nearest = 0;
@@ -122,6 +94,7 @@ RunRecorder::RunRecorder(const CoordinateOptions& options, const Traffic& traffi
                  .version = "mvtp " + report.mvtp_version + ", " + report.sumo_version,
                  .seed = std::to_string(report.seed)},
                 scene_of(traffic.network(), junctions, lots)),
+      tubes_(coordinator, traffic.step_length()),
       share_(controlled_share(options)),
       drives_(controller_named("--controller", options.controller).drives) {
   for (const auto& [id, lights] : traffic.network().signals) (void)recorder_.add_signal(id);
@@ -188,6 +161,7 @@ void RunRecorder::observe(const Snapshot& now, const Audit& audit) {
     if (is_due) co2_[s.state->id] = traffic_.co2(s.state->id);
     states.push_back({index_of(s), s.state->pose, s.state->speed, state_of(s, rests)});
     states.back().co2 = co2_[s.state->id];
+    states.back().tube = tubes_.tube_of(*s.state, recorder_.tubes());
   }
   const std::map<std::string, Member> grouped = members();
   for (std::size_t i = 0; i < now.vehicles.size(); ++i) {
@@ -238,9 +212,9 @@ void RunRecorder::add_corridors(const RunReport& report) {
     if (!known.insert(lanes).second) continue;
     const ReferencePath& path = corridors.library().path(corridor.path);
     const double line = corridor.lines.front();
-    recorder_.add_corridor(
-        {.zone = zone_at(path.at(line), report.zones, traffic_.network()),
-         .shape = drawn(path, std::max(0.0, line - options_.zone_radius), corridor.s_handback)});
+    recorder_.add_corridor({.zone = zone_at(path.at(line), report.zones, traffic_.network()),
+                            .shape = drawn_path(path, std::max(0.0, line - options_.zone_radius),
+                                                corridor.s_handback)});
   }
 }
 

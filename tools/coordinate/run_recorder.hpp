@@ -10,6 +10,7 @@
 #include "coordinator/report.hpp"
 #include "coordinator/simulation.hpp"
 #include "tools/coordinate/options.hpp"
+#include "tools/coordinate/tube_recorder.hpp"
 #include "tools/view/replay.hpp"
 
 namespace mvtp {
@@ -46,6 +47,7 @@ class RunRecorder {
   const Traffic& traffic_;
   const Coordinator* coordinator_;
   ReplayRecorder recorder_;
+  TubeRecorder tubes_;
   ControlledShare share_;
   bool drives_;  ///< does the controller take vehicles over?
   std::map<std::string, std::size_t> indices_;

@@ -7,7 +7,10 @@
 // A track is one vehicle in an unbroken row of frames:
 //   {vehicle: index, first: frame, count, x, y [cm], heading [0.1 deg], speed [2 cm/s], state,
 //   and, if the replay has `groups`: group (0, or 1 + index of its first vehicle), rank (1 first);
-//   if it has `emissions`: co2 [0.2 g/s]}.
+//   if it has `emissions`: co2 [0.2 g/s];
+//   if it has `tubes` ({later [s], units [m], every [ms], paths, forks}): tubes, those that are kept, as
+//   {k: from its k-th frame on, code (0 for none, else 1 + 2 * fork + does it pass?), reaches: [[least, most]
+//   for each of the times, in units]}}.
 
 const FORMAT = 2;
 const SPEED_UNIT = 0.02;
@@ -89,6 +92,30 @@ function decodeTrack(reader, header, [vehicle, first, count]) {
   return track;
 }
 
+/// The tubes of all tracks (ReplayTubes in replay_tubes.cpp): one is kept where the code changes, and of
+/// one who passes again after `every` ms.
+function decodeTubes(reader, {every, later}, tracks, times) {
+  const column = (count) => reader.into(new Int32Array(count), count);
+  const counts = column(tracks.length), runs = counts.reduce((sum, count) => sum + count, 0);
+  const lengths = column(runs), codes = column(runs), kept = [];
+  let run = 0;
+  tracks.forEach((track, i) => {
+    track.tubes = [];
+    for (let k = 0, r = 0; r < counts[i]; ++r, ++run) {
+      for (const end = k + lengths[run], begin = k; k < end; ++k) {
+        const ms = Math.round(1000 * times[track.first + k]), last = track.tubes.at(-1);
+        if (k > begin && (codes[run] % 2 || !codes[run] || ms - last.ms < every)) continue;
+        track.tubes.push({k, ms, code: codes[run], reaches: []});
+        if (codes[run]) kept.push(track.tubes.at(-1));
+      }
+    }
+  });
+  for (const _ of later) {
+    const least = column(kept.length), most = column(kept.length);
+    kept.forEach((tube, i) => tube.reaches.push([least[i], most[i]]));
+  }
+}
+
 function decode(bytes) {
   const view = new DataView(bytes.buffer);
   const length = view.getUint32(0, true);
@@ -103,6 +130,7 @@ function decode(bytes) {
     clearance = Float32Array.from(cm, (c) => (c >= NO_CLEARANCE ? NaN : c / 100));
   }
   const tracks = header.tracks.map((track) => decodeTrack(reader, header, track));
+  if (header.tubes) decodeTubes(reader, header.tubes, tracks, times);
   const replay = {...header, times, clearance, tracks};
   replay.tracksOf = header.vehicles.map(() => []);
   for (const track of tracks) replay.tracksOf[track.vehicle].push(track);

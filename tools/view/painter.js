@@ -48,6 +48,7 @@ class Painter {
     drawLights(context, replay, view.time, view.theme, this.pixel);
     if (view.ghosts) drawGhosts(this, view);
     if (view.tails > 0) drawTails(this, view);
+    drawTube(this, view);
     drawSelectedPath(this, view);
     for (const now of this.present) {
       if (this.isInView(now)) this.drawVehicle(now, view);

@@ -85,6 +85,7 @@ class VehiclePanel {
       const now = painter.present.find((box) => box.vehicle === index);
       rows.push([app.replays.length > 1 ? app.nameOf(side) : 'now', side,
                  now ? this.describe(now, painter.replay) : 'not on the map']);
+      if (painter.tube) rows.push(['tube', -1, describeTube(painter.tube)]);
     });
     if (!known) return;
     const size = `${known.length.toFixed(2)} × ${known.width.toFixed(2)} m`;

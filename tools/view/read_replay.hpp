@@ -13,7 +13,7 @@ namespace mvtp {
                                                      const std::string& where);
 [[nodiscard]] ReplayScene scene_of(const Replay& replay, const std::string& where);
 
-/// What the frames of a replay say: the inverse of ReplayRecorder.
+/// What the frames of a replay say: the inverse of ReplayRecorder, but for tubes.
 struct ReplayFrames {
   ReplayMotion motion = ReplayMotion::kContinuous;
   std::vector<double> times;  ///< [s]

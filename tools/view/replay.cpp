@@ -15,7 +15,11 @@
 //   times [ms]; clearances [cm], if the header says so, kNoClearance for none;
 //   for each track: x [cm], y [cm], heading [0.1 deg], speed [2 cm/s], states as ReplayRuns;
 //     groups (0, or 1 + the first vehicle) and ranks as ReplayRuns, if the header says so;
-//     CO2 [0.2 g/s], if the header says so.
+//     CO2 [0.2 g/s], if the header says so;
+//   if the header has tubes, over all tracks: how many runs of frames with the same tube code each
+//   has;
+//     how many frames each run has; the codes (ReplayTubes::code_of); and of the tubes that are
+//     kept for each of the times `later` the least and the most reach in `units` of the header.
 // A track is one vehicle in an unbroken row of frames.
 
 namespace mvtp {
@@ -163,6 +167,7 @@ void ReplayRecorder::append(const ReplayVehicleState& state) {
   track.group.push(state.group ? static_cast<std::int64_t>(*state.group) + 1 : 0);
   track.rank.push(state.rank);
   track.co2.push(quantise(state.co2.value_or(0.0), kCo2Unit));
+  tubes_.push(current, times_.last(), state.tube);
   has_groups_ = has_groups_ || state.group.has_value();
   has_emissions_ = has_emissions_ || state.co2.has_value();
   ++track.count;
@@ -195,6 +200,7 @@ std::string ReplayRecorder::columns() const {
     if (has_groups_) bytes += track.group.bytes() + track.rank.bytes();
     if (has_emissions_) bytes += track.co2.bytes();
   }
+  if (!tubes_.empty()) bytes += tubes_.bytes(tracks_.size());
   return bytes;
 }
 
@@ -211,6 +217,7 @@ Replay ReplayRecorder::finish() {
                  {"clearance", has_clearance_},
                  {"groups", has_groups_},
                  {"emissions", has_emissions_},
+                 {"tubes", tubes_.empty() ? Json(nullptr) : to_json(tubes_)},
                  {"scene", to_json(scene_)}};
   for (const char* list : {"figures", "events", "signals", "vehicles", "tracks"}) {
     header[list] = Json::array();

@@ -11,6 +11,7 @@
 
 #include "planner/problem/instance.hpp"
 #include "planner/problem/pose.hpp"
+#include "tools/view/replay_tubes.hpp"
 
 namespace mvtp {
 
@@ -51,6 +52,7 @@ struct ReplayVehicleState {
   std::optional<std::size_t> group{};
   int rank = 0;                 ///< in the group's order of passage, 1 first; 0: in no group
   std::optional<double> co2{};  ///< [g/s]; none: not known
+  std::optional<ReplayTube> tube{};
 };
 
 enum class ReplayEventKind : std::uint8_t {
@@ -201,6 +203,9 @@ class ReplayRecorder {
   void add_lights(double time, std::size_t signal, const std::string& lights);
   void add_corridor(ReplayCorridor corridor) { scene_.corridors.push_back(std::move(corridor)); }
 
+  /// Where the paths of tubes are made known.
+  [[nodiscard]] ReplayTubes& tubes() { return tubes_; }
+
   /// Will a frame at this time [s] be kept?
   [[nodiscard]] bool is_due(double time) const;
 
@@ -254,6 +259,7 @@ class ReplayRecorder {
   std::vector<Episode> episodes_;
   std::vector<Signal> signals_;
   std::vector<ReplayFigure> figures_;
+  ReplayTubes tubes_;
 
   std::size_t frames_ = 0;
   ReplayColumn times_;

@@ -109,6 +109,14 @@ Json to_json(const ReplayScene& scene) {
           {"polygons", flat(scene.polygons)}};
 }
 
+Json to_json(const ReplayTubes& tubes) {
+  return {{"later", ReplayTube::kLater},
+          {"units", ReplayTube::kUnits},
+          {"every", ReplayTube::kEvery},
+          {"paths", flat(tubes.paths())},
+          {"forks", tubes.forks()}};
+}
+
 Json to_json(const ReplayVehicle& vehicle) {
   return {{"id", vehicle.id},
           {"kind", vehicle.kind},

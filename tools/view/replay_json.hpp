@@ -11,6 +11,8 @@ using ReplayJson = nlohmann::ordered_json;
 
 [[nodiscard]] ReplayJson to_json(const ReplayScene& scene);
 [[nodiscard]] ReplayJson to_json(const ReplayVehicle& vehicle);
+/// What is the same for all tubes: their times, units, paths and forks.
+[[nodiscard]] ReplayJson to_json(const ReplayTubes& tubes);
 /// @param end  of what began at event.time [s]
 [[nodiscard]] ReplayJson to_json(const ReplayEvent& event, double end);
 

@@ -78,9 +78,9 @@ std::vector<Cluster> clusters(std::span<const EncodedFrame> frames) {
       all.push_back({frame.ms, {}});
       content = number(0xE7, std::uint64_t(frame.ms));
     }
-    content +=
-        element(kSimpleBlock, "\x81" + big_endian(std::uint64_t(frame.ms - all.back().ms), 2) +
-                                  std::string(1, frame.key ? '\x80' : '\0') + frame.data);
+    content += element(kSimpleBlock, std::string(1, '\x81') +
+                                         big_endian(std::uint64_t(frame.ms - all.back().ms), 2) +
+                                         std::string(1, frame.key ? '\x80' : '\0') + frame.data);
   }
   close();
   return all;

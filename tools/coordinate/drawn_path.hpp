@@ -1,0 +1,12 @@
+#pragma once
+
+#include <vector>
+
+#include "planner/motion/reference_path.hpp"
+
+namespace mvtp {
+
+/// The path from one station to another [m] with the samples that show how it bends.
+[[nodiscard]] std::vector<Point> drawn_path(const ReferencePath& path, double from, double to);
+
+}  // namespace mvtp
