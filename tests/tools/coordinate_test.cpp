@@ -351,6 +351,14 @@ TEST_F(Coordinate, AnInterruptedRunLeavesCompleteFiles) {
   expect_no_files_but(7);
 }
 
+//   A terminal, and `timeout`, signal the whole process group: the one that simulates hears it twice.
+TEST_F(Coordinate, ASignalToTheWholeGroupIsOneWishToEnd) {
+  const Outcome outcome = during_a_run("kill -TERM $sumo $pid");
+  EXPECT_EQ(outcome.exit_code, 130) << outcome.err;
+  EXPECT_EQ(summary()["status"], "interrupted");
+  expect_no_files_but(7);
+}
+
 TEST_F(Coordinate, ACrashOfSumoIsOneLine) {
   const Outcome outcome = during_a_run("kill -ABRT $sumo");
   EXPECT_EQ(outcome.exit_code, 1);

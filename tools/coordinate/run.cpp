@@ -11,7 +11,6 @@
 #include <utility>
 
 #include "coordinator/faults/faulty_traffic.hpp"
-#include "coordinator/interrupt.hpp"
 #include "coordinator/report.hpp"
 #include "coordinator/simulation.hpp"
 #include "coordinator/trip_log.hpp"
@@ -22,6 +21,7 @@
 #include "tools/coordinate/run_recorder.hpp"
 #include "tools/coordinate/scenario.hpp"
 #include "tools/coordinate/traffic.hpp"
+#include "tools/interrupt.hpp"
 #include "tools/program.hpp"
 #include "tools/progress.hpp"
 #include "tools/run_folder.hpp"
@@ -377,12 +377,12 @@ const RunReport& SumoRun::finish(const std::string& failure) { return impl_->fin
 int SumoRun::drive() { return impl_->drive(); }
 
 int run_coordinate(const CoordinateOptions& options, const std::string& command) {
-  note_interrupts();
+  const NotedInterrupt interrupt;
   (void)controller_named("--controller", options.controller);
   RunFolder folder(options.output_dir, "--output-dir");
   announce_run_folder(options.output_dir);
   const auto say = [](const std::string& line) { fmt::print(stderr, "mvtp: {}\n", line); };
-  return SumoRun(options, command, folder, {.say = say, .interrupted = interrupted}).drive();
+  return SumoRun(options, command, folder, {.say = say, .interrupted = [&] { return interrupt.seen().load(); }}).drive();
 }
 
 }  // namespace mvtp
