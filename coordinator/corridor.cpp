@@ -295,13 +295,21 @@ double CorridorMap::lateral_limit(const ReferencePath& path, double s, bool chan
 }
 
 /// The speed at s from which the body can still stop before the next coordinated line, in case that
-/// it is not admitted to the corridor through that one [m/s].
-double CorridorMap::limit_before_next_line(const Corridor& corridor, const Vehicle& body,
-                                           double s) {
-  constexpr double kSpare = 1.0;  // [m]
-  constexpr double kLeast = 2.0;  // [m/s]: it has to come to the end of its plan
-  const double room = corridor.s_exit + corridor.course.next_line - kSpare - s;
-  return std::max(kLeast, std::sqrt(2.0 * comfortable_braking(body) * std::max(room, 0.0)));
+/// it is not admitted to the corridor through that one, and be slow enough for a turn of its
+/// driver's [m/s].
+double CorridorMap::limit_before_end(const Corridor& corridor, const Vehicle& body, double s) {
+  constexpr double kSpare = 1.0;     // [m]
+  constexpr double kReaction = 1.0;  // [s] until the next decision, and of its driver
+  constexpr double kLeast = 2.0;     // [m/s]: it has to come to the end of its plan
+  const CorridorCourse& course = corridor.course;
+  const double b = comfortable_braking(body);
+  const auto limit = [&](double ahead, double then) {
+    const double room = std::max(corridor.s_exit + ahead - kSpare - s, 0.0);
+    const double lost = b * kReaction;
+    return std::max(then, std::sqrt(lost * lost + then * then + 2.0 * b * room) - lost);
+  };
+  return std::max(
+      kLeast, std::min(limit(course.next_line, 0.0), limit(course.next_turn, course.turn_speed)));
 }
 
 void CorridorMap::set_limits(const ReferencePath& path, const Vehicle& body,
@@ -321,7 +329,7 @@ void CorridorMap::set_limits(const ReferencePath& path, const Vehicle& body,
     }
     corridor.lane_limits.push_back(limit);
     corridor.lateral_limits.push_back(
-        std::min(lateral_limit(path, s, changes), limit_before_next_line(corridor, body, s)));
+        std::min(lateral_limit(path, s, changes), limit_before_end(corridor, body, s)));
   }
 }
 
@@ -331,7 +339,11 @@ void CorridorMap::set_drivable(const ReferencePath& path, const Vehicle& body,
                                Corridor& corridor) const {
   constexpr double kStep = 0.5;   // [m]
   constexpr double kRoom = 20.0;  // [m] that are left before the first line
-  double first = body.rear;       // no vehicle is further back at its takeover
+  if (corridor.course.cramped) {
+    corridor.undriven = "there is no room behind the junction to hand it back";
+    return;
+  }
+  double first = body.rear;  // no vehicle is further back at its takeover
   if (corridor.course.start <= 0.0) first = std::max(first, corridor.stations.front());
   if (corridor.course.start <= 0.0 && corridor.course.lead_in.empty()) first += body.length();
   first = std::max(0.0, first);

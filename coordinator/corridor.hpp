@@ -92,8 +92,8 @@ class CorridorMap {
                                              const Vehicle& body, double from, double to);
   void set_limits(const ReferencePath& path, const Vehicle& body, Corridor& corridor) const;
   [[nodiscard]] double lateral_limit(const ReferencePath& path, double s, bool changes_lane) const;
-  [[nodiscard]] static double limit_before_next_line(const Corridor& corridor, const Vehicle& body,
-                                                     double s);
+  [[nodiscard]] static double limit_before_end(const Corridor& corridor, const Vehicle& body,
+                                               double s);
   void set_drivable(const ReferencePath& path, const Vehicle& body, Corridor& corridor) const;
   [[nodiscard]] std::string why_not(const ReferencePath& path, const Vehicle& body, double s) const;
 

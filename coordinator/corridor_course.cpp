@@ -17,6 +17,7 @@ constexpr double kBeforeEnd = 9.0;        ///< [m] that a hand-back keeps from t
 constexpr double kArrives = 0.5;          ///< [m] before the end of its route, if that is near
 constexpr double kDriverBrakes = 45.0;    ///< [m] that a driver needs to stop comfortably
 constexpr double kDriverChanges = 80.0;   ///< [m] that a driver needs to change lanes and to stop
+constexpr double kSlower = 0.9;           ///< of the speed before a turn, at most, in it
 constexpr double kEarly = 60.0;           ///< [m] that a takeover may be earlier, before a junction
 constexpr double kBeforeJunction = 10.0;  ///< [m] before it, then
 constexpr double kBridge = 100.0;         ///< [m] more behind a junction, up to the next takeover
@@ -159,6 +160,33 @@ CourseFinder::Exit CourseFinder::exit_behind(const CourseQuery& query, std::size
   return exit_behind(query, exit.edge + 1, driven + exit.room);
 }
 
+/// The place nearest to `at` behind the exit's start, up to `latest`, that is not right before or
+/// inside a turn without conflicts, nor right behind it; `at` itself if there is none [m].
+double CourseFinder::clear_of_turns(const CorridorCourse& course, double body_length, double at,
+                                    double latest) const {
+  std::optional<double> best;
+  double from = std::min(at, straight_room(body_length));  // of the lanes since the last turn
+  double here = 0.0;
+  const auto look_at = [&](double to) {
+    if (to < from) return;
+    const double place = std::clamp(at, from, to);
+    if (!best || std::abs(place - at) < std::abs(*best - at)) best = place;
+  };
+  for (std::size_t i = std::size_t(course.exit_piece); i < course.pieces.size(); ++i) {
+    const Lane& lane = graph_.lane(course.pieces[i].lane);
+    const Lane& before = graph_.lane(course.pieces[i - 1].last_lane());
+    const bool is_turn = lane.internal && lane.speed_limit < kSlower * before.speed_limit;
+    if (is_turn) look_at(here - kDriverBrakes);
+    here += lane.length;
+    if (is_turn) from = here + straight_room(body_length);
+  }
+  look_at(latest);
+  return best.value_or(at);
+}
+
+/// What it takes behind a junction until a body lies straight in its lane again [m].
+double CourseFinder::straight_room(double body_length) { return body_length + 1.0; }
+
 /// Where behind the start of the exit edge the front bumper is at the hand-back [m].
 double CourseFinder::handback_at(const Exit& exit, double body_length) const {
   double at = options_.exit;
@@ -170,7 +198,7 @@ double CourseFinder::handback_at(const Exit& exit, double body_length) const {
   } else if (exit.kind == Exit::Kind::kRouteEnd && exit.room < options_.exit) {
     at = exit.room - kArrives;
   }
-  return std::max(at, body_length + 1.0);
+  return std::max(at, straight_room(body_length));
 }
 
 /// Does the route turn round between two edges, as at the end of a road? No driver takes a vehicle
@@ -184,13 +212,18 @@ bool CourseFinder::turns_round(int from_edge, int to_edge) const {
   return std::abs(std::atan2(u.x * v.y - u.y * v.x, u.x * v.x + u.y * v.y)) > kRound;
 }
 
+/// In the query's edges: the one on which the course ends.
+std::size_t CourseFinder::last_edge(const Start& start, const CorridorCourse& course) const {
+  const auto edges = std::ranges::count_if(
+      course.pieces, [&](const CorridorPiece& p) { return graph_.edge_of(p.lane) != kNone; });
+  return start.edge + std::size_t(edges) - 1;
+}
+
 /// Does the last lane lead on along the route, or to a line before which it is taken over again?
 /// Else its driver has to change lanes, or to turn round, behind the hand-back.
 bool CourseFinder::leads_on(const CourseQuery& query, const Start& start,
                             const CorridorCourse& course) const {
-  const auto edges = std::ranges::count_if(
-      course.pieces, [&](const CorridorPiece& p) { return graph_.edge_of(p.lane) != kNone; });
-  const std::size_t last = start.edge + std::size_t(edges) - 1;
+  const std::size_t last = last_edge(start, course);
   if (last + 1 >= query.edges.size()) return true;
   const int junction = graph_.junction_behind(query.edges[last]);
   if (is_coordinated(junction)) return true;
@@ -198,6 +231,25 @@ bool CourseFinder::leads_on(const CourseQuery& query, const Start& start,
   return std::ranges::any_of(links_between(query.edges[last], query.edges[last + 1]), [&](int k) {
     return graph_.link(k).from == course.pieces.back().last_lane();
   });
+}
+
+/// How slowly its driver has to drive at the end of the last lane: as the turn there wants it, or
+/// so that he can stop, where he may have to wait for others or for a gap in another lane.
+void CourseFinder::set_next_turn(const CourseQuery& query, const Start& start,
+                                 CorridorCourse& course) const {
+  const std::size_t last = last_edge(start, course);
+  if (last + 1 >= query.edges.size()) return;
+  course.next_turn = 0.0;
+  for (std::size_t i = std::size_t(course.exit_piece); i < course.pieces.size(); ++i) {
+    course.next_turn += graph_.lane(course.pieces[i].lane).length;
+  }
+  for (const int k : links_between(query.edges[last], query.edges[last + 1])) {
+    const LaneGraph::Link& link = graph_.link(k);
+    const bool is_foreign =
+        !is_coordinated(link.junction) && graph_.junction(link.junction).has_conflicts;
+    if (link.from != course.pieces.back().last_lane() || link.via.empty() || is_foreign) continue;
+    course.turn_speed = graph_.lane(link.via.front()).speed_limit;
+  }
 }
 
 /// Is it time to take the vehicle over? Inside a junction without conflicts and just behind it its
@@ -239,18 +291,21 @@ std::optional<CorridorCourse> CourseFinder::find(const CourseQuery& query) const
   room = std::min(room, exit.room);
   const bool is_early = !leads_on(query, *start, course);
   if (is_early) {
-    wanted = std::max(query.length + 1.0, std::min(wanted, room - kDriverChanges));
+    wanted = std::max(straight_room(query.length), std::min(wanted, room - kDriverChanges));
   }
   const bool arrives = exit.kind == Exit::Kind::kRouteEnd && exit.room < options_.exit;
-  const double latest = arrives
-                            ? room - kArrives
-                            : std::max(std::min(query.length + 1.0, room - 1.6), room - kBeforeEnd);
-  course.handback = std::max(0.1, std::min(wanted, latest));
+  const double latest =
+      arrives ? room - kArrives
+              : std::max(std::min(straight_room(query.length), room - 1.6), room - kBeforeEnd);
+  course.cramped = room < straight_room(query.length);
+  course.handback =
+      std::max(0.1, clear_of_turns(course, query.length, std::min(wanted, latest), latest));
   course.end = std::max(course.handback, std::min(course.handback + kRunOut, room - 1.0));
   // Where it bends at first there is room for a hand-back further on.
   if (is_early) course.end = std::max(course.end, room - kDriverBrakes);
   course.reach = std::min(room, course.end + kObservedBehind);
   if (exit.kind == Exit::Kind::kLine) course.next_line = exit.room;
+  set_next_turn(query, *start, course);
   course.start = query.position + distance - options_.takeover - kLeadIn;
   if (course.start <= 0.0) lay_lead_in(query, course);
   return course;

@@ -35,8 +35,13 @@ struct CorridorCourse {
   double reach = 0.0;      ///< [m] likewise: what lies further ahead does not matter
   /// [m] likewise: the next coordinated stop line, behind this course.
   double next_line = std::numeric_limits<double>::infinity();
+  /// [m] likewise: where the last lane ends, if the route goes on, and how fast its driver may
+  /// be there [m/s].
+  double next_turn = std::numeric_limits<double>::infinity();
+  double turn_speed = 0.0;
   bool human_driven = false;  ///< who keeps to the lanes, however wide the body swings
   bool dead_end = false;      ///< the last lane does not lead on along the route
+  bool cramped = false;       ///< too short behind the last junction for the body to lie straight
 
   friend auto operator<=>(const CorridorCourse&, const CorridorCourse&) = default;
 };
@@ -121,9 +126,14 @@ class CourseFinder {
                                                              double room) const;
   [[nodiscard]] bool lay_pieces(const CourseQuery& query, const Start& start, std::size_t exit,
                                 double reach, CorridorCourse& course) const;
+  [[nodiscard]] static double straight_room(double body_length);
+  [[nodiscard]] double clear_of_turns(const CorridorCourse& course, double body_length, double at,
+                                      double latest) const;
   [[nodiscard]] bool turns_round(int from_edge, int to_edge) const;
   [[nodiscard]] bool leads_on(const CourseQuery& query, const Start& start,
                               const CorridorCourse& course) const;
+  [[nodiscard]] std::size_t last_edge(const Start& start, const CorridorCourse& course) const;
+  void set_next_turn(const CourseQuery& query, const Start& start, CorridorCourse& course) const;
   void lay_lead_in(const CourseQuery& query, CorridorCourse& course) const;
 
   const LaneGraph& graph_;

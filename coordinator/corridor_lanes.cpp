@@ -97,8 +97,12 @@ bool CourseFinder::lay_pieces(const CourseQuery& query, const Start& start, std:
   double covered = length(query.edges[exit]);
   for (; covered < reach && last + 1 < query.edges.size(); ++last) {
     const int junction = graph_.junction_behind(query.edges[last]);
-    if (junction == kNone || is_coordinated(junction) || graph_.junction(junction).has_conflicts ||
-        turns_round(query.edges[last], query.edges[last + 1])) {
+    if (junction == kNone || is_coordinated(junction) || graph_.junction(junction).has_conflicts) {
+      break;
+    }
+    // Its driver turns round, if there is room to hand it back before that.
+    if (turns_round(query.edges[last], query.edges[last + 1]) &&
+        covered >= straight_room(query.length)) {
       break;
     }
     covered +=

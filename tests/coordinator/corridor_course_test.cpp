@@ -154,6 +154,85 @@ TEST(Corridor, LeavesRoomToStopBeforeTheNextLine) {
   }
 }
 
+/// A crossroads A, and `behind` metres behind it a bend B of a road on which nobody meets anybody.
+NetworkShape bend_behind(double behind) {
+  NetworkShape shape{.name = "bend_behind"};
+  NetworkMaker maker;
+  maker.node("W", {-150.0, 0.0}, 0.0);
+  maker.node("S", {0.0, -150.0}, 0.0);
+  maker.node("N", {0.0, 150.0}, 0.0);
+  maker.node("A", {0.0, 0.0});
+  maker.node("B", {7.2 + behind + 7.2, 0.0});
+  maker.node("E", {7.2 + behind + 7.2, 200.0}, 0.0);
+  maker.one_way("W", "A");
+  maker.one_way("S", "A");
+  maker.one_way("A", "N");
+  maker.one_way("A", "B");
+  maker.one_way("B", "E");
+  maker.limit_bends(5.0);
+  shape.network = maker.make();
+  return shape;
+}
+
+//   W ──A── behind ──╮ B      Its driver has to be slow in the bend.
+TEST(CourseFinder, HandsNobodyBackRightBeforeABendOrInIt) {
+  for (double behind = 20.0; behind < 120.0; behind += 5.0) {
+    const NetworkShape shape = bend_behind(behind);
+    Walk walk(shape.network);
+    const auto course = walk.finder.find(walk.at("W-A_0", 100.0, {"W-A", "A-B", "B-E"}));
+    ASSERT_TRUE(course);
+    const auto bend = std::size_t(course->exit_piece) + 1;
+    const bool is_seen = bend < course->pieces.size();
+    const double inside = is_seen ? walk.graph.lane(course->pieces[bend].lane).length : 0.0;
+    const bool before = course->handback <= behind - 45.0 + 1e-6;
+    const bool beyond = is_seen && course->handback >= behind + inside + 5.0;
+    EXPECT_TRUE(before || beyond) << behind << ": " << course->handback;
+  }
+}
+
+TEST(Corridor, IsSlowEnoughForItsDriversNextBend) {
+  for (const double behind : {110.0, 120.0, 140.0}) {
+    const NetworkShape shape = bend_behind(behind);
+    Walk walk(shape.network);
+    const DrivableArea area(shape.network);
+    CorridorMap map(walk.graph, area, {});
+    const auto course = walk.finder.find(walk.at("W-A_0", 100.0, {"W-A", "A-B", "B-E"}));
+    ASSERT_TRUE(course);
+    ASSERT_EQ(walk.graph.lane(course->pieces.back().lane).id, "A-B_0") << "the bend is beyond it";
+    EXPECT_DOUBLE_EQ(course->next_turn, behind);
+    EXPECT_DOUBLE_EQ(course->turn_speed, 5.0);
+    const Vehicle car = fake_type("car").body;
+    const Corridor& c = map[map.corridor_for(*course, car)];
+    for (double s = c.s_exit; s <= c.s_end; s += ReferencePath::kSpacing) {
+      const double v = c.lateral_limits[std::size_t(s / ReferencePath::kSpacing)];
+      const double room = c.s_exit + behind - s;
+      EXPECT_LE(v * v - 25.0, 2.0 * comfortable_braking(car) * room) << behind << ": " << s;
+    }
+  }
+}
+
+//   Where the next road is shorter than the body there is nowhere to hand it back.
+TEST(Corridor, IsNotDrivenWhereNobodyCouldBeHandedBackBehindTheJunction) {
+  for (const std::string type : {"car", "bus"}) {
+    const Vehicle body = fake_type(type).body;
+    for (const double apart : {16.0, 19.0, 40.0}) {
+      NetworkShape chain = chain_shape(7.2, apart);
+      Walk walk(chain.network);
+      const DrivableArea area(chain.network);
+      CorridorMap map(walk.graph, area, {});
+      const double edge = walk.graph.lane(walk.graph.find_lane("A-B_0")).length;
+      CourseQuery query = walk.at("W-A_0", 60.0, {"W-A", "A-B"});
+      query.length = body.length();
+      const auto course = walk.finder.find(query);
+      ASSERT_TRUE(course);
+      const bool cramped = edge < body.length() + 1.0;
+      EXPECT_EQ(course->cramped, cramped) << type << ' ' << apart;
+      EXPECT_EQ(map[map.corridor_for(*course, body)].undriven.empty(), !cramped)
+          << type << ' ' << apart;
+    }
+  }
+}
+
 // At the end of its route a vehicle stays under control until it arrives: nobody is left to whom
 // its driver would have to keep a headway.
 TEST(CourseFinder, DrivesOnToAnEndOfTheRouteThatIsNear) {
