@@ -189,6 +189,7 @@ class Coordinator : public Controller {
   [[nodiscard]] bool stands_for_good(const Driven& driven) const;
   [[nodiscard]] bool ends_soon(const Driven& driven) const;
   [[nodiscard]] bool driver_has_room(const Driven& driven);
+  [[nodiscard]] bool nobody_comes_over(const Driven& driven) const;
   void hand_back(const std::string& id);
   [[nodiscard]] std::optional<Newcomer> next_corridor(const Driven& driven,
                                                       const VehicleState& state);

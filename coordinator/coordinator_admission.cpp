@@ -42,6 +42,30 @@ std::vector<std::pair<double, double>> inside_junctions(const Corridor& corridor
   return inside;
 }
 
+/// The lanes before the first line on which it is a leader of those who leave another junction.
+std::vector<EntryLane> entry_lanes(const Corridor& corridor, const Predictor& predictor,
+                                   double length) {
+  std::vector<EntryLane> lanes;
+  const auto last = std::size_t(corridor.course.lines.front());
+  const auto enter = [&](int lane, std::size_t piece, double from) {
+    const ExitRoot root = predictor.exit_root(lane);
+    if (!lanes.empty() && lanes.back().lane == root.lane) return;
+    if (!lanes.empty()) lanes.back().to = from + length;
+    if (root.lane == LaneGraph::kNone) return;
+    lanes.push_back({root.lane, corridor.stations[piece] - root.offset, from});
+  };
+  for (std::size_t i = 0; i <= last; ++i) {
+    const CorridorPiece& piece = corridor.course.pieces[i];
+    enter(piece.lane, i, -std::numeric_limits<double>::infinity());
+    if (piece.target == LaneGraph::kNone) continue;
+    enter(piece.target, i, corridor.stations[i] + piece.begin * corridor.scales[i]);
+  }
+  if (!lanes.empty()) {
+    lanes.back().to = std::min(lanes.back().to, corridor.stops.front() + length);
+  }
+  return lanes;
+}
+
 }  // namespace
 
 /// From where a vehicle is onto the path of a corridor, about `station` along it.
@@ -98,11 +122,7 @@ Driven Coordinator::admit(const Newcomer& newcomer, std::int64_t key) {
   road.tau = type.tau;
   road.stop_lines = people_ ? lines_beside_people(c.stops) : c.stops;
   if (people_) road.no_waiting = inside_junctions(c, type.body.length());
-  const ExitRoot root = predictor_.exit_root(c.course.pieces.front().lane);
-  if (root.lane != LaneGraph::kNone) {
-    road.entry_lane = root.lane;
-    road.s_entry_lane = c.stations.front() - root.offset;
-  }
+  road.entry_lanes = entry_lanes(c, predictor_, type.body.length());
   road.exit_lane = c.exit_lane;
   road.s_exit_lane = c.s_exit;
   road.s_handback = c.s_handback;

@@ -70,7 +70,8 @@ std::map<std::string, Driven> Coordinator::leave_corridors(bool may_go_on) {
     const std::optional<Newcomer> next =
         planner_is_dead() ? std::nullopt : next_corridor(driven, believed(id, driven));
     if (!next) {
-      if (driver_has_room(driven) || ends_soon(driven)) finished.push_back(id);
+      const bool now = driver_has_room(driven) && nobody_comes_over(driven);
+      if (now || ends_soon(driven)) finished.push_back(id);
     } else if (may_go_on) {
       Driven& arrival = going_on.emplace(id, admit(*next, driven.key)).first->second;
       // The traffic's speed is that along the lanes, which the two corridors may scale otherwise.
@@ -109,6 +110,40 @@ bool Coordinator::driver_has_room(const Driven& driven) {
     const Vehicle& ahead = type_of(v.type).body;
     const double wanted = drivers_gap(driven.road, now.v, b, v.speed, ahead.max_decel);
     return *s - now.s - ahead.length() < wanted;
+  });
+}
+
+/// Do all others under control keep off the ground on which the driver who gets it back would be,
+/// whether he speeds up or not, and off the gap that he keeps? He makes no room for who comes over.
+bool Coordinator::nobody_comes_over(const Driven& driven) const {
+  constexpr double kRange = 60.0;     // [m]
+  constexpr double kForesight = 4.0;  // [s]
+  const InertialState now = here(driven);
+  const Pose place = path_of(driven).at(now.s);
+  const Corridor& corridor = corridors_[driven.corridor];
+  const Vehicle& body = corridors_.library().body(driven.road.path);
+  const double cruise = std::max(now.v, driven.road.cruise_speed);
+  const auto steps = std::int64_t(kForesight / grid_.dt);
+  return std::ranges::none_of(driven_, [&](const auto& entry) {
+    const auto& [id, other] = entry;
+    if (other.key == driven.key || other.corridor == driven.corridor) return false;
+    const VehicleState& v = *find_state(id);
+    if (distance(place, v.pose) > kRange) return false;
+    // Who is ahead on its lane already is followed.
+    const std::optional<double> s =
+        corridor.station(graph_.find_lane(v.lane), v.lane_position, now.s);
+    if (s && *s > now.s) return false;
+    const ContactTable& contacts = corridors_.library().contacts(other.road.path, driven.road.path);
+    const SpeedProfile& plan = *plan_.find(other.key);
+    const double their_decel = corridors_.library().body(other.road.path).max_decel;
+    for (std::int64_t k = 1; k <= steps; ++k) {
+      const double t = double(k) * grid_.dt;
+      const InertialState there = state_at(plan, step_ + k);
+      const double faster = std::min(now.v * t + 0.5 * body.max_accel * t * t, cruise * t);
+      const double gap = drivers_gap(driven.road, now.v, body.max_decel, there.v, their_decel);
+      if (contacts.blocks(there.s, now.s + now.v * t, now.s + faster + gap)) return true;
+    }
+    return false;
   });
 }
 

@@ -36,12 +36,24 @@ class CrossingPlanner {
         work_(work) {}
 
   CrossingResult plan(const Order& keys, const JointPlan& incumbent) {
+    leaving_ = those_leaving(incumbent);
     CrossingResult result = complete(keys, incumbent);
+    leaving_ = those_leaving(result.plan);
     if (result.unplanned.empty()) improve(result);
     return result;
   }
 
  private:
+  /// The plans that are not changed to make room for others.
+  [[nodiscard]] JointPlan those_leaving(const JointPlan& plan) const {
+    JointPlan leaving;
+    for (const RoadVehicle& v : scene_.vehicles) {
+      const auto e = std::ranges::find(plan.entries, v.key, &Entry::key);
+      if (v.leaves() && e != plan.entries.end()) leaving.entries.push_back(*e);
+    }
+    return leaving;
+  }
+
   /// A plan for every vehicle: those without an incumbent around all incumbents, as long as these
   /// fit; else in order, where a vehicle that finds none moves to the front, which is priority
   /// inheritance on whole trajectories.
@@ -113,15 +125,17 @@ class CrossingPlanner {
     return true;
   }
 
-  /// In lane order, those whose plans each leave none for `v`; empty if they are too many.
+  /// In lane order, those whose plans each leave none for `v`; empty if they are too many, or if
+  /// one of them leaves.
   Order blockers_of(const RoadVehicle& v, const std::vector<Entry>& planned) {
     constexpr std::size_t kFew = 4;
     const std::size_t self = pairs_.index(v.key);
     Order found;
     for (const Entry& e : planned) {
       if (pairs_.between(self, pairs_.index(e.key)).contact->never()) continue;
-      if (!plan_at_least(v, {&e, 1})) found.push_back(e.key);
-      if (found.size() > kFew) return {};
+      if (plan_at_least(v, {&e, 1})) continue;
+      found.push_back(e.key);
+      if (found.size() > kFew || leaving_.find(e.key)) return {};
     }
     return orders_.in_lane_order(found);
   }
@@ -163,6 +177,7 @@ class CrossingPlanner {
         continue;
       }
       changed = true;
+      if (i > 0 && leaving_.find(order[i])) return i;  // all others make room
       auto t = plan_at_least(scene_.vehicle(order[i]), entries);
       if (!t) return i;
       entries.push_back({order[i], std::make_shared<SpeedProfile>(std::move(*t))});
@@ -189,7 +204,8 @@ class CrossingPlanner {
     std::vector<Entry> bodies;
     Order open;
     for (const std::int64_t key : order) {
-      const Entry* old = old_plans_stand ? fitting_incumbent(key, incumbent, {}) : nullptr;
+      const bool stands = old_plans_stand || leaving_.find(key) != nullptr;
+      const Entry* old = stands ? fitting_incumbent(key, incumbent, {}) : nullptr;
       if (old != nullptr) planned.push_back(*old);
       if (old == nullptr) open.push_back(key);
     }
@@ -241,8 +257,15 @@ class CrossingPlanner {
     for (std::size_t i = entries.size(); i < order.size(); ++i) cost += cost_.alone(order[i]);
     for (std::size_t i = entries.size(); i < order.size(); ++i) {
       if (cost >= budget) return i;
-      // Whoever costs more than this makes the whole no better.
       const RoadVehicle& v = scene_.vehicle(order[i]);
+      if (leaving_.find(v.key)) {
+        const Entry* stands = fitting_incumbent(v.key, leaving_, entries);
+        if (stands == nullptr) return i;
+        entries.push_back(*stands);
+        cost += cost_.until_handback(*stands) - cost_.alone(order[i]);
+        continue;
+      }
+      // Whoever costs more than this makes the whole no better.
       const PlanLimits limits{.work = &work_,
                               .cost = (budget - cost + cost_.alone(order[i])) / v.weight};
       auto t = plan_vehicle(pairs_, v, entries, options_.trajectory, limits);
@@ -348,6 +371,7 @@ class CrossingPlanner {
   const CrossingOptions& options_;
   Draws draws_;
   WorkBudget work_;
+  JointPlan leaving_;  ///< see those_leaving()
 };
 
 }  // namespace

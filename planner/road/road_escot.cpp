@@ -23,21 +23,21 @@ using Keys = std::vector<std::int64_t>;
 struct Ahead {
   int path = 0;
   int exit_lane = -1;
-  int entry_lane = -1;
-  double from = 0.0;  ///< [m] rear axle
+  const RoadVehicle* vehicle = nullptr;  ///< one of them
+  double from = 0.0;                     ///< [m] rear axle
   double to = 0.0;
 };
 
 Ahead ahead_of(const RoadScene& scene, const RoadVehicle& v) {
   // A plan ends with the decision in which it reaches s_end.
   const double beyond = std::max(v.now.v, scene.body(v).max_speed) * scene.grid.decision();
-  return {v.path, v.exit_lane, v.entry_lane, v.now.s, std::max(v.now.s, v.s_end) + beyond};
+  return {v.path, v.exit_lane, &v, v.now.s, std::max(v.now.s, v.s_end) + beyond};
 }
 
 bool may_meet(const PathLibrary& library, const Ahead& a, const Ahead& b) {
   const auto follows = [](const Ahead& behind, const Ahead& before) {
     return behind.exit_lane >= 0 &&
-           (behind.exit_lane == before.exit_lane || behind.exit_lane == before.entry_lane);
+           (behind.exit_lane == before.exit_lane || before.vehicle->enters(behind.exit_lane));
   };
   return follows(a, b) || follows(b, a) ||
          library.contacts(a.path, b.path).reaches(a.from, a.to, b.from, b.to) ||

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -46,6 +47,17 @@ struct ClosedStretch {
   std::int64_t end = 0;    ///< the first step at which it is open again
 };
 
+/// An exit lane of another junction, and where along its path a vehicle is a leader there of those
+/// who leave that junction: from when it comes onto the lane until its tail has left it.
+struct EntryLane {
+  int lane = -1;
+  double s_lane = 0.0;  ///< rear axle when the front bumper enters the lane [m]
+  double from = -std::numeric_limits<double>::infinity();  ///< rear axle [m]
+  double to = std::numeric_limits<double>::infinity();     ///< likewise
+
+  [[nodiscard]] bool is_there(double s) const { return from <= s && s <= to; }
+};
+
 /// One vehicle on the road as the planner sees it.
 struct RoadVehicle {
   std::int64_t key = 0;  ///< its name over time; ties are broken by it
@@ -64,18 +76,24 @@ struct RoadVehicle {
   /// Its plan gives way to a better one around all others at every decision, as soon as there is
   /// one; else only where the order of passage is searched.
   bool asks_again = false;
-  int exit_lane = -1;        ///< vehicles of one exit lane keep a headway on it
-  double s_exit_lane = 0.0;  ///< rear axle when the front bumper enters the exit lane [m]
-  /// The exit lane on which its path begins, behind another junction: there it is a leader of those
-  /// who leave that one, until its tail is over the first stop line.
-  int entry_lane = -1;
-  double s_entry_lane = 0.0;  ///< rear axle when the front bumper enters that [m]
-  double s_handback = 0.0;    ///< rear axle where the zone ends [m]
-  double s_end = 0.0;         ///< rear axle where a plan is complete [m]; >= s_handback
-  double weight = 1.0;        ///< its time costs so many times that of any other vehicle
+  int exit_lane = -1;                  ///< vehicles of one exit lane keep a headway on it
+  double s_exit_lane = 0.0;            ///< rear axle when the front bumper enters the exit lane [m]
+  std::vector<EntryLane> entry_lanes;  ///< where its path begins behind another junction
+  double s_handback = 0.0;             ///< rear axle where the zone ends [m]
+  double s_end = 0.0;                  ///< rear axle where a plan is complete [m]; >= s_handback
+  double weight = 1.0;                 ///< its time costs so many times that of any other vehicle
   /// It has stood for long without a complete plan, or it stands with a driver of its own. Two such
   /// vehicles may pass each other closely.
   bool stuck = false;
+
+  /// Is it where it may be handed back at any moment? Nobody may count on what it does from here on
+  /// but to go on as it plans.
+  [[nodiscard]] bool leaves() const { return now.s >= s_handback; }
+
+  /// Is it, at some place of its path, a leader of those who leave a junction on this lane?
+  [[nodiscard]] bool enters(int lane) const {
+    return std::ranges::any_of(entry_lanes, [lane](const EntryLane& e) { return e.lane == lane; });
+  }
 };
 
 /// The gap that the driver of a vehicle wants to the one ahead [m]: what he keeps at rest, his

@@ -132,14 +132,10 @@ std::optional<double> Surroundings::place_on_exit(const Other& other,
 
 std::optional<double> Surroundings::place_on_next(const Other& other,
                                                   const InertialState& state) const {
-  const RoadVehicle& v = *other.vehicle;
-  const bool is_there = v.entry_lane >= 0 && v.entry_lane == vehicle_.exit_lane;
-  if (!is_there) return std::nullopt;
-  // Until its tail has left it.
-  const bool has_left =
-      !v.stop_lines.empty() && state.s > v.stop_lines.front() + other.body->length();
-  if (has_left) return std::nullopt;
-  return state.s - v.s_entry_lane;
+  for (const EntryLane& entry : other.vehicle->entry_lanes) {
+    if (entry.lane == vehicle_.exit_lane && entry.is_there(state.s)) return state.s - entry.s_lane;
+  }
+  return std::nullopt;
 }
 
 bool Surroundings::keeps_headway(std::int64_t k, const InertialState& state) const {
@@ -179,7 +175,7 @@ bool Surroundings::leaves_room(std::int64_t k, const InertialState& state) const
 void Surroundings::add(Other other) {
   const int exit = vehicle_.exit_lane;
   const bool same_exit =
-      exit >= 0 && (exit == other.vehicle->exit_lane || exit == other.vehicle->entry_lane);
+      exit >= 0 && (exit == other.vehicle->exit_lane || other.vehicle->enters(exit));
   if (other.reserved) {
     const InertialState then = other.trajectory->at(now_);
     const bool idle =
@@ -209,18 +205,25 @@ void Surroundings::add_slack(const Forecast& forecast) {
   other.behind = forecast.slack_behind;
 }
 
+InertialState Surroundings::goes_on_at(const Other& other, std::int64_t k) const {
+  const SpeedProfile& plan = *other.trajectory;
+  if (other.forecast || !plan.complete || k < plan.end()) return plan.at(k);
+  const InertialState last = plan.states.back();
+  return {last.s + last.v * double(k - plan.end() + 1) * grid_.dt, last.v};
+}
+
 bool Surroundings::meets(const Other& other, std::int64_t k, const InertialState& from, double a,
                          const InertialState& to, double reach) const {
   if (other.reserved && enters_reserved(other, k, from, a)) return true;
   const ContactTable& contacts = other.contact.table();
   if (other.latest != nullptr) return meets_anywhere(other, k, from, a, to);
-  const SpeedProfile& t = *other.trajectory;
-  const InertialState other_from = t.at(k);
+  const auto there = [&](int i) { return goes_on_at(other, k + i); };
+  const InertialState other_from = there(0);
   if (other_from.s >= SpeedProfile::kDeparted) return false;
   // The last step of the decision in which the other one is still there.
   int last = grid_.steps_per_decision;
-  while (t.at(k + last).s >= SpeedProfile::kDeparted) --last;
-  const InertialState other_to = t.at(k + last);
+  while (there(last).s >= SpeedProfile::kDeparted) --last;
+  const InertialState other_to = there(last);
   const double other_reach = other_to.s + stopping_distance(other_to.v, other.body->max_decel);
   const InertialState then =
       last == grid_.steps_per_decision ? to : advance(from, a, last * grid_.dt);
@@ -235,7 +238,7 @@ bool Surroundings::meets(const Other& other, std::int64_t k, const InertialState
                                              comes_over(other, from, other_from));
   const bool lenient = other.contact.is_close(from, other_from) && !must_brake;
   const auto position = [&](int i) { return advance(from, a, i * grid_.dt).s; };
-  const auto other_position = [&](int i) { return t.at(k + i).s; };
+  const auto other_position = [&](int i) { return there(i).s; };
   if (other.contact.touch(position, other_position, last, lenient)) return true;
   // Who leaves within the decision drives on where this vehicle does not see it.
   if (other.contact.touch_braking(then, other_to, lenient)) return true;

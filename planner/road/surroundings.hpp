@@ -98,6 +98,9 @@ class Surroundings {
     work_ += kOwn + std::int64_t(others_.size());
   }
 
+  /// Where the other one is at step k. Who is handed back at the end of a plan goes on at the same
+  /// speed as far as the path leads: nobody may count on that ground the moment after.
+  [[nodiscard]] InertialState goes_on_at(const Other& other, std::int64_t k) const;
   /// Do we meet in the decision from `from` at step k to `to`, or if all brake after it?
   /// @param reach  where we could get in both
   [[nodiscard]] bool meets(const Other& other, std::int64_t k, const InertialState& from, double a,

@@ -194,8 +194,8 @@ TEST_F(Crossing, WhoCannotStopIsMadeRoomFor) {
       << "there is no need for room";
   const auto result = plan_crossing(scene, keys(), before.plan, no_search, 0);
   ASSERT_TRUE(result.unplanned.empty());
-  EXPECT_FALSE(ever_touch(scene.vehicles[0], *result.plan.find(0), scene.vehicles[2],
-                          *result.plan.find(2)));
+  EXPECT_FALSE(
+      ever_touch(scene.vehicles[0], *result.plan.find(0), scene.vehicles[2], *result.plan.find(2)));
   EXPECT_EQ(result.plan.find(1)->states, before.plan.find(1)->states) << "it is not concerned";
 }
 
@@ -235,8 +235,7 @@ TEST_F(Crossing, AFollowerIsPlannedAnewIfItsLeaderGoesOnMoreSlowly) {
   const auto alone = plan_crossing(scene, keys(), {}, {}, 0);
 
   leader.exit_lane = -1;
-  leader.entry_lane = 0;
-  leader.s_entry_lane = 110.0;
+  leader.entry_lanes = {{.lane = 0, .s_lane = 110.0}};
   leader.cruise_speed = 6.0;
   leader.envelope = std::make_shared<SpeedEnvelope>(std::vector<double>(801, 6.0), 3.5);
   scene.vehicles.push_back(leader);
@@ -275,10 +274,9 @@ TEST_F(Crossing, ALeaderCountsUntilItsTailHasLeftTheLane) {
   add(0, 150.0, 10.0);
   RoadVehicle& leader = add(2, 160.0, 2.0);
   leader.exit_lane = -1;
-  leader.entry_lane = 0;
-  leader.s_entry_lane = 110.0;
+  leader.entry_lanes = {{.lane = 0, .s_lane = 110.0}};
   const auto keeps_room = [&](double line) {
-    scene.vehicles[1].stop_lines = {line};
+    scene.vehicles[1].entry_lanes[0].to = line + kCar.length();
     const JointPlan::Entry ahead = {
         1, std::make_shared<SpeedProfile>(SpeedProfile{.states = {{160.0, 2.0}}})};
     const SpeedProfile handed_back{.states = {{170.0 - 14.0, 10.0}}};
