@@ -206,7 +206,13 @@ pid_t start_child(const std::filesystem::path& program, const std::vector<std::s
   posix_spawnattr_t attributes;
   posix_spawnattr_init(&attributes);
   posix_spawnattr_setsigmask(&attributes, &signals.before());
-  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK);
+  // A shell that starts this process in the background has it ignore SIGINT. It awaits the signals
+  // all the same and passes them on, so its child has to hear them.
+  sigset_t heard;
+  sigemptyset(&heard);
+  for (const int signal : {SIGINT, SIGTERM}) sigaddset(&heard, signal);
+  posix_spawnattr_setsigdefault(&attributes, &heard);
+  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF);
   pid_t child = 0;
   ::setenv(kParent, std::to_string(::getpid()).c_str(), 1);
   const int error =

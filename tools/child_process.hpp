@@ -39,7 +39,8 @@ class AwaitedSignals {
 /// Ends this process by SIGTERM once the one that started it by start_child() has died, however.
 void end_with_parent();
 
-/// Starts a program with the signals as they were before `signals`.
+/// Starts a program with the signals as they were before `signals`, but that it hears SIGINT and
+/// SIGTERM even where this process ignored them.
 /// @param arguments  argv, the program's name first.
 /// @param messages   file that takes the child's stdout and stderr; empty: those of this process.
 /// @throws InputError if the program cannot be run.
