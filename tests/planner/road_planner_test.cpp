@@ -199,6 +199,16 @@ TEST_F(Crossing, WhoCannotStopIsMadeRoomFor) {
   EXPECT_EQ(result.plan.find(1)->states, before.plan.find(1)->states) << "it is not concerned";
 }
 
+//   The same, but vehicle 0 may be handed back at any moment: its driver would make no room, so
+//   nobody gets a plan that counts on it.
+TEST_F(Crossing, WhoLeavesMakesNoRoom) {
+  add(1, 84.0, 8.0).s_handback = 80.0;
+  const auto before = plan_crossing(scene, keys(), {}, {}, 0);
+  add(0, 86.0, 12.0);
+  const auto result = plan_crossing(scene, keys(), before.plan, {}, 0);
+  EXPECT_EQ(result.plan.find(1), nullptr);
+}
+
 TEST_F(Crossing, TheSameSeedGivesTheSamePlan) {
   for (int i = 0; i < 5; ++i) {
     add(0, 70.0 - 14.0 * i, 13.0);
