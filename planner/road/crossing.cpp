@@ -177,7 +177,8 @@ class CrossingPlanner {
         continue;
       }
       changed = true;
-      if (i > 0 && leaving_.find(order[i])) return i;  // all others make room
+      // All others make room for who leaves.
+      if (i > 0 && fitting_incumbent(order[i], leaving_, {}) != nullptr) return i;
       auto t = plan_at_least(scene_.vehicle(order[i]), entries);
       if (!t) return i;
       entries.push_back({order[i], std::make_shared<SpeedProfile>(std::move(*t))});
