@@ -235,14 +235,12 @@ bool CourseFinder::leads_on(const CourseQuery& query, const Start& start,
 
 /// How slowly its driver has to drive at the end of the last lane: as the turn there wants it, or
 /// so that he can stop, where he may have to wait for others or for a gap in another lane.
-void CourseFinder::set_next_turn(const CourseQuery& query, const Start& start,
+/// @param laid  [m] from the start of the exit piece to there
+void CourseFinder::set_next_turn(const CourseQuery& query, const Start& start, double laid,
                                  CorridorCourse& course) const {
   const std::size_t last = last_edge(start, course);
   if (last + 1 >= query.edges.size()) return;
-  course.next_turn = 0.0;
-  for (std::size_t i = std::size_t(course.exit_piece); i < course.pieces.size(); ++i) {
-    course.next_turn += graph_.lane(course.pieces[i].lane).length;
-  }
+  course.next_turn = laid;
   for (const int k : links_between(query.edges[last], query.edges[last + 1])) {
     const LaneGraph::Link& link = graph_.link(k);
     const bool is_foreign =
@@ -284,11 +282,11 @@ std::optional<CorridorCourse> CourseFinder::find(const CourseQuery& query) const
   if (!lay_pieces(query, *start, first_exit, wanted + kRunOut + kObservedBehind, course)) {
     return std::nullopt;
   }
-  double room = 0.0;
+  double laid = 0.0;
   for (std::size_t i = std::size_t(course.exit_piece); i < course.pieces.size(); ++i) {
-    room += graph_.lane(course.pieces[i].lane).length;
+    laid += graph_.lane(course.pieces[i].lane).length;
   }
-  room = std::min(room, exit.room);
+  const double room = std::min(laid, exit.room);
   const bool is_early = !leads_on(query, *start, course);
   if (is_early) {
     wanted = std::max(straight_room(query.length), std::min(wanted, room - kDriverChanges));
@@ -305,7 +303,7 @@ std::optional<CorridorCourse> CourseFinder::find(const CourseQuery& query) const
   if (is_early) course.end = std::max(course.end, room - kDriverBrakes);
   course.reach = std::min(room, course.end + kObservedBehind);
   if (exit.kind == Exit::Kind::kLine) course.next_line = exit.room;
-  set_next_turn(query, *start, course);
+  set_next_turn(query, *start, laid, course);
   course.start = query.position + distance - options_.takeover - kLeadIn;
   if (course.start <= 0.0) lay_lead_in(query, course);
   return course;

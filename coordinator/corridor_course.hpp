@@ -133,7 +133,8 @@ class CourseFinder {
   [[nodiscard]] bool leads_on(const CourseQuery& query, const Start& start,
                               const CorridorCourse& course) const;
   [[nodiscard]] std::size_t last_edge(const Start& start, const CorridorCourse& course) const;
-  void set_next_turn(const CourseQuery& query, const Start& start, CorridorCourse& course) const;
+  void set_next_turn(const CourseQuery& query, const Start& start, double laid,
+                     CorridorCourse& course) const;
   void lay_lead_in(const CourseQuery& query, CorridorCourse& course) const;
 
   const LaneGraph& graph_;
