@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <limits>
 
 namespace mvtp {
 namespace {
@@ -177,11 +178,17 @@ double ReferencePath::project(const Point& p, double from, double to) const {
   const double end = double(poses_.size() - 1);
   const auto first = std::size_t(std::clamp(from / kSpacing, 0.0, end));
   const auto last = std::size_t(std::clamp(to / kSpacing + 1.0, 0.0, end));
+  const auto away = [&](std::size_t i) { return distance(p, {poses_[i].x, poses_[i].y}); };
+  constexpr std::size_t kCoarse = 16;  // samples
+  double bound = away(last);
+  for (std::size_t i = first; i < last; i += kCoarse) bound = std::min(bound, away(i));
+  // Neighbours are kSpacing apart: one that is much too far away has no near ones around it.
   std::size_t best = first;
-  double best_distance = 1e300;
-  for (std::size_t i = first; i <= last; ++i) {
-    const double d = distance(p, {poses_[i].x, poses_[i].y});
+  double best_distance = std::numeric_limits<double>::infinity();
+  for (std::size_t i = first; i <= last;) {
+    const double d = away(i);
     if (d < best_distance) best = i, best_distance = d;
+    i += std::max(std::size_t{1}, std::size_t((d - std::min(bound, d)) / kSpacing));
   }
   // The foot of the perpendicular on the tangent at the nearest sample.
   const Pose& near = poses_[best];
