@@ -294,22 +294,22 @@ double CorridorMap::lateral_limit(const ReferencePath& path, double s, bool chan
   return std::sqrt(kSpare * most / sharpest);
 }
 
-/// The speed at s from which the body can still stop before the next coordinated line, in case that
-/// it is not admitted to the corridor through that one, and be slow enough for a turn of its
-/// driver's [m/s].
+/// The speed at s from which the body still comes to the slow places behind its corridor as its
+/// driver has to [m/s].
 double CorridorMap::limit_before_end(const Corridor& corridor, const Vehicle& body, double s) {
   constexpr double kSpare = 1.0;     // [m]
   constexpr double kReaction = 1.0;  // [s] until the next decision, and of its driver
   constexpr double kLeast = 2.0;     // [m/s]: it has to come to the end of its plan
-  const CorridorCourse& course = corridor.course;
   const double b = comfortable_braking(body);
-  const auto limit = [&](double ahead, double then) {
-    const double room = std::max(corridor.s_exit + ahead - kSpare - s, 0.0);
-    const double lost = b * kReaction;
-    return std::max(then, std::sqrt(lost * lost + then * then + 2.0 * b * room) - lost);
-  };
-  return std::max(
-      kLeast, std::min(limit(course.next_line, 0.0), limit(course.next_turn, course.turn_speed)));
+  const double lost = b * kReaction;
+  double limit = std::numeric_limits<double>::infinity();
+  for (const SlowPlace& place : corridor.course.slow_places) {
+    const double room = std::max(corridor.s_exit + place.at - kSpare - s, 0.0);
+    const double then = place.speed;
+    limit = std::min(
+        limit, std::max(then, std::sqrt(lost * lost + then * then + 2.0 * b * room) - lost));
+  }
+  return std::max(kLeast, limit);
 }
 
 void CorridorMap::set_limits(const ReferencePath& path, const Vehicle& body,

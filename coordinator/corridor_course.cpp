@@ -160,26 +160,34 @@ CourseFinder::Exit CourseFinder::exit_behind(const CourseQuery& query, std::size
   return exit_behind(query, exit.edge + 1, driven + exit.room);
 }
 
+/// Calls `visit(lane, begin)` for each turn without conflicts behind the last coordinated junction;
+/// `begin` [m] behind the start of the exit piece.
+template <class Visit>
+void CourseFinder::visit_turns(const CorridorCourse& course, const Visit& visit) const {
+  double here = 0.0;
+  for (std::size_t i = std::size_t(course.exit_piece); i < course.pieces.size(); ++i) {
+    const Lane& lane = graph_.lane(course.pieces[i].lane);
+    const Lane& before = graph_.lane(course.pieces[i - 1].last_lane());
+    if (lane.internal && lane.speed_limit < kSlower * before.speed_limit) visit(lane, here);
+    here += lane.length;
+  }
+}
+
 /// The place nearest to `at` behind the exit's start, up to `latest`, that is not right before or
 /// inside a turn without conflicts, nor right behind it; `at` itself if there is none [m].
 double CourseFinder::clear_of_turns(const CorridorCourse& course, double body_length, double at,
                                     double latest) const {
   std::optional<double> best;
   double from = std::min(at, straight_room(body_length));  // of the lanes since the last turn
-  double here = 0.0;
   const auto look_at = [&](double to) {
     if (to < from) return;
     const double place = std::clamp(at, from, to);
     if (!best || std::abs(place - at) < std::abs(*best - at)) best = place;
   };
-  for (std::size_t i = std::size_t(course.exit_piece); i < course.pieces.size(); ++i) {
-    const Lane& lane = graph_.lane(course.pieces[i].lane);
-    const Lane& before = graph_.lane(course.pieces[i - 1].last_lane());
-    const bool is_turn = lane.internal && lane.speed_limit < kSlower * before.speed_limit;
-    if (is_turn) look_at(here - kDriverBrakes);
-    here += lane.length;
-    if (is_turn) from = here + straight_room(body_length);
-  }
+  visit_turns(course, [&](const Lane& turn, double begin) {
+    look_at(begin - kDriverBrakes);
+    from = begin + turn.length + straight_room(body_length);
+  });
   look_at(latest);
   return best.value_or(at);
 }
@@ -234,20 +242,21 @@ bool CourseFinder::leads_on(const CourseQuery& query, const Start& start,
 }
 
 /// How slowly its driver has to drive at the end of the last lane: as the turn there wants it, or
-/// so that he can stop, where he may have to wait for others or for a gap in another lane.
-/// @param laid  [m] from the start of the exit piece to there
-void CourseFinder::set_next_turn(const CourseQuery& query, const Start& start, double laid,
-                                 CorridorCourse& course) const {
+/// so that he can stop, where he may have to wait for others or for a gap in another lane [m/s];
+/// infinite where the route ends.
+double CourseFinder::speed_behind(const CourseQuery& query, const Start& start,
+                                  const CorridorCourse& course) const {
   const std::size_t last = last_edge(start, course);
-  if (last + 1 >= query.edges.size()) return;
-  course.next_turn = laid;
+  if (last + 1 >= query.edges.size()) return kInfinity;
+  double speed = 0.0;
   for (const int k : links_between(query.edges[last], query.edges[last + 1])) {
     const LaneGraph::Link& link = graph_.link(k);
     const bool is_foreign =
         !is_coordinated(link.junction) && graph_.junction(link.junction).has_conflicts;
     if (link.from != course.pieces.back().last_lane() || link.via.empty() || is_foreign) continue;
-    course.turn_speed = graph_.lane(link.via.front()).speed_limit;
+    speed = graph_.lane(link.via.front()).speed_limit;
   }
+  return speed;
 }
 
 /// Is it time to take the vehicle over? Inside a junction without conflicts and just behind it its
@@ -302,8 +311,12 @@ std::optional<CorridorCourse> CourseFinder::find(const CourseQuery& query) const
   // Where it bends at first there is room for a hand-back further on.
   if (is_early) course.end = std::max(course.end, room - kDriverBrakes);
   course.reach = std::min(room, course.end + kObservedBehind);
-  if (exit.kind == Exit::Kind::kLine) course.next_line = exit.room;
-  set_next_turn(query, *start, laid, course);
+  // At the next coordinated line it may not be admitted to the next corridor.
+  if (exit.kind == Exit::Kind::kLine) course.slow_places.push_back({exit.room, 0.0});
+  course.slow_places.push_back({laid, speed_behind(query, *start, course)});
+  visit_turns(course, [&](const Lane& turn, double begin) {
+    if (begin > course.handback) course.slow_places.push_back({begin, turn.speed_limit});
+  });
   course.start = query.position + distance - options_.takeover - kLeadIn;
   if (course.start <= 0.0) lay_lead_in(query, course);
   return course;

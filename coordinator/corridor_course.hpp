@@ -23,6 +23,13 @@ struct CorridorPiece {
   friend auto operator<=>(const CorridorPiece&, const CorridorPiece&) = default;
 };
 
+/// Where a driver may be no faster.
+struct SlowPlace {
+  double at = 0.0;     ///< [m] behind the start of the exit piece, of the front bumper
+  double speed = 0.0;  ///< [m/s]
+  friend auto operator<=>(const SlowPlace&, const SlowPlace&) = default;
+};
+
 /// The course of a vehicle through one or more coordinated junctions, as lanes.
 struct CorridorCourse {
   std::vector<int> lead_in;  ///< lanes behind the first piece on which its tail may still be
@@ -33,12 +40,7 @@ struct CorridorCourse {
   double handback = 0.0;   ///< [m] behind the start of the exit piece, of the front bumper
   double end = 0.0;        ///< [m] likewise: where a plan is complete; >= handback
   double reach = 0.0;      ///< [m] likewise: what lies further ahead does not matter
-  /// [m] likewise: the next coordinated stop line, behind this course.
-  double next_line = std::numeric_limits<double>::infinity();
-  /// [m] likewise: where the last lane ends, if the route goes on, and how fast its driver may
-  /// be there [m/s].
-  double next_turn = std::numeric_limits<double>::infinity();
-  double turn_speed = 0.0;
+  std::vector<SlowPlace> slow_places;  ///< behind the hand-back
   bool human_driven = false;  ///< who keeps to the lanes, however wide the body swings
   bool dead_end = false;      ///< the last lane does not lead on along the route
   bool cramped = false;       ///< too short behind the last junction for the body to lie straight
@@ -133,8 +135,10 @@ class CourseFinder {
   [[nodiscard]] bool leads_on(const CourseQuery& query, const Start& start,
                               const CorridorCourse& course) const;
   [[nodiscard]] std::size_t last_edge(const Start& start, const CorridorCourse& course) const;
-  void set_next_turn(const CourseQuery& query, const Start& start, double laid,
-                     CorridorCourse& course) const;
+  template <class Visit>
+  void visit_turns(const CorridorCourse& course, const Visit& visit) const;
+  [[nodiscard]] double speed_behind(const CourseQuery& query, const Start& start,
+                                    const CorridorCourse& course) const;
   void lay_lead_in(const CourseQuery& query, CorridorCourse& course) const;
 
   const LaneGraph& graph_;
