@@ -234,9 +234,11 @@ bool Surroundings::meets(const Other& other, std::int64_t k, const InertialState
 
   // Too close to a driver ahead, or beside one who need not brake, there is no choice but full
   // braking: "no worse than braking now" would begin anew at every decision, nearer each time.
-  const bool must_brake = other.forecast && (other.contact.contact->is_behind(from, other_from) ||
-                                             comes_over(other, from, other_from));
-  const bool lenient = other.contact.is_close(from, other_from) && !must_brake;
+  const auto must_brake = [&] {
+    return other.forecast && (other.contact.contact->is_behind(from, other_from) ||
+                              comes_over(other, from, other_from));
+  };
+  const bool lenient = other.contact.is_close(from, other_from) && !must_brake();
   const auto position = [&](int i) { return advance(from, a, i * grid_.dt).s; };
   const auto other_position = [&](int i) { return there(i).s; };
   if (other.contact.touch(position, other_position, last, lenient)) return true;
