@@ -160,15 +160,15 @@ CourseFinder::Exit CourseFinder::exit_behind(const CourseQuery& query, std::size
   return exit_behind(query, exit.edge + 1, driven + exit.room);
 }
 
-/// Calls `visit(lane, begin)` for each turn without conflicts behind the last coordinated junction;
+/// Calls `act(lane, begin)` for each turn without conflicts behind the last coordinated junction;
 /// `begin` [m] behind the start of the exit piece.
-template <class Visit>
-void CourseFinder::visit_turns(const CorridorCourse& course, const Visit& visit) const {
+template <class Act>
+void CourseFinder::for_each_turn(const CorridorCourse& course, const Act& act) const {
   double here = 0.0;
   for (std::size_t i = std::size_t(course.exit_piece); i < course.pieces.size(); ++i) {
     const Lane& lane = graph_.lane(course.pieces[i].lane);
     const Lane& before = graph_.lane(course.pieces[i - 1].last_lane());
-    if (lane.internal && lane.speed_limit < kSlower * before.speed_limit) visit(lane, here);
+    if (lane.internal && lane.speed_limit < kSlower * before.speed_limit) act(lane, here);
     here += lane.length;
   }
 }
@@ -184,7 +184,7 @@ double CourseFinder::clear_of_turns(const CorridorCourse& course, double body_le
     const double place = std::clamp(at, from, to);
     if (!best || std::abs(place - at) < std::abs(*best - at)) best = place;
   };
-  visit_turns(course, [&](const Lane& turn, double begin) {
+  for_each_turn(course, [&](const Lane& turn, double begin) {
     look_at(begin - kDriverBrakes);
     from = begin + turn.length + straight_room(body_length);
   });
@@ -314,7 +314,7 @@ std::optional<CorridorCourse> CourseFinder::find(const CourseQuery& query) const
   // At the next coordinated line it may not be admitted to the next corridor.
   if (exit.kind == Exit::Kind::kLine) course.slow_places.push_back({exit.room, 0.0});
   course.slow_places.push_back({laid, speed_behind(query, *start, course)});
-  visit_turns(course, [&](const Lane& turn, double begin) {
+  for_each_turn(course, [&](const Lane& turn, double begin) {
     if (begin > course.handback) course.slow_places.push_back({begin, turn.speed_limit});
   });
   course.start = query.position + distance - options_.takeover - kLeadIn;

@@ -135,8 +135,8 @@ class CourseFinder {
   [[nodiscard]] bool leads_on(const CourseQuery& query, const Start& start,
                               const CorridorCourse& course) const;
   [[nodiscard]] std::size_t last_edge(const Start& start, const CorridorCourse& course) const;
-  template <class Visit>
-  void visit_turns(const CorridorCourse& course, const Visit& visit) const;
+  template <class Act>
+  void for_each_turn(const CorridorCourse& course, const Act& act) const;
   [[nodiscard]] double speed_behind(const CourseQuery& query, const Start& start,
                                     const CorridorCourse& course) const;
   void lay_lead_in(const CourseQuery& query, CorridorCourse& course) const;
