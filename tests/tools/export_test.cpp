@@ -96,6 +96,17 @@ TEST(OpenScenario, AVehicleSeenOnceStandsForAStep) {
   EXPECT_THAT(text, HasSubstr("<Vertex time=\"1.0000\">"));
 }
 
+TEST(OpenScenario, ANameThatIsAParameterIsRefused) {
+  EXPECT_THROW((void)to_openscenario(recording({seen_at("$a", {0})}), ""), InputError);
+}
+
+TEST(Xml, HoldsNoControlCharacters) {
+  const Recording odd = recording({seen_at("a\x01", {0})});
+  EXPECT_THROW((void)to_fcd(odd), InputError);
+  EXPECT_THROW((void)to_commonroad(odd, ""), InputError);
+  EXPECT_THROW((void)to_openscenario(odd, ""), InputError);
+}
+
 using Export = Program;
 
 TEST_F(Export, RefusesWhatItCannotWrite) {
