@@ -72,6 +72,13 @@ TEST(Csv, IsInOrderOfTimeAndQuotesIds) {
             "1.000,\"a,b\",1.0000,0.0000,0.000000,1.0000,0.000000\n");
 }
 
+TEST(Recording, AStayNeverTakesTheNameOfAnother) {
+  Recording all = recording({seen_at("a", {0, 1, 5}), seen_at("a+2", {0})});
+  split_stays(all);
+  EXPECT_EQ(all.vehicles[1].id, "a+3");
+  EXPECT_EQ(all.vehicles[2].id, "a+2");
+}
+
 TEST(CommonRoad, AVehicleSeenOnceStandsForAStep) {
   const std::string text = to_commonroad(recording({seen_at("a--b", {3})}), "");
   EXPECT_THAT(text, HasSubstr("<exact>1</exact>"));
