@@ -122,6 +122,7 @@ TEST_F(Export, RefusesWhatItCannotWrite) {
                         "map: {dimensions: [20, 20]}\n");
   ASSERT_EQ(run("solve -i i.yaml -q -o p.yaml").exit_code, 0);
   (void)directory_.file("bare.yaml", "schedule:\n  agent0:\n    - {x: 5, y: 5, yaw: 0, t: 0}\n");
+  (void)directory_.file("empty.yaml", "schedule: {}\n");
   expect_refused("export p.yaml --to excel -o x.csv", "export: --to: is \"excel\"; choose .*");
   expect_refused("export bare.yaml --to csv -o x.csv",
                  "bare.yaml: does not say what its vehicles are; name its instance .*");
@@ -129,12 +130,14 @@ TEST_F(Export, RefusesWhatItCannotWrite) {
   expect_refused("export p.yaml --to csv -o x.csv --begin 99",
                  "p.yaml: has no vehicle in that time; .*");
   expect_refused("export p.yaml --to csv -o x.csv --ego agent0", "--ego: is for --to commonroad");
+  expect_refused("export empty.yaml --to csv -o x.csv --vehicle escot",
+                 "empty.yaml: has no vehicle");
   expect_refused("export p.yaml --to commonroad -o x.xml --ego nobody",
                  "--ego: is \"nobody\", which is no vehicle of p.yaml");
   expect_refused("export p.yaml --to openscenario -o x.xosc --network i.yaml",
                  "i.yaml: netconvert cannot write it as OpenDRIVE; .*");
   expect_refused("export . --to csv -o x.csv", ".*view.html: is missing; give the folder .*");
-  EXPECT_EQ(shell("ls").out, "bare.yaml\ni.yaml\np.yaml\n");
+  EXPECT_EQ(shell("ls").out, "bare.yaml\nempty.yaml\ni.yaml\np.yaml\n");
 }
 
 TEST_F(Export, ADamagedRunIsToldWhere) {
