@@ -29,7 +29,7 @@ struct ExportOptions {
   Format format = Format::kCsv;
   std::string output;
   std::string network;
-  std::string ego;
+  CommonRoadRequest commonroad;
   double begin = -std::numeric_limits<double>::infinity();
   double end = std::numeric_limits<double>::infinity();
 };
@@ -116,6 +116,17 @@ void write_openscenario(const ExportOptions& options, const Recording& recording
   fmt::print(stderr, "mvtp: export: no roads: {} is not there any more; give --network\n", network);
 }
 
+/// Tells how many break the one rule of the schema that recorded traffic breaks.
+void write_commonroad(const ExportOptions& options, const Recording& recording) {
+  const CommonRoadScenario scenario = to_commonroad(recording, options.commonroad);
+  write_text_file(options.output, scenario.text);
+  if (scenario.late == 0) return;
+  fmt::print(stderr,
+             "mvtp: export: {} of {} obstacles enter after time step 0, which CommonRoad's schema "
+             "forbids and its reader takes; --obstacle-start-at-zero leaves them out\n",
+             scenario.late, scenario.obstacles);
+}
+
 void write(const ExportOptions& options, const Recording& recording) {
   switch (options.format) {
     case Format::kCsv:
@@ -123,7 +134,7 @@ void write(const ExportOptions& options, const Recording& recording) {
     case Format::kFcd:
       return write_text_file(options.output, to_fcd(recording));
     case Format::kCommonRoad:
-      return write_text_file(options.output, to_commonroad(recording, options.ego));
+      return write_commonroad(options, recording);
     case Format::kOpenScenario:
       return write_openscenario(options, recording);
   }
@@ -131,8 +142,11 @@ void write(const ExportOptions& options, const Recording& recording) {
 
 void check(const ExportOptions& options) {
   check_output_files({options.output}, inputs_of(options.request));
-  if (!options.ego.empty() && options.format != Format::kCommonRoad) {
-    throw InputError("--ego", "is for --to commonroad");
+  if (options.format != Format::kCommonRoad) {
+    if (!options.commonroad.ego.empty()) throw InputError("--ego", "is for --to commonroad");
+    if (options.commonroad.obstacle_start_at_zero) {
+      throw InputError("--obstacle-start-at-zero", "is for --to commonroad");
+    }
   }
   if (!options.network.empty() && options.format != Format::kOpenScenario) {
     throw InputError("--network", "is for --to openscenario");
@@ -174,9 +188,13 @@ void add_output_options(CLI::App& app, ExportOptions& options) {
   };
   add_time("--begin", options.begin, "Leave out what was before [s] [all]");
   add_time("--end", options.end, "Leave out what was after [s] [all]");
-  app.add_option("--ego", options.ego,
+  app.add_option("--ego", options.commonroad.ego,
                  "CommonRoad: vehicle that becomes the planning problem [none: all are obstacles]")
       ->type_name("ID")
+      ->group("Output");
+  app.add_flag("--obstacle-start-at-zero", options.commonroad.obstacle_start_at_zero,
+               "CommonRoad: leave out vehicles that enter after time step 0, which its schema "
+               "forbids and its reader takes")
       ->group("Output");
   app.add_option("--network", options.network,
                  "OpenSCENARIO: SUMO network that goes beside it as OpenDRIVE [that of the run]")

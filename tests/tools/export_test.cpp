@@ -80,13 +80,42 @@ TEST(Recording, AStayNeverTakesTheNameOfAnother) {
 }
 
 TEST(CommonRoad, AVehicleSeenOnceStandsForAStep) {
-  const std::string text = to_commonroad(recording({seen_at("a--b", {3})}), "");
+  const std::string text = to_commonroad(recording({seen_at("a--b", {3})}), {}).text;
   EXPECT_THAT(text, HasSubstr("<exact>1</exact>"));
   EXPECT_THAT(text, HasSubstr("<!-- a- -b -->"));
 }
 
+TEST(CommonRoad, WhoEntersLaterIsCounted) {
+  const CommonRoadScenario scenario =
+      to_commonroad(recording({seen_at("a", {3, 4}), seen_at("b", {4, 5})}), {});
+  EXPECT_EQ(scenario.obstacles, 2U);
+  EXPECT_EQ(scenario.late, 1U);
+  EXPECT_THAT(scenario.text, HasSubstr("<!-- b -->"));
+}
+
+TEST(CommonRoad, WhoEntersLaterIsLeftOutOnDemand) {
+  const CommonRoadScenario scenario =
+      to_commonroad(recording({seen_at("b", {4, 5}), seen_at("a", {3, 4, 8}), seen_at("c", {3})}),
+                    {.ego = "", .obstacle_start_at_zero = true});
+  EXPECT_EQ(scenario.obstacles, 2U);
+  EXPECT_EQ(scenario.late, 0U);
+  EXPECT_THAT(scenario.text, HasSubstr("<!-- a -->"));
+  EXPECT_THAT(scenario.text, Not(HasSubstr("<!-- a+2 -->")));
+  EXPECT_THAT(scenario.text, Not(HasSubstr("<!-- b -->")));
+}
+
+TEST(CommonRoad, TimeBeginsWithTheEgoVehicle) {
+  const CommonRoadScenario scenario =
+      to_commonroad(recording({seen_at("a", {0, 1, 2, 3}), seen_at("b", {1, 2}),
+                               seen_at("ego", {1, 2}), seen_at("c", {2, 3})}),
+                    {.ego = "ego", .obstacle_start_at_zero = true});
+  EXPECT_EQ(scenario.obstacles, 2U);
+  EXPECT_THAT(scenario.text, HasSubstr("<!-- b -->"));
+  EXPECT_THAT(scenario.text, Not(HasSubstr("<!-- c -->")));
+}
+
 TEST(CommonRoad, AnUnknownEgoIsRefused) {
-  EXPECT_THROW((void)to_commonroad(recording({seen_at("a", {0})}), "b"), InputError);
+  EXPECT_THROW((void)to_commonroad(recording({seen_at("a", {0})}), {.ego = "b"}), InputError);
 }
 
 TEST(OpenScenario, WhoLeavesBeforeTheEndIsTakenAway) {
@@ -110,7 +139,7 @@ TEST(OpenScenario, ANameThatIsAParameterIsRefused) {
 TEST(Xml, HoldsNoControlCharacters) {
   const Recording odd = recording({seen_at("a\x01", {0})});
   EXPECT_THROW((void)to_fcd(odd), InputError);
-  EXPECT_THROW((void)to_commonroad(odd, ""), InputError);
+  EXPECT_THROW((void)to_commonroad(odd, {}), InputError);
   EXPECT_THROW((void)to_openscenario(odd, ""), InputError);
 }
 
@@ -130,6 +159,8 @@ TEST_F(Export, RefusesWhatItCannotWrite) {
   expect_refused("export p.yaml --to csv -o x.csv --begin 99",
                  "p.yaml: has no vehicle in that time; .*");
   expect_refused("export p.yaml --to csv -o x.csv --ego agent0", "--ego: is for --to commonroad");
+  expect_refused("export p.yaml --to csv -o x.csv --obstacle-start-at-zero",
+                 "--obstacle-start-at-zero: is for --to commonroad");
   expect_refused("export empty.yaml --to csv -o x.csv --vehicle escot",
                  "empty.yaml: has no vehicle");
   expect_refused("export p.yaml --to commonroad -o x.xml --ego nobody",
