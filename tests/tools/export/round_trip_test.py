@@ -10,20 +10,12 @@ import re
 import shutil
 import subprocess
 import sys
-import tempfile
 import unittest
 import xml.etree.ElementTree as ET
 
-MVTP, SCENARIOS = sys.argv[1:3]
-MILLIMETRE = 1e-3
+from export_case import MILLIMETRE, SCENARIOS, Case, mvtp
+
 FRONT, REAR = 2.5, 0.5  # of the preset "escot" [m]
-
-
-def mvtp(*arguments, codes=(0,)):
-    done = subprocess.run([MVTP, *arguments], capture_output=True, text=True, check=False)
-    if done.returncode not in codes:
-        raise AssertionError(f"{arguments}: exit {done.returncode}: {done.stderr}")
-    return done
 
 
 def content_of(path):
@@ -46,31 +38,6 @@ def states_of_plan(path):
                 values = {key: float(value) for key, value in found}
                 states.append(tuple(values.get(k, 0.0) for k in ("t", "x", "y", "yaw", "v", "phi")))
     return agents
-
-
-class Case(unittest.TestCase):
-    folder = None
-
-    @classmethod
-    def setUpClass(cls):
-        cls.temporary = tempfile.TemporaryDirectory()
-        cls.addClassCleanup(cls.temporary.cleanup)
-        cls.folder = cls.temporary.name
-        cls.make()
-
-    @classmethod
-    def path(cls, name):
-        return os.path.join(cls.folder, name)
-
-    @classmethod
-    def export(cls, source, form, *options):
-        output = cls.path(f"out.{form}")
-        mvtp("export", cls.path(source), "--to", form, "-o", output, *options)
-        return output
-
-    def near(self, a, b, tolerance=MILLIMETRE):
-        for first, second in zip(a, b, strict=True):
-            self.assertAlmostEqual(first, second, delta=tolerance)
 
 
 class Plan(Case):
