@@ -5,6 +5,7 @@
 #include <limits>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "planner/problem/input_error.hpp"
 #include "planner/problem/text_file.hpp"
@@ -28,7 +29,7 @@ struct ExportOptions {
   Format format = Format::kCsv;
   std::string output;
   std::string network;
-  std::string ego;
+  CommonRoadRequest commonroad;
   double begin = -std::numeric_limits<double>::infinity();
   double end = std::numeric_limits<double>::infinity();
 };
@@ -38,68 +39,114 @@ std::string road_file_beside(const std::string& output) {
   return fs::path(output).replace_extension(".xodr").string();
 }
 
-/// Lets SUMO's netconvert write a network as OpenDRIVE. @throws InputError
-void write_opendrive(const std::string& network, const std::string& output) {
-  const std::string part = output + ".part";
-  const std::string messages = output + ".log";
-  Job job;
-  job.arguments = {"/usr/bin/env",       "netconvert", "--sumo-net-file",  network,
-                   "--opendrive-output", part,         "--xml-validation", "never"};
-  job.messages = messages;
-  int status = 0;
-  const bool complete = run_jobs(std::span(&job, 1), 1, [&](std::size_t, int end) {
-    status = end;
-    return true;
-  });
-  std::error_code ignored;
-  fs::remove(messages, ignored);
-  if (!complete || !WIFEXITED(status) || WEXITSTATUS(status) != 0) {
-    fs::remove(part, ignored);
+/// A SUMO network as OpenDRIVE, made by SUMO's netconvert. It gets its name by keep(): without that
+/// nothing is left of it.
+class RoadFile {
+ public:
+  /// @throws InputError
+  RoadFile(const std::string& network, const std::string& path)
+      : path_(path), part_(path + ".part") {
+    if (convert(network)) return;
+    remove(part_);
     throw InputError(network,
                      "netconvert cannot write it as OpenDRIVE; is SUMO installed, and is "
                      "this a SUMO network?");
   }
-  fs::rename(part, output);
+  ~RoadFile() { remove(part_); }
+  RoadFile(const RoadFile&) = delete;
+  RoadFile& operator=(const RoadFile&) = delete;
+
+  void keep() const { fs::rename(part_, path_); }
+
+ private:
+  [[nodiscard]] bool convert(const std::string& network) const {
+    Job job;
+    job.arguments = {"/usr/bin/env",       "netconvert", "--sumo-net-file",  network,
+                     "--opendrive-output", part_,        "--xml-validation", "never"};
+    job.messages = path_ + ".log";
+    int status = 0;
+    const bool complete = run_jobs(std::span(&job, 1), 1, [&](std::size_t, int end) {
+      status = end;
+      return true;
+    });
+    remove(job.messages);
+    return complete && WIFEXITED(status) && WEXITSTATUS(status) == 0;
+  }
+
+  static void remove(const std::string& path) {
+    std::error_code ignored;
+    fs::remove(path, ignored);
+  }
+
+  std::string path_;
+  std::string part_;  ///< as it is written
+};
+
+/// What must not be overwritten: a run is read from two files of its folder.
+std::vector<std::string> inputs_of(const RecordingRequest& request) {
+  if (!fs::is_directory(request.input)) return {request.instance, request.input};
+  const fs::path folder = request.input;
+  return {(folder / "fcd.xml").string(), (folder / "view.html").string()};
 }
 
-/// The network whose roads go beside the scenario; empty: none.
-std::string network_of(const ExportOptions& options, const Recording& recording) {
-  if (!options.network.empty()) return options.network;
-  if (recording.network.empty() || fs::exists(recording.network)) return recording.network;
-  fmt::print(stderr, "mvtp: export: no roads: {} is not there any more; give --network\n",
-             recording.network);
-  return "";
-}
-
-std::string openscenario(const ExportOptions& options, const Recording& recording) {
-  const std::string network = network_of(options, recording);
-  if (network.empty()) return to_openscenario(recording, "");
+/// With the roads of `network` beside it. @throws InputError
+void write_with_roads(const ExportOptions& options, const Recording& recording,
+                      const std::string& network) {
   const std::string road_file = road_file_beside(options.output);
-  check_output_files({options.output, road_file}, {options.request.input, network});
-  write_opendrive(network, road_file);
-  return to_openscenario(recording, fs::path(road_file).filename().string());
+  if (fs::exists(options.output) && !fs::is_regular_file(options.output)) {
+    throw InputError(options.output, "is no file that roads could go beside; give a file");
+  }
+  std::vector<std::string> inputs = inputs_of(options.request);
+  inputs.push_back(network);
+  check_output_files({options.output, road_file}, inputs);
+  const RoadFile roads(network, road_file);
+  write_text_file(options.output,
+                  to_openscenario(recording, fs::path(road_file).filename().string()));
+  roads.keep();
 }
 
-std::string text_of(const ExportOptions& options, const Recording& recording) {
+void write_openscenario(const ExportOptions& options, const Recording& recording) {
+  const std::string& given = options.network;
+  const std::string& network = given.empty() ? recording.network : given;
+  if (!network.empty() && (!given.empty() || fs::exists(network))) {
+    return write_with_roads(options, recording, network);
+  }
+  write_text_file(options.output, to_openscenario(recording, ""));
+  if (network.empty()) return;
+  fmt::print(stderr, "mvtp: export: no roads: {} is not there any more; give --network\n", network);
+}
+
+/// Tells how many break the one rule of the schema that recorded traffic breaks.
+void write_commonroad(const ExportOptions& options, const Recording& recording) {
+  const CommonRoadScenario scenario = to_commonroad(recording, options.commonroad);
+  write_text_file(options.output, scenario.text);
+  if (scenario.late == 0) return;
+  fmt::print(stderr,
+             "mvtp: export: {} of {} obstacles enter after time step 0, which CommonRoad's schema "
+             "forbids and its reader takes; --obstacle-start-at-zero leaves them out\n",
+             scenario.late, scenario.obstacles);
+}
+
+void write(const ExportOptions& options, const Recording& recording) {
   switch (options.format) {
     case Format::kCsv:
-      return to_csv(recording);
+      return write_text_file(options.output, to_csv(recording));
     case Format::kFcd:
-      return to_fcd(recording);
+      return write_text_file(options.output, to_fcd(recording));
     case Format::kCommonRoad:
-      return to_commonroad(recording, options.ego);
+      return write_commonroad(options, recording);
     case Format::kOpenScenario:
-      break;
+      return write_openscenario(options, recording);
   }
-  return openscenario(options, recording);
 }
 
 void check(const ExportOptions& options) {
-  std::vector<std::string> inputs = {options.request.instance};
-  if (!fs::is_directory(options.request.input)) inputs.push_back(options.request.input);
-  check_output_files({options.output}, inputs);
-  if (!options.ego.empty() && options.format != Format::kCommonRoad) {
-    throw InputError("--ego", "is for --to commonroad");
+  check_output_files({options.output}, inputs_of(options.request));
+  if (options.format != Format::kCommonRoad) {
+    if (!options.commonroad.ego.empty()) throw InputError("--ego", "is for --to commonroad");
+    if (options.commonroad.obstacle_start_at_zero) {
+      throw InputError("--obstacle-start-at-zero", "is for --to commonroad");
+    }
   }
   if (!options.network.empty() && options.format != Format::kOpenScenario) {
     throw InputError("--network", "is for --to openscenario");
@@ -109,12 +156,13 @@ void check(const ExportOptions& options) {
 int export_recording(const ExportOptions& options) {
   check(options);
   Recording recording = read_recording(options.request);
+  if (recording.vehicles.empty()) throw InputError(options.request.input, "has no vehicle");
   cut(recording, options.begin, options.end);
   if (recording.vehicles.empty()) {
     throw InputError(options.request.input,
                      "has no vehicle in that time; choose --begin and --end");
   }
-  write_text_file(options.output, text_of(options, recording));
+  write(options, recording);
   return kDone;
 }
 
@@ -140,9 +188,13 @@ void add_output_options(CLI::App& app, ExportOptions& options) {
   };
   add_time("--begin", options.begin, "Leave out what was before [s] [all]");
   add_time("--end", options.end, "Leave out what was after [s] [all]");
-  app.add_option("--ego", options.ego,
+  app.add_option("--ego", options.commonroad.ego,
                  "CommonRoad: vehicle that becomes the planning problem [none: all are obstacles]")
       ->type_name("ID")
+      ->group("Output");
+  app.add_flag("--obstacle-start-at-zero", options.commonroad.obstacle_start_at_zero,
+               "CommonRoad: leave out vehicles that enter after time step 0, which its schema "
+               "forbids and its reader takes")
       ->group("Output");
   app.add_option("--network", options.network,
                  "OpenSCENARIO: SUMO network that goes beside it as OpenDRIVE [that of the run]")

@@ -98,9 +98,17 @@ std::optional<std::size_t> find_malformed_utf8(std::string_view text) {
                                      static_cast<unsigned char>(text[offset]), offset));
 }
 
+/// Devices, pipes and sockets cannot be replaced by a rename; they are written directly.
+bool is_special(const fs::path& path) {
+  std::error_code error;
+  const fs::file_status status = fs::status(path, error);
+  return fs::exists(status) && !fs::is_regular_file(status);
+}
+
 /// Where the bytes go in the end: the target of a link rather than the link, there or not.
 fs::path final_target(const fs::path& path) {
-  constexpr int kMostLinks = 40;  // as the kernel
+  if (is_special(path)) return path;  // /dev/stdout may lead to a pipe, which has no name
+  constexpr int kMostLinks = 40;      // as the kernel
   fs::path target = path;
   std::error_code error;
   for (int k = 0; k < kMostLinks && fs::is_symlink(target, error); ++k) {
@@ -111,13 +119,6 @@ fs::path final_target(const fs::path& path) {
   return target;
 }
 
-/// Devices, pipes and sockets cannot be replaced by a rename; they are written directly.
-bool is_special(const fs::path& path) {
-  std::error_code error;
-  const fs::file_status status = fs::status(path, error);
-  return fs::exists(status) && !fs::is_regular_file(status);
-}
-
 [[noreturn]] void report_unwritable(const std::string& path, const std::string& why) {
   throw InputError(path, fmt::format("cannot be written: {}; choose another output file", why));
 }
@@ -125,7 +126,7 @@ bool is_special(const fs::path& path) {
 void reject_unwritable_target(const std::string& path, const fs::path& target) {
   if (path.empty()) throw InputError("output file", "has an empty name; give a path");
   std::error_code error;
-  if (fs::is_symlink(target, error)) report_unwritable(path, reason(ELOOP));
+  if (fs::is_symlink(target, error) && !is_special(target)) report_unwritable(path, reason(ELOOP));
   if (fs::is_directory(target, error)) report_unwritable(path, "it is a directory");
   if (fs::exists(target, error) && ::access(target.c_str(), W_OK) != 0) {
     report_unwritable(path, reason(errno));

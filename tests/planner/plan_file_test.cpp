@@ -6,6 +6,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <array>
 #include <atomic>
 #include <cmath>
 #include <filesystem>
@@ -302,6 +303,25 @@ TEST_F(PlanFile, ADanglingLinkStaysALink) {
   EXPECT_TRUE(std::filesystem::is_symlink(directory_.path("first")));
   EXPECT_TRUE(std::filesystem::is_symlink(directory_.path("second")));
   EXPECT_THAT(content_of(directory_.path("results/plan.yaml")), testing::StartsWith("statistics:"));
+}
+
+TEST_F(PlanFile, APipeWithoutANameIsWrittenToDirectly) {
+  std::array<int, 2> ends{};
+  ASSERT_EQ(::pipe(ends.data()), 0);
+  const std::string path = "/proc/self/fd/" + std::to_string(ends[1]);  // as behind /dev/stdout
+  check_writable(path);
+  write_text_file(path, "plan");
+  std::array<char, 8> read{};
+  EXPECT_EQ(::read(ends[0], read.data(), read.size()), 4);
+  EXPECT_STREQ(read.data(), "plan");
+  ::close(ends[0]);
+  ::close(ends[1]);
+}
+
+TEST_F(PlanFile, ALinkToAFolderIsNoOutput) {
+  std::filesystem::create_directory(directory_.path("results"));
+  std::filesystem::create_symlink("results", directory_.path("link"));
+  EXPECT_THAT(write_error(directory_.path("link")), HasSubstr("it is a directory"));
 }
 
 TEST_F(PlanFile, LinksInACircleAreNoOutput) {

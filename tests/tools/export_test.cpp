@@ -72,14 +72,50 @@ TEST(Csv, IsInOrderOfTimeAndQuotesIds) {
             "1.000,\"a,b\",1.0000,0.0000,0.000000,1.0000,0.000000\n");
 }
 
+TEST(Recording, AStayNeverTakesTheNameOfAnother) {
+  Recording all = recording({seen_at("a", {0, 1, 5}), seen_at("a+2", {0})});
+  split_stays(all);
+  EXPECT_EQ(all.vehicles[1].id, "a+3");
+  EXPECT_EQ(all.vehicles[2].id, "a+2");
+}
+
 TEST(CommonRoad, AVehicleSeenOnceStandsForAStep) {
-  const std::string text = to_commonroad(recording({seen_at("a--b", {3})}), "");
+  const std::string text = to_commonroad(recording({seen_at("a--b", {3})}), {}).text;
   EXPECT_THAT(text, HasSubstr("<exact>1</exact>"));
   EXPECT_THAT(text, HasSubstr("<!-- a- -b -->"));
 }
 
+TEST(CommonRoad, WhoEntersLaterIsCounted) {
+  const CommonRoadScenario scenario =
+      to_commonroad(recording({seen_at("a", {3, 4}), seen_at("b", {4, 5})}), {});
+  EXPECT_EQ(scenario.obstacles, 2U);
+  EXPECT_EQ(scenario.late, 1U);
+  EXPECT_THAT(scenario.text, HasSubstr("<!-- b -->"));
+}
+
+TEST(CommonRoad, WhoEntersLaterIsLeftOutOnDemand) {
+  const CommonRoadScenario scenario =
+      to_commonroad(recording({seen_at("b", {4, 5}), seen_at("a", {3, 4, 8}), seen_at("c", {3})}),
+                    {.ego = "", .obstacle_start_at_zero = true});
+  EXPECT_EQ(scenario.obstacles, 2U);
+  EXPECT_EQ(scenario.late, 0U);
+  EXPECT_THAT(scenario.text, HasSubstr("<!-- a -->"));
+  EXPECT_THAT(scenario.text, Not(HasSubstr("<!-- a+2 -->")));
+  EXPECT_THAT(scenario.text, Not(HasSubstr("<!-- b -->")));
+}
+
+TEST(CommonRoad, TimeBeginsWithTheEgoVehicle) {
+  const CommonRoadScenario scenario =
+      to_commonroad(recording({seen_at("a", {0, 1, 2, 3}), seen_at("b", {1, 2}),
+                               seen_at("ego", {1, 2}), seen_at("c", {2, 3})}),
+                    {.ego = "ego", .obstacle_start_at_zero = true});
+  EXPECT_EQ(scenario.obstacles, 2U);
+  EXPECT_THAT(scenario.text, HasSubstr("<!-- b -->"));
+  EXPECT_THAT(scenario.text, Not(HasSubstr("<!-- c -->")));
+}
+
 TEST(CommonRoad, AnUnknownEgoIsRefused) {
-  EXPECT_THROW((void)to_commonroad(recording({seen_at("a", {0})}), "b"), InputError);
+  EXPECT_THROW((void)to_commonroad(recording({seen_at("a", {0})}), {.ego = "b"}), InputError);
 }
 
 TEST(OpenScenario, WhoLeavesBeforeTheEndIsTakenAway) {
@@ -96,6 +132,17 @@ TEST(OpenScenario, AVehicleSeenOnceStandsForAStep) {
   EXPECT_THAT(text, HasSubstr("<Vertex time=\"1.0000\">"));
 }
 
+TEST(OpenScenario, ANameThatIsAParameterIsRefused) {
+  EXPECT_THROW((void)to_openscenario(recording({seen_at("$a", {0})}), ""), InputError);
+}
+
+TEST(Xml, HoldsNoControlCharacters) {
+  const Recording odd = recording({seen_at("a\x01", {0})});
+  EXPECT_THROW((void)to_fcd(odd), InputError);
+  EXPECT_THROW((void)to_commonroad(odd, {}), InputError);
+  EXPECT_THROW((void)to_openscenario(odd, ""), InputError);
+}
+
 using Export = Program;
 
 TEST_F(Export, RefusesWhatItCannotWrite) {
@@ -104,6 +151,7 @@ TEST_F(Export, RefusesWhatItCannotWrite) {
                         "map: {dimensions: [20, 20]}\n");
   ASSERT_EQ(run("solve -i i.yaml -q -o p.yaml").exit_code, 0);
   (void)directory_.file("bare.yaml", "schedule:\n  agent0:\n    - {x: 5, y: 5, yaw: 0, t: 0}\n");
+  (void)directory_.file("empty.yaml", "schedule: {}\n");
   expect_refused("export p.yaml --to excel -o x.csv", "export: --to: is \"excel\"; choose .*");
   expect_refused("export bare.yaml --to csv -o x.csv",
                  "bare.yaml: does not say what its vehicles are; name its instance .*");
@@ -111,12 +159,16 @@ TEST_F(Export, RefusesWhatItCannotWrite) {
   expect_refused("export p.yaml --to csv -o x.csv --begin 99",
                  "p.yaml: has no vehicle in that time; .*");
   expect_refused("export p.yaml --to csv -o x.csv --ego agent0", "--ego: is for --to commonroad");
+  expect_refused("export p.yaml --to csv -o x.csv --obstacle-start-at-zero",
+                 "--obstacle-start-at-zero: is for --to commonroad");
+  expect_refused("export empty.yaml --to csv -o x.csv --vehicle escot",
+                 "empty.yaml: has no vehicle");
   expect_refused("export p.yaml --to commonroad -o x.xml --ego nobody",
                  "--ego: is \"nobody\", which is no vehicle of p.yaml");
   expect_refused("export p.yaml --to openscenario -o x.xosc --network i.yaml",
                  "i.yaml: netconvert cannot write it as OpenDRIVE; .*");
   expect_refused("export . --to csv -o x.csv", ".*view.html: is missing; give the folder .*");
-  EXPECT_EQ(shell("ls").out, "bare.yaml\ni.yaml\np.yaml\n");
+  EXPECT_EQ(shell("ls").out, "bare.yaml\nempty.yaml\ni.yaml\np.yaml\n");
 }
 
 TEST_F(Export, ADamagedRunIsToldWhere) {

@@ -13,27 +13,37 @@ namespace {
 constexpr double kGoalPosition = 0.1;     // [m] and
 constexpr double kGoalOrientation = 0.1;  // [rad] from the goal that still count as there
 
+/// When the first vehicle is there [s].
+double begin_of(const Recording& recording) {
+  double begin = recording.vehicles.front().states.front().time;
+  for (const RecordedVehicle& vehicle : recording.vehicles) {
+    begin = std::min(begin, vehicle.states.front().time);
+  }
+  return begin;
+}
+
 /// Writes one scenario. Positions of vehicles are those of the middle of the rectangle.
 class Scenario {
  public:
-  explicit Scenario(const Recording& recording) : recording_(recording) {
-    begin_ = recording.vehicles.front().states.front().time;
-    for (const RecordedVehicle& vehicle : recording.vehicles) {
-      begin_ = std::min(begin_, vehicle.states.front().time);
-    }
-  }
+  explicit Scenario(const Recording& recording)
+      : recording_(recording), begin_(begin_of(recording)) {}
 
-  std::string write(const RecordedVehicle& ego, bool ego_is_obstacle) {
+  CommonRoadScenario write(const RecordedVehicle& ego, bool ego_is_obstacle) {
+    CommonRoadScenario scenario;
     xml_.element("commonRoad", [&] {
       write_head();
       write_lanelets();
       write_static_obstacles();
       for (const RecordedVehicle& vehicle : recording_.vehicles) {
-        if (ego_is_obstacle || &vehicle != &ego) write_vehicle(vehicle);
+        if (!ego_is_obstacle && &vehicle == &ego) continue;
+        write_vehicle(vehicle);
+        ++scenario.obstacles;
+        if (step_of(vehicle.states.front().time) > 0) ++scenario.late;
       }
       write_problem(ego);
     });
-    return xml_.str();
+    scenario.text = xml_.str();
+    return scenario;
   }
 
  private:
@@ -244,24 +254,32 @@ class Scenario {
   }
 
   const Recording& recording_;
-  double begin_ = 0.0;  ///< [s] of time step 0
+  double begin_;  ///< [s] of time step 0
   long last_id_ = 0;
   XmlWriter xml_;
 };
 
 }  // namespace
 
-std::string to_commonroad(Recording recording, const std::string& ego) {
+CommonRoadScenario to_commonroad(Recording recording, const CommonRoadRequest& request) {
+  const std::string& ego = request.ego;
+  const auto chosen = [&] {
+    return ego.empty() ? recording.vehicles.begin()
+                       : std::ranges::find(recording.vehicles, ego, &RecordedVehicle::id);
+  };
   split_stays(recording);
-  const auto found = ego.empty() ? recording.vehicles.begin()
-                                 : std::ranges::find(recording.vehicles, ego, &RecordedVehicle::id);
+  const auto found = chosen();
   if (found == recording.vehicles.end()) {
     throw InputError("--ego", "is \"" + ego + "\", which is no vehicle of " + recording.name);
   }
   if (!ego.empty()) cut(recording, found->states.front().time, found->states.back().time);
-  const auto kept = ego.empty() ? recording.vehicles.begin()
-                                : std::ranges::find(recording.vehicles, ego, &RecordedVehicle::id);
-  return Scenario(recording).write(*kept, ego.empty());
+  if (request.obstacle_start_at_zero) {
+    const double latest = begin_of(recording) + recording.dt / 2.0;
+    std::erase_if(recording.vehicles, [&](const RecordedVehicle& vehicle) {
+      return vehicle.states.front().time >= latest;
+    });
+  }
+  return Scenario(recording).write(*chosen(), ego.empty());
 }
 
 }  // namespace mvtp

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "planner/problem/document_builder.hpp"
 #include "tools/export/formats.hpp"
 #include "tools/export/xml_writer.hpp"
 #include "tools/version.hpp"
@@ -40,6 +41,10 @@ class Scenario {
   using Inside = std::function<void()>;
 
   void named(const char* element, const std::string& name, const Inside& inside) {
+    if (name.starts_with('$')) {
+      throw InputError(excerpt(name),
+                       "begins with $, as parameters of OpenSCENARIO do; choose another name");
+    }
     xml_.element(element, [&] {
       xml_.attribute("name", name);
       inside();

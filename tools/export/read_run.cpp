@@ -136,7 +136,7 @@ Recording read_run_recording(const std::string& folder) {
   }
 
   Recording recording;
-  recording.name = fs::path(folder).lexically_normal().filename().string();
+  recording.name = fs::canonical(folder).filename().string();
   recording.scene = scene_of(replay, page);
   FcdReader reader(fcd, bodies);
   reader.read(recording);

@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <limits>
 #include <map>
+#include <set>
 #include <utility>
 
 #include "planner/geometry/arc.hpp"
@@ -155,15 +156,20 @@ void cut(Recording& recording, double begin, double end) {
 
 void split_stays(Recording& recording) {
   std::vector<RecordedVehicle> stays;
+  std::set<std::string> ids;
+  for (const RecordedVehicle& vehicle : recording.vehicles) ids.insert(vehicle.id);
+  const auto new_id = [&](const std::string& id, int& count) {
+    if (++count == 1) return id;
+    while (!ids.insert(id + "+" + std::to_string(count)).second) ++count;
+    return id + "+" + std::to_string(count);
+  };
   for (const RecordedVehicle& vehicle : recording.vehicles) {
     int count = 0;
     for (const RecordedState& state : vehicle.states) {
       const bool goes_on =
           count > 0 && state.time - stays.back().states.back().time < 1.5 * recording.dt;
       if (!goes_on) {
-        ++count;
-        const std::string id = count == 1 ? vehicle.id : vehicle.id + "+" + std::to_string(count);
-        stays.push_back({id, vehicle.kind, vehicle.body, {}});
+        stays.push_back({new_id(vehicle.id, count), vehicle.kind, vehicle.body, {}});
       }
       stays.back().states.push_back(state);
     }

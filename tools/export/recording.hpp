@@ -61,8 +61,8 @@ struct RecordingRequest {
 /// The part from `begin` to `end` [s]; vehicles that are not there in it are left out.
 void cut(Recording& recording, double begin, double end);
 
-/// Vehicles that were away for a while become several, one for each stay: "a", "a+2", "a+3".
-/// For formats in which a motion has no gaps.
+/// Vehicles that were away for a while become several, one for each stay: "a", "a+2", "a+3",
+/// or the next number that nobody has. For formats in which a motion has no gaps.
 void split_stays(Recording& recording);
 
 }  // namespace mvtp

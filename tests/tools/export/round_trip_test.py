@@ -7,22 +7,20 @@ import csv
 import math
 import os
 import re
+import shutil
 import subprocess
 import sys
-import tempfile
 import unittest
 import xml.etree.ElementTree as ET
 
-MVTP, SCENARIOS = sys.argv[1:3]
-MILLIMETRE = 1e-3
+from export_case import MILLIMETRE, SCENARIOS, Case, mvtp
+
 FRONT, REAR = 2.5, 0.5  # of the preset "escot" [m]
 
 
-def mvtp(*arguments, codes=(0,)):
-    done = subprocess.run([MVTP, *arguments], capture_output=True, text=True, check=False)
-    if done.returncode not in codes:
-        raise AssertionError(f"{arguments}: exit {done.returncode}: {done.stderr}")
-    return done
+def content_of(path):
+    with open(path, "rb") as file:
+        return file.read()
 
 
 def moved(x, y, yaw, ahead):
@@ -40,31 +38,6 @@ def states_of_plan(path):
                 values = {key: float(value) for key, value in found}
                 states.append(tuple(values.get(k, 0.0) for k in ("t", "x", "y", "yaw", "v", "phi")))
     return agents
-
-
-class Case(unittest.TestCase):
-    folder = None
-
-    @classmethod
-    def setUpClass(cls):
-        cls.temporary = tempfile.TemporaryDirectory()
-        cls.addClassCleanup(cls.temporary.cleanup)
-        cls.folder = cls.temporary.name
-        cls.make()
-
-    @classmethod
-    def path(cls, name):
-        return os.path.join(cls.folder, name)
-
-    @classmethod
-    def export(cls, source, form, *options):
-        output = cls.path(f"out.{form}")
-        mvtp("export", cls.path(source), "--to", form, "-o", output, *options)
-        return output
-
-    def near(self, a, b, tolerance=MILLIMETRE):
-        for first, second in zip(a, b, strict=True):
-            self.assertAlmostEqual(first, second, delta=tolerance)
 
 
 class Plan(Case):
@@ -251,6 +224,42 @@ class Run(Case):
                 for bound in ("leftBound", "rightBound"))
             for a, b in zip(left, right, strict=True):
                 self.assertAlmostEqual(math.dist(a, b), 3.2, delta=0.01)
+
+    def refused(self, regex, source, *arguments):
+        """One line, exit code 2, and every file as it was."""
+        def files():
+            return {(folder, name): content_of(os.path.join(folder, name))
+                    for folder, _, names in os.walk(self.folder) for name in names}
+        before = files()
+        done = mvtp("export", self.path(source), *arguments, codes=(2,))
+        self.assertRegex(done.stderr, rf"^mvtp: {regex}\n$")
+        self.assertEqual(done.stdout, "")
+        self.assertEqual(files(), before)
+
+    def test_a_run_is_not_overwritten_by_its_export(self):
+        for name in "fcd.xml", "view.html":
+            for form in "csv", "openscenario":
+                self.refused(f".*{name}: is an input too .*", "run", "--to", form, "-o", self.path(f"run/{name}"))
+
+    def test_no_roads_are_left_without_their_scenario(self):
+        shutil.copytree(self.path("run"), self.path("odd\x01name"))
+        scenario = self.path("roads.xosc")
+        self.refused('"odd.name": has a control character, .*', "odd\x01name", "--to", "openscenario", "-o", scenario)
+        self.refused("/dev/null: is no file that roads could go beside; .*", "run", "--to", "openscenario",
+                     "-o", "/dev/null")
+        self.refused("nowhere.net.xml: netconvert cannot .*", "run", "--to", "openscenario", "-o", scenario,
+                     "--network", "nowhere.net.xml")
+
+    def test_nobody_is_there(self):
+        for form in ("commonroad", "openscenario"):
+            for time in ("--begin", "16"), ("--begin", "9", "--end", "8"):
+                self.refused(".*run: has no vehicle in that time; .*", "run", "--to", form,
+                             "-o", self.path("nobody.xml"), *time)
+
+    def test_a_folder_has_its_name_however_it_is_called(self):
+        for name in "run", "run/", "run/.", "run/../run":
+            root = ET.parse(self.export(name, "commonroad")).getroot()
+            self.assertEqual((root.get("benchmarkID"), root.get("source")), ("ZAM_run-1_1_T-1", "run"))
 
 
 if __name__ == "__main__":
