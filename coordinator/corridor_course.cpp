@@ -15,9 +15,7 @@ constexpr double kRunOut = 25.0;          ///< [m] behind the hand-back until a 
 constexpr double kObservedBehind = 20.0;  ///< [m] behind that in which others still matter
 constexpr double kBeforeEnd = 9.0;        ///< [m] that a hand-back keeps from the end of its lane
 constexpr double kArrives = 0.5;          ///< [m] before the end of its route, if that is near
-constexpr double kDriverBrakes = 45.0;    ///< [m] that a driver needs to stop comfortably
 constexpr double kDriverChanges = 80.0;   ///< [m] that a driver needs to change lanes and to stop
-constexpr double kSlower = 0.9;           ///< of the speed before a turn, at most, in it
 constexpr double kEarly = 60.0;           ///< [m] that a takeover may be earlier, before a junction
 constexpr double kBeforeJunction = 10.0;  ///< [m] before it, then
 constexpr double kBridge = 100.0;         ///< [m] more behind a junction, up to the next takeover
@@ -160,38 +158,6 @@ CourseFinder::Exit CourseFinder::exit_behind(const CourseQuery& query, std::size
   return exit_behind(query, exit.edge + 1, driven + exit.room);
 }
 
-/// Calls `act(lane, begin)` for each turn without conflicts behind the last coordinated junction;
-/// `begin` [m] behind the start of the exit piece.
-template <class Act>
-void CourseFinder::for_each_turn(const CorridorCourse& course, const Act& act) const {
-  double here = 0.0;
-  for (std::size_t i = std::size_t(course.exit_piece); i < course.pieces.size(); ++i) {
-    const Lane& lane = graph_.lane(course.pieces[i].lane);
-    const Lane& before = graph_.lane(course.pieces[i - 1].last_lane());
-    if (lane.internal && lane.speed_limit < kSlower * before.speed_limit) act(lane, here);
-    here += lane.length;
-  }
-}
-
-/// The place nearest to `at` behind the exit's start, up to `latest`, that is not right before or
-/// inside a turn without conflicts, nor right behind it; `at` itself if there is none [m].
-double CourseFinder::clear_of_turns(const CorridorCourse& course, double body_length, double at,
-                                    double latest) const {
-  std::optional<double> best;
-  double from = std::min(at, straight_room(body_length));  // of the lanes since the last turn
-  const auto look_at = [&](double to) {
-    if (to < from) return;
-    const double place = std::clamp(at, from, to);
-    if (!best || std::abs(place - at) < std::abs(*best - at)) best = place;
-  };
-  for_each_turn(course, [&](const Lane& turn, double begin) {
-    look_at(begin - kDriverBrakes);
-    from = begin + turn.length + straight_room(body_length);
-  });
-  look_at(latest);
-  return best.value_or(at);
-}
-
 /// What it takes behind a junction until a body lies straight in its lane again [m].
 double CourseFinder::straight_room(double body_length) { return body_length + 1.0; }
 
@@ -260,9 +226,12 @@ double CourseFinder::speed_behind(const CourseQuery& query, const Start& start,
 }
 
 /// Is it time to take the vehicle over? Inside a junction without conflicts and just behind it its
-/// pose is that of a turn, so it is taken over before such a junction instead.
+/// pose is that of a turn, so it is taken over before such a junction instead, or behind it if it
+/// can still stop before the line then.
 bool CourseFinder::is_due(const CourseQuery& query, const Start& start, std::size_t line,
                           double distance) const {
+  const double bent = to_straight(query, start);
+  if (bent > 0.0 && distance - bent > kDriverBrakes) return false;
   if (distance <= options_.takeover) return true;
   if (start.edge == line || start.position < 0.0) return false;
   const double to_end = length(query.edges[start.edge]) - start.position;
@@ -311,12 +280,14 @@ std::optional<CorridorCourse> CourseFinder::find(const CourseQuery& query) const
   // Where it bends at first there is room for a hand-back further on.
   if (is_early) course.end = std::max(course.end, room - kDriverBrakes);
   course.reach = std::min(room, course.end + kObservedBehind);
-  // At the next coordinated line it may not be admitted to the next corridor.
-  if (exit.kind == Exit::Kind::kLine) course.slow_places.push_back({exit.room, 0.0});
+  // It stops there, or at the next coordinated line if it is not admitted to the next corridor.
+  if (exit.kind == Exit::Kind::kLine || exit.kind == Exit::Kind::kStop) {
+    course.slow_places.push_back({exit.room, 0.0});
+  }
   course.slow_places.push_back({laid, speed_behind(query, *start, course)});
-  for_each_turn(course, [&](const Lane& turn, double begin) {
-    if (begin > course.handback) course.slow_places.push_back({begin, turn.speed_limit});
-  });
+  for (const Turn& turn : turns_behind(course)) {
+    if (turn.begin > course.handback) course.slow_places.push_back({turn.begin, turn.speed});
+  }
   course.start = query.position + distance - options_.takeover - kLeadIn;
   if (course.start <= 0.0) lay_lead_in(query, course);
   return course;

@@ -41,9 +41,9 @@ struct CorridorCourse {
   double end = 0.0;        ///< [m] likewise: where a plan is complete; >= handback
   double reach = 0.0;      ///< [m] likewise: what lies further ahead does not matter
   std::vector<SlowPlace> slow_places;  ///< behind the hand-back
-  bool human_driven = false;  ///< who keeps to the lanes, however wide the body swings
-  bool dead_end = false;      ///< the last lane does not lead on along the route
-  bool cramped = false;       ///< too short behind the last junction for the body to lie straight
+  bool human_driven = false;           ///< who keeps to the lanes, however wide the body swings
+  bool dead_end = false;               ///< the last lane does not lead on along the route
+  bool cramped = false;  ///< too short behind the last junction for the body to lie straight
 
   friend auto operator<=>(const CorridorCourse&, const CorridorCourse&) = default;
 };
@@ -96,12 +96,21 @@ class CourseFinder {
   [[nodiscard]] std::optional<double> distance_to_line(const CourseQuery& query) const;
 
  private:
+  static constexpr double kDriverBrakes = 45.0;  ///< [m] that a driver needs to stop comfortably
+
   /// Where a vehicle joins its route.
   struct Start {
     std::vector<int> inside;      ///< the rest of the internal lanes, if it is inside a junction
     std::size_t edge = 0;         ///< in the query's edges: that of
     int lane = LaneGraph::kNone;  ///< its first normal lane
     double position = 0.0;        ///< [m] on that; < 0: before it
+  };
+
+  /// Of a junction without conflicts.
+  struct Turn {
+    double begin = 0.0;  ///< [m] behind the start of the exit piece
+    double end = 0.0;    ///< [m] likewise
+    double speed = 0.0;  ///< [m/s] that its driver may have; infinite: as before it
   };
 
   /// What lies behind the last junction of a corridor.
@@ -119,6 +128,9 @@ class CourseFinder {
   [[nodiscard]] std::optional<Start> start_of(const CourseQuery& query) const;
   [[nodiscard]] std::optional<std::size_t> first_line(const CourseQuery& query, const Start& start,
                                                       double within, double& distance) const;
+  [[nodiscard]] bool bends(int before, std::span<const int> lanes, int after) const;
+  [[nodiscard]] std::vector<Turn> turns_behind(const CorridorCourse& course) const;
+  [[nodiscard]] double to_straight(const CourseQuery& query, const Start& start) const;
   [[nodiscard]] bool is_due(const CourseQuery& query, const Start& start, std::size_t line,
                             double distance) const;
   [[nodiscard]] Exit exit_behind(const CourseQuery& query, std::size_t edge, double driven) const;
@@ -135,8 +147,6 @@ class CourseFinder {
   [[nodiscard]] bool leads_on(const CourseQuery& query, const Start& start,
                               const CorridorCourse& course) const;
   [[nodiscard]] std::size_t last_edge(const Start& start, const CorridorCourse& course) const;
-  template <class Act>
-  void for_each_turn(const CorridorCourse& course, const Act& act) const;
   [[nodiscard]] double speed_behind(const CourseQuery& query, const Start& start,
                                     const CorridorCourse& course) const;
   void lay_lead_in(const CourseQuery& query, CorridorCourse& course) const;

@@ -122,6 +122,26 @@ bool Surroundings::rests_in_passage(const Other& other, std::int64_t k,
   return from <= end && other.contact.table().blocks(rest, from, end);
 }
 
+bool Surroundings::is_barred(double s) const {
+  constexpr double kAcross = 2.0;  // [m]: nobody is ahead of one that bars its way for longer
+  count_work();
+  const double now = vehicle_.now.s;
+  const double rest = now + stopping_distance(vehicle_.now.v, body_.max_decel);
+  return std::ranges::any_of(others_, [&](const Other& other) {
+    const SpeedProfile& last = other.latest != nullptr ? *other.latest : *other.trajectory;
+    const double place = last.at(now_).s;
+    const bool stands = !last.complete && last.states.back().s == place;
+    if (!stands || other.contact.contact->is_close_now()) return false;
+    const ContactTable& contacts = other.contact.table();
+    if (contacts.touches(now, place) || contacts.touches(rest, place)) return false;
+    for (double from = std::max(rest, contacts.first()); from + kAcross <= s; from += kAcross) {
+      if (from > contacts.last()) break;
+      if (contacts.touches(from, place) && contacts.touches(from + kAcross, place)) return true;
+    }
+    return false;
+  });
+}
+
 std::optional<double> Surroundings::place_on_exit(const Other& other,
                                                   const InertialState& state) const {
   if (other.vehicle->exit_lane != vehicle_.exit_lane || state.s >= SpeedProfile::kDeparted) {

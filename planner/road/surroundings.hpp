@@ -33,6 +33,10 @@ class Surroundings {
   /// The same with nobody but drivers who do not yield: where it stands they would run into it.
   [[nodiscard]] bool leaves_passages_free(std::int64_t k, const InertialState& state) const;
 
+  /// Does somebody stand across the way to `s`, ahead of where the vehicle can stop, who is not
+  /// expected to move? Then no timing gets it there.
+  [[nodiscard]] bool is_barred(double s) const;
+
   /// On a common exit lane: is the one behind far enough from the one ahead, whichever of the two
   /// this vehicle is? In both orders, since a vehicle planned later may slip in ahead.
   [[nodiscard]] bool keeps_headway(std::int64_t k, const InertialState& state) const;

@@ -27,6 +27,7 @@ class VehiclePlanner {
 
   [[nodiscard]] std::optional<SpeedProfile> plan() {
     std::optional<SpeedProfile> best;
+    if (around_.is_barred(vehicle_.s_end)) return best;
     for (const double share : options_.approach_speeds) {
       blocked_ = false;
       if (approach(share)) {

@@ -155,8 +155,9 @@ TEST(Corridor, LeavesRoomToStopBeforeTheNextLine) {
   }
 }
 
-/// A crossroads A, and `behind` metres behind it a bend B of a road on which nobody meets anybody.
-NetworkShape bend_behind(double behind) {
+/// A crossroads A, and `behind` metres behind it a bend B of a road on which nobody meets anybody,
+/// whose lanes may be marked as slow as such a bend is.
+NetworkShape bend_behind(double behind, bool marked = true) {
   NetworkShape shape{.name = "bend_behind"};
   NetworkMaker maker;
   maker.node("W", {-150.0, 0.0}, 0.0);
@@ -170,24 +171,61 @@ NetworkShape bend_behind(double behind) {
   maker.one_way("A", "N");
   maker.one_way("A", "B");
   maker.one_way("B", "E");
-  maker.limit_bends(5.0);
+  if (marked) maker.limit_bends(5.0);
   shape.network = maker.make();
   return shape;
 }
 
 //   W ──A── behind ──╮ B      Its driver has to be slow in the bend.
 TEST(CourseFinder, HandsNobodyBackRightBeforeABendOrInIt) {
-  for (double behind = 20.0; behind < 120.0; behind += 5.0) {
-    const NetworkShape shape = bend_behind(behind);
-    Walk walk(shape.network);
-    const auto course = walk.finder.find(walk.at("W-A_0", 100.0, {"W-A", "A-B", "B-E"}));
-    ASSERT_TRUE(course);
-    const auto bend = std::size_t(course->exit_piece) + 1;
-    const bool is_seen = bend < course->pieces.size();
-    const double inside = is_seen ? walk.graph.lane(course->pieces[bend].lane).length : 0.0;
-    const bool before = course->handback <= behind - 45.0 + 1e-6;
-    const bool beyond = is_seen && course->handback >= behind + inside + 5.0;
-    EXPECT_TRUE(before || beyond) << behind << ": " << course->handback;
+  for (const bool marked : {true, false}) {
+    for (double behind = 20.0; behind < 120.0; behind += 5.0) {
+      const NetworkShape shape = bend_behind(behind, marked);
+      Walk walk(shape.network);
+      const auto course = walk.finder.find(walk.at("W-A_0", 100.0, {"W-A", "A-B", "B-E"}));
+      ASSERT_TRUE(course);
+      const auto bend = std::size_t(course->exit_piece) + 1;
+      const bool is_seen = bend < course->pieces.size();
+      const double inside = is_seen ? walk.graph.lane(course->pieces[bend].lane).length : 0.0;
+      const bool before = course->handback <= behind - 45.0 + 1e-6;
+      const bool beyond = is_seen && course->handback >= behind + inside + 5.0;
+      EXPECT_TRUE(before || beyond) << marked << ' ' << behind << ": " << course->handback;
+    }
+  }
+}
+
+//   W ──╮       A vehicle that comes round the bend B is not taken over before it lies straight
+//       B       in its lane, as long as it can stop before the crossroads A then.
+//       │
+//   S ──A── E
+TEST(CourseFinder, TakesNobodyOverInABendIfThereIsTime) {
+  constexpr double kStops = 45.0;  // [m]
+  for (const double apart : {40.0, 55.0, 70.0, 90.0}) {
+    NetworkMaker maker;
+    const double y = 7.2 + apart + 7.2;
+    maker.node("W", {-200.0, y}, 0.0);
+    maker.node("B", {0.0, y});
+    maker.node("A", {0.0, 0.0});
+    maker.node("S", {-150.0, 0.0}, 0.0);
+    maker.node("E", {150.0, 0.0}, 0.0);
+    maker.one_way("W", "B");
+    maker.one_way("B", "A");
+    maker.one_way("S", "A");
+    maker.one_way("A", "E");
+    Walk walk(maker.make());
+    const int bend = walk.graph.links_from(walk.graph.find_lane("W-B_0")).front();
+    const Lane& inside = walk.graph.lane(walk.graph.link(bend).via.front());
+    for (double at = 0.0; at < inside.length; at += 1.0) {
+      const auto course = walk.finder.find(walk.at(inside.id, at, {"W-B", "B-A", "A-E"}));
+      EXPECT_EQ(course.has_value(), apart - 6.0 <= kStops) << apart << ": " << at;
+    }
+    for (double at = 0.0; at < apart; at += 1.0) {
+      CourseQuery query = walk.at("B-A_0", at, {"B-A", "A-E"});
+      const bool straight = at >= query.length + 1.0;
+      const bool late = apart - query.length - 1.0 <= kStops;
+      EXPECT_EQ(walk.finder.find(query).has_value(), apart - at <= 80.0 && (straight || late))
+          << apart << ": " << at;
+    }
   }
 }
 
@@ -263,6 +301,7 @@ TEST(CourseFinder, HandsNobodyBackWithItsTailInTheJunction) {
       ASSERT_TRUE(course);
       EXPECT_GE(course->handback, std::min(query.length + 1.0, stop - 1.6)) << type << ", " << stop;
       EXPECT_LE(course->handback, stop);
+      EXPECT_TRUE(std::ranges::count(course->slow_places, SlowPlace{stop, 0.0})) << "it stops";
     }
   }
 }

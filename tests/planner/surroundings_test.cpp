@@ -186,6 +186,74 @@ TEST_F(BesideADriver, ANewPlanDoesNotBrakeOntoHisLane) {
   EXPECT_GT(plans, 10);
 }
 
+//   Another one stands somewhere on path 1: a driver who keeps clear of others or does not, or one
+//   of ours without a plan. If it stands across path 0 for ever, nobody searches for a way through.
+class Barred : public Crossing {
+ protected:
+  enum class Kind { kYields, kDoesNot, kOurs };
+
+  struct Result {
+    bool barred;
+    bool plan;
+    std::int64_t work;
+  };
+
+  /// @param creeps  it will have moved on by a millionth of a metre, so that nobody can tell that
+  ///                it stands for ever
+  [[nodiscard]] Result look(double s, double v, double other, Kind kind, bool creeps) {
+    scene.vehicles.clear();
+    scene.forecasts.clear();
+    add(0, s, v);
+    SpeedProfile stands{.states = {{other, 0.0}, {other, 0.0}}, .complete = false};
+    if (creeps) stands.states.back().s += 1e-6;
+    std::vector<JointPlan::Entry> before;
+    if (kind == Kind::kOurs) {
+      add(1, other, 0.0);
+      before.push_back({1, std::make_shared<SpeedProfile>(stands)});
+    } else {
+      add_standing_forecast(1, other);
+      scene.forecasts.back().trajectory = stands;
+      scene.forecasts.back().yields = kind == Kind::kYields;
+    }
+    const RoadPairs pairs(scene);
+    const WholeTrajectoryOptions options;
+    const Surroundings around(pairs, scene.vehicles.front(), before, options);
+    WorkBudget work{1'000'000};
+    const auto plan = plan_vehicle(pairs, scene.vehicles.front(), before, options, {.work = &work});
+    return {around.is_barred(190.0), plan.has_value(), 1'000'000 - work.left};
+  }
+};
+
+TEST_F(Barred, OnlyWhereNoPlanIsFoundAndThenAtOnce) {
+  int barred = 0;
+  for (const Kind kind : {Kind::kYields, Kind::kDoesNot, Kind::kOurs}) {
+    for (double other = 85.0; other <= 110.0; other += 0.5) {
+      for (double s = 20.0; s <= 120.0; s += 4.0) {
+        for (const double v : {0.0, 5.0, 12.0}) {
+          const Result known = look(s, v, other, kind, /*creeps=*/false);
+          if (!known.barred) continue;
+          ++barred;
+          EXPECT_FALSE(known.plan) << s << ' ' << v << ' ' << other;
+          EXPECT_LT(known.work, 100) << s << ' ' << v << ' ' << other;
+          EXPECT_FALSE(look(s, v, other, kind, /*creeps=*/true).plan)
+              << int(kind) << ' ' << s << ' ' << v << ' ' << other;
+        }
+      }
+    }
+  }
+  EXPECT_GT(barred, 500);
+}
+
+TEST_F(Barred, FromAfarByWhoeverStandsOnTheCrossing) {
+  for (const Kind kind : {Kind::kYields, Kind::kDoesNot, Kind::kOurs}) {
+    for (double other = 97.0; other <= 100.0; other += 0.5) {
+      EXPECT_TRUE(look(40.0, 0.0, other, kind, false).barred) << other;
+      EXPECT_FALSE(look(115.0, 0.0, other, kind, false).barred) << "it is past " << other;
+    }
+    EXPECT_FALSE(look(40.0, 0.0, 80.0, kind, false).barred) << "it waits before the crossing";
+  }
+}
+
 //   A driver stands on the crossing, as if for 10 s. He is held there until others have passed.
 class HeldDriver : public Crossing {
  protected:
