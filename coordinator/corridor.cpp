@@ -306,8 +306,8 @@ double CorridorMap::limit_before_end(const Corridor& corridor, const Vehicle& bo
   for (const SlowPlace& place : corridor.course.slow_places) {
     const double room = std::max(corridor.s_exit + place.at - kSpare - s, 0.0);
     const double then = place.speed;
-    limit = std::min(
-        limit, std::max(then, std::sqrt(lost * lost + then * then + 2.0 * b * room) - lost));
+    limit = std::min(limit,
+                     std::max(then, std::sqrt(lost * lost + then * then + 2.0 * b * room) - lost));
   }
   return std::max(kLeast, limit);
 }
@@ -337,7 +337,6 @@ void CorridorMap::set_limits(const ReferencePath& path, const Vehicle& body,
 /// taken over behind it. Anything later makes the corridor undriven.
 void CorridorMap::set_drivable(const ReferencePath& path, const Vehicle& body,
                                Corridor& corridor) const {
-  constexpr double kStep = 0.5;   // [m]
   constexpr double kRoom = 20.0;  // [m] that are left before the first line
   if (corridor.course.cramped) {
     corridor.undriven = "there is no room behind the junction to hand it back";
@@ -347,10 +346,10 @@ void CorridorMap::set_drivable(const ReferencePath& path, const Vehicle& body,
   if (corridor.course.start <= 0.0) first = std::max(first, corridor.stations.front());
   if (corridor.course.start <= 0.0 && corridor.course.lead_in.empty()) first += body.length();
   first = std::max(0.0, first);
-  for (double s = std::min(corridor.s_handback, path.length()); s >= first; s -= kStep) {
+  for (double s = std::min(corridor.s_handback, path.length()); s >= first; s -= kJudgedEvery) {
     std::string reason = why_not(path, body, s);
     if (reason.empty()) continue;
-    corridor.s_drivable = s + kStep;
+    corridor.s_drivable = s + kJudgedEvery;
     if (corridor.s_drivable + kRoom > corridor.lines.front()) corridor.undriven = std::move(reason);
     return;
   }
@@ -361,9 +360,7 @@ std::string CorridorMap::why_not(const ReferencePath& path, const Vehicle& body,
     return fmt::format("it turns on {:.1f} m, the body needs {:.1f} m",
                        1.0 / std::abs(path.curvature(s)), body.min_turning_radius);
   }
-  if (area_.share_outside(path.at(s), body, Audit::kRoadTolerance) > 0.0) {
-    return "the body would leave the road";
-  }
+  if (leaves_road(path, s, body, area_)) return "the body would leave the road";
   return {};
 }
 

@@ -211,9 +211,9 @@ class ShapeSearch {
   /// driven: between the places that the search looked at, too.
   [[nodiscard]] bool fails(const ReferencePath& path) const {
     const double last = std::min(driven_.to + best_.shape.follow, path.length());
-    for (double s = driven_.from + best_.shape.follow; s <= last; s += kJudged) {
+    for (double s = driven_.from + best_.shape.follow; s <= last; s += kJudgedEvery) {
       if (std::abs(path.curvature(s)) > body_.max_curvature()) return true;
-      if (area_.share_outside(path.at(s), body_, Audit::kRoadTolerance) > 0.0) return true;
+      if (leaves_road(path, s, body_, area_)) return true;
     }
     return false;
   }
@@ -328,8 +328,7 @@ class ShapeSearch {
     return true;
   }
 
-  static constexpr double kJudged = 0.5;    ///< [m] between places of the path made of the best
-  static constexpr double kFine = 0.1;      ///< [m] likewise, of the path made of the best
+  static constexpr double kFine = 0.1;      ///< [m] between places of the path made of the best
   static constexpr double kOffRoad = 20.0;  ///< badness beside that of the own side
   /// [m] beside the road: a little less than what the audit lets pass.
   static constexpr double kRoadTolerance = 0.8 * Audit::kRoadTolerance;
@@ -350,6 +349,25 @@ class ShapeSearch {
 };
 
 }  // namespace
+
+bool leaves_road(const ReferencePath& path, double s, const Vehicle& body,
+                 const DrivableArea& area) {
+  constexpr double kFinely = 0.05;    // [m]
+  constexpr double kStraight = 1e-3;  // [1/m]
+  const auto is_off = [&](double at) {
+    return area.share_outside(path.at(at), body, Audit::kRoadTolerance) > 0.0;
+  };
+  if (is_off(s)) return true;
+  bool bends = false;
+  for (double d = -body.length(); d <= body.length(); d += 1.0) {
+    bends = bends || std::abs(path.curvature(s + d)) > kStraight;
+  }
+  if (!bends) return false;
+  for (double d = kFinely; d <= 0.5 * kJudgedEvery; d += kFinely) {
+    if (is_off(s - d) || is_off(s + d)) return true;
+  }
+  return false;
+}
 
 ReferencePath make_reference_path(std::span<const Point> centre_line, double from, double to,
                                   const Vehicle& body, const DrivableArea& own,

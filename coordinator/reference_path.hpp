@@ -17,4 +17,11 @@ namespace mvtp {
                                                 double to, const Vehicle& body,
                                                 const DrivableArea& own, const DrivableArea& area);
 
+constexpr double kJudgedEvery = 0.5;  ///< [m] between the places where a path is judged
+
+/// Is the footprint off the road, as the audit judges it, at s or nearer to it than to the next
+/// places that are judged?
+[[nodiscard]] bool leaves_road(const ReferencePath& path, double s, const Vehicle& body,
+                               const DrivableArea& area);
+
 }  // namespace mvtp
