@@ -161,9 +161,12 @@ void Coordinator::replan() {
   accept(trial, arrivals);
 }
 
-/// How plans are made now.
+/// How plans are made now. Where somebody was left without a plan, somebody mostly will be again,
+/// whatever the work, and there will be further trials.
 RoadEscotOptions Coordinator::escot() const {
+  constexpr std::int64_t kLess = 8;
   RoadEscotOptions options = options_.escot;
+  if (left_without_plan_) options.work /= kLess;
   if (traffic_.time() >= options_.budget_from) options.budget.ms = options_.replan_budget_ms;
   return options;
 }

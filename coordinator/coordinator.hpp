@@ -290,6 +290,7 @@ class Coordinator : public Controller {
   std::map<std::int64_t, std::shared_ptr<const SpeedProfile>> executed_;
   std::set<std::int64_t> blocking_guests_;  ///< keys, at the last decision
   std::vector<Replan> replans_;
+  bool left_without_plan_ = false;  ///< somebody, by the last trial
   std::vector<std::string> taken_over_;
   std::vector<std::string> handed_back_;
   std::int64_t guest_sightings_ = 0;

@@ -208,6 +208,7 @@ Coordinator::Trial Coordinator::plan_trial(const std::map<std::string, Driven>& 
            std::ranges::count(upset, e.key) > 0;
   });
   trial.decision = decide_on_road(now, incumbent, without_plan(now, incumbent, upset), escot());
+  left_without_plan_ = trial.decision.stepped > 0;
   trial.contacts = find_planned_contacts(now, trial.decision.plan, plan_);
   trial.refused = groups_in_contact(trial.decision.members, trial.contacts);
   return trial;
