@@ -220,6 +220,7 @@ void CorridorMap::set_stations(const Line& line, const ReferencePath& path, cons
   const double wanted = corridor.s_exit + course.handback;
   const double earliest = corridor.s_exit + std::min(course.handback, body.length() + 1.0);
   corridor.s_handback = straight_near(line, path, body, wanted, {earliest, corridor.s_end});
+  corridor.aside = aside(line, path, body, corridor.s_handback);
   corridor.s_latest = straight_until(line, path, body, corridor.s_handback, corridor.s_end);
   // Vehicles come by in steps: there is room to find one of those where the body lies so.
   constexpr double kRoom = 3.0;  // [m]
@@ -337,8 +338,9 @@ void CorridorMap::set_limits(const ReferencePath& path, const Vehicle& body,
 /// taken over behind it. Anything later makes the corridor undriven.
 void CorridorMap::set_drivable(const ReferencePath& path, const Vehicle& body,
                                Corridor& corridor) const {
-  constexpr double kRoom = 20.0;  // [m] that are left before the first line
-  if (corridor.course.cramped) {
+  constexpr double kRoom = 20.0;    // [m] that are left before the first line
+  constexpr double kAslant = 0.75;  // [m] off its lane: its driver would take it back with a jerk
+  if (corridor.course.cramped || corridor.aside > kAslant) {
     corridor.undriven = "there is no room behind the junction to hand it back";
     return;
   }

@@ -37,6 +37,7 @@ struct Corridor {
   double s_exit = 0.0;        ///< when the front bumper enters the exit lane
   double s_handback = 0.0;
   double s_latest = 0.0;  ///< until here the body lies along its lane as it does there
+  double aside = 0.0;     ///< [m] that it is off the lanes' middle at the hand-back, at least
   double s_end = 0.0;     ///< where a plan is complete
   std::string undriven;   ///< why this body cannot drive here; empty: it can
 

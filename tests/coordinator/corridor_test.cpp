@@ -126,6 +126,46 @@ TEST(Corridor, HandsBackWhereTheBodyLiesAlongItsLane) {
   EXPECT_GT(c.s_handback, c.s_exit + car.length()) << "the tail is out of the junction";
 }
 
+//   Behind the crossroads the lane turns to the left, and soon there is a stop. Who does not lie
+//   along the lane before that is not driven: its driver would take it back with a jerk.
+TEST(Corridor, HandsNobodyBackAslant) {
+  int driven = 0;
+  int undriven = 0;
+  for (double turn = 8.0; turn < 60.0; turn += 4.0) {
+    NetworkMaker maker;
+    maker.node("C", {0, 0});
+    maker.node("W", {-150, 0});
+    maker.node("S", {0, -150});
+    maker.node("E", {7.2 + turn + 20.0, 60.0}, 0.0);
+    maker.one_way("W", "C");
+    maker.one_way("S", "C");
+    maker.one_way("C", "E", 1, {{7.2 + turn, 0.0}});
+    Walk walk(maker.make());
+    const DrivableArea area(walk.network);
+    CorridorMap map(walk.graph, area, {});
+    const std::vector<Point>& lane = walk.network.lanes.at("C-E_0").shape;
+    for (const std::string type : {"car", "bus", "truck"}) {
+      const Vehicle body = fake_type(type).body;
+      CourseQuery query = walk.at("W-C_0", 100.0, {"W-C", "C-E"});
+      query.length = body.length();
+      query.stop_edge = 1;
+      query.stop_position = turn + 8.0;
+      const auto course = walk.finder.find(query);
+      ASSERT_TRUE(course);
+      const Corridor& c = map[map.corridor_for(*course, body)];
+      (c.undriven.empty() ? driven : undriven) += 1;
+      if (!c.undriven.empty()) continue;
+      const Pose pose = map.library().path(c.path).at(c.s_handback);
+      for (const double end : {body.front, -body.rear}) {
+        const Pose there = compose(pose, {end, 0.0, 0.0});
+        EXPECT_LT(off(lane, {there.x, there.y}), 0.75) << type << ' ' << turn << ' ' << end;
+      }
+    }
+  }
+  EXPECT_GT(driven, 10);
+  EXPECT_GT(undriven, 2);
+}
+
 TEST(CorridorMap, BodiesOfOneShapeShareACorridor) {
   Walk walk(make_crossroads());
   const DrivableArea area(walk.network);
