@@ -106,10 +106,15 @@ void Audit::compare_with_person(double time, const Passage& p, const Pedestrian&
   // Whatever is further is neither a contact nor the smallest clearance.
   const double least = std::max(0.0, ours ? figures_.min_person_clearance : 0.0);
   if (apart - p.reach - person.radius - walked >= least) return;
-  const NearestMoment nearest = nearest_moment(p.motion, p.seen->type->body, before, person,
-                                               walks ? p.from : 1.0, std::min(least, 1e6));
-  if (ours) figures_.min_person_clearance = std::min(figures_.min_person_clearance, nearest.gap);
-  if (nearest.gap >= -kTolerance) return;
+  const Vehicle& body = p.seen->type->body;
+  const double from = walks ? p.from : 1.0;
+  double gap = deepest_moment(p.motion, body, before, person, from).gap;
+  if (gap >= 0.0 && ours) {
+    const double enough = std::min(least, 1e6);
+    gap = std::max(0.0, nearest_moment(p.motion, body, before, person, from, enough).gap);
+  }
+  if (ours) figures_.min_person_clearance = std::min(figures_.min_person_clearance, gap);
+  if (gap >= -kTolerance) return;
   const std::string& id = p.seen->state->id;
   const auto [touched, is_new] = touched_people_.try_emplace({id, person.id}, ours);
   if (is_new || (ours && !touched->second)) {
@@ -118,7 +123,7 @@ void Audit::compare_with_person(double time, const Passage& p, const Pedestrian&
                        id + " touches " + person.id,
                        person.position,
                        {id, person.id},
-                       -nearest.gap});
+                       -gap});
   }
   touched->second |= ours;
 }
@@ -146,9 +151,14 @@ void Audit::compare_pairs(double time, std::span<const Passage> passages) {
 }
 
 bool Audit::compare(double time, const Passage& a, const Passage& b) {
-  const NearestMoment nearest = nearest_moment(a.motion, a.seen->type->body, b.motion,
-                                               b.seen->type->body, std::max(a.from, b.from), kNear);
-  const double gap = nearest.gap;
+  const Vehicle& body_a = a.seen->type->body;
+  const Vehicle& body_b = b.seen->type->body;
+  const double from = std::max(a.from, b.from);
+  const NearestMoment deepest = deepest_moment(a.motion, body_a, b.motion, body_b, from);
+  double gap = deepest.gap;
+  if (gap >= 0.0) {
+    gap = std::max(0.0, nearest_moment(a.motion, body_a, b.motion, body_b, from, kNear).gap);
+  }
   if (gap >= kNear) return false;
   figures_.min_clearance = std::min(figures_.min_clearance, gap);
   latest_clearance_ = std::min(latest_clearance_.value_or(kNear), gap);
@@ -159,9 +169,9 @@ bool Audit::compare(double time, const Passage& a, const Passage& b) {
   if (gap >= -kTolerance) return false;
   const auto pair = std::minmax(a.seen->state->id, b.seen->state->id);
   if (overlapping_.insert(pair).second) {
-    const Pose where = a.motion.at(nearest.t);
+    const Pose where = a.motion.at(deepest.t);
     events_.push_back({AuditEventKind::kOverlap,
-                       time - (1.0 - nearest.t) * dt_,
+                       time - (1.0 - deepest.t) * dt_,
                        "overlap of " + pair.first + " and " + pair.second,
                        {where.x, where.y},
                        {pair.first, pair.second},

@@ -72,7 +72,10 @@ struct AuditEvent {
 /// The footprint audit: every vehicle at every step of the traffic and between the steps,
 /// coordinated or not.
 ///
-/// Works on what the traffic shows, with geometry of its own, and knows nothing of any plan.
+/// Works on what the traffic shows, and knows nothing of any plan. Who overlaps, and how deep, the
+/// referee's geometry says (FCL), which shares nothing with what plans; how far apart others are is
+/// measured by clearance().
+///
 /// Between two steps a body moves with a constant twist (footprint_motion.hpp), and overlaps deeper
 /// than 1.1 mm are found at any moment, none of less than 1 mm is reported. Two cases are no motion
 /// and count at the step only: who was not there in the last step, and a vehicle under the

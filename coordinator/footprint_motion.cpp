@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "planner/problem/referee_geometry.hpp"
+
 namespace mvtp {
 namespace {
 
@@ -67,6 +69,9 @@ double clearance(const Pose& rear_axle, const Vehicle& body, const Point& centre
   return (outside > 0.0 ? outside : std::max(ahead, aside)) - radius;
 }
 
+/// FCL is asked where discs that cover the bodies are closer than this [m].
+constexpr double kClose = 0.1;
+
 double middle(const Vehicle& body) { return (body.front - body.rear) / 2.0; }
 
 double half_diagonal(const Vehicle& body) { return std::hypot(body.length(), body.width) / 2.0; }
@@ -86,8 +91,25 @@ double closing_bound(const Point& velocity_a, double turn_a, double radius_a,
          std::abs(turn_a - turn_b) * std::min(norm(velocity_a), norm(velocity_b));
 }
 
-/// The least value of a function that changes by at most `slope` per unit, by bisection of all
-/// intervals that could still hold a lower one.
+double closing_bound(const StepMotion& a, const Vehicle& body_a, const StepMotion& b,
+                     const Vehicle& body_b) {
+  return closing_bound(a.velocity(middle(body_a)), a.turn(), half_diagonal(body_a),
+                       b.velocity(middle(body_b)), b.turn(), half_diagonal(body_b));
+}
+
+/// Of a vehicle and a person who walks so far in the step.
+double closing_bound(const StepMotion& a, const Vehicle& body, const Point& walk) {
+  return closing_bound(a.velocity(middle(body)), a.turn(), half_diagonal(body), walk, 0.0, 0.0);
+}
+
+/// Where a person is after a share `t` of the step.
+Point walked(const Point& before, const Point& walk, double t) {
+  return {before.x + t * walk.x, before.y + t * walk.y};
+}
+
+/// The least value of a gap that changes by at most `slope` per unit, by bisection of all intervals
+/// that could still hold a lower one. Asked as gap(t, far): where it is above `enough`, the answer
+/// may be less, down to that; one of `far` or more suffices to look no closer.
 template <class Gap>
 class LeastGap {
  public:
@@ -95,14 +117,15 @@ class LeastGap {
       : gap_(gap), slope_(slope), enough_(enough) {}
 
   NearestMoment between(double from, double to) {
-    const double last = look(to);
-    if (from < to) search(from, look(from), to, last);
+    const double far = enough_ + slope_ * (to - from);
+    const double last = look(to, far);
+    if (from < to && last < far) search(from, look(from, far), to, last);
     return least_;
   }
 
  private:
-  double look(double t) {
-    const double gap = gap_(t);
+  double look(double t, double far) {
+    const double gap = gap_(t, far);
     if (gap < least_.gap) least_ = {t, gap};
     return gap;
   }
@@ -110,9 +133,12 @@ class LeastGap {
   void search(double t0, double gap0, double t1, double gap1) {
     const double lowest = (gap0 + gap1 - slope_ * (t1 - t0)) / 2.0;
     const double accuracy = std::max(1e-4, 0.01 * std::abs(least_.gap));
-    if (!(lowest < std::min(enough_, least_.gap - accuracy))) return;
+    const double level = std::min(enough_, least_.gap - accuracy);
+    if (!(lowest < level)) return;
     const double t = (t0 + t1) / 2.0;
-    const double gap = look(t);
+    const double far = level + slope_ * (t1 - t);
+    const double gap = look(t, far);
+    if (gap >= far) return;
     search(t0, gap0, t, gap);
     search(t, gap, t1, gap1);
   }
@@ -168,21 +194,39 @@ Point StepMotion::velocity(double ahead) const {
 
 NearestMoment nearest_moment(const StepMotion& a, const Vehicle& body_a, const StepMotion& b,
                              const Vehicle& body_b, double from, double enough) {
-  const auto gap = [&](double t) { return clearance(a.at(t), body_a, b.at(t), body_b); };
-  const double slope = closing_bound(a.velocity(middle(body_a)), a.turn(), half_diagonal(body_a),
-                                     b.velocity(middle(body_b)), b.turn(), half_diagonal(body_b));
-  return LeastGap(gap, slope, enough).between(from, 1.0);
+  const auto gap = [&](double t, double) { return clearance(a.at(t), body_a, b.at(t), body_b); };
+  return LeastGap(gap, closing_bound(a, body_a, b, body_b), enough).between(from, 1.0);
 }
 
 NearestMoment nearest_moment(const StepMotion& a, const Vehicle& body, const Point& before,
                              const Pedestrian& person, double from, double enough) {
-  const Point step{person.position.x - before.x, person.position.y - before.y};
-  const auto gap = [&](double t) {
-    return clearance(a.at(t), body, {before.x + t * step.x, before.y + t * step.y}, person.radius);
+  const Point walk{person.position.x - before.x, person.position.y - before.y};
+  const auto gap = [&](double t, double) {
+    return clearance(a.at(t), body, walked(before, walk, t), person.radius);
   };
-  const double slope =
-      closing_bound(a.velocity(middle(body)), a.turn(), half_diagonal(body), step, 0.0, 0.0);
-  return LeastGap(gap, slope, enough).between(from, 1.0);
+  return LeastGap(gap, closing_bound(a, body, walk), enough).between(from, 1.0);
+}
+
+NearestMoment deepest_moment(const StepMotion& a, const Vehicle& body_a, const StepMotion& b,
+                             const Vehicle& body_b, double from) {
+  const auto gap = [&](double t, double far) {
+    const referee::Box box_a = referee::footprint(body_a, a.at(t));
+    const referee::Box box_b = referee::footprint(body_b, b.at(t));
+    const double apart = referee::distance_of_covers(box_a, box_b);
+    return apart >= kClose ? apart : referee::separation(box_a, box_b, far);
+  };
+  return LeastGap(gap, closing_bound(a, body_a, b, body_b), 0.0).between(from, 1.0);
+}
+
+NearestMoment deepest_moment(const StepMotion& a, const Vehicle& body, const Point& before,
+                             const Pedestrian& person, double from) {
+  const Point walk{person.position.x - before.x, person.position.y - before.y};
+  const auto gap = [&](double t, double far) {
+    const Point p = walked(before, walk, t);
+    return referee::separation(referee::footprint(body, a.at(t)), Circle{p.x, p.y, person.radius},
+                               far);
+  };
+  return LeastGap(gap, closing_bound(a, body, walk), 0.0).between(from, 1.0);
 }
 
 }  // namespace mvtp

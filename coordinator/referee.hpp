@@ -17,8 +17,8 @@ struct PlannedContact {
 };
 
 /// Judges a plan before it is executed: do the true bodies of two vehicles touch at any moment from
-/// now to the end of the plan? Works on poses with the audit's geometry, not on contact tables, so
-/// that planner and judge share no collision test.
+/// now to the end of the plan? Works on poses and by clearance(), not on contact tables, so that
+/// planner and judge share no collision test.
 ///
 /// Between two steps a body moves with a constant twist, as the audit sees it. Of each pair the
 /// first contact is returned, ordered by keys; two that overlap now count once they were apart.

@@ -18,6 +18,27 @@ double half_extent(const Box& box, const Point& n) {
          box.half_width * std::abs(dot(left(box.heading), n));
 }
 
+/// Equal discs in a row that cover a box. It is cut across into equal pieces, about as long as
+/// wide, and each disc is the one around a piece.
+struct Row {
+  int count;
+  double radius;
+  Point first;  ///< the middle of the first disc
+  Point step;   ///< to that of the next
+};
+
+Row cover(const Box& box) {
+  constexpr double kMost = 8.0;
+  const bool is_long = box.half_length > box.half_width;
+  const int count = is_long ? int(std::min(std::ceil(box.half_length / box.half_width), kMost)) : 1;
+  const double half_piece = box.half_length / count;
+  const double back = box.half_length - half_piece;
+  return {count,
+          std::hypot(half_piece, box.half_width),
+          {box.center.x - back * box.heading.x, box.center.y - back * box.heading.y},
+          {2.0 * half_piece * box.heading.x, 2.0 * half_piece * box.heading.y}};
+}
+
 }  // namespace
 
 Box footprint(const Vehicle& vehicle, const Pose& pose) {
@@ -32,6 +53,20 @@ Box footprint(const Vehicle& vehicle, const Pose& pose) {
 double reach(const Vehicle& vehicle) {
   const double along = std::max(std::abs(vehicle.front), std::abs(vehicle.rear));
   return std::hypot(along, 0.5 * vehicle.width);
+}
+
+double distance_of_covers(const Box& a, const Box& b) {
+  const Row p = cover(a);
+  const Row q = cover(b);
+  double squared = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < p.count; ++i) {
+    for (int j = 0; j < q.count; ++j) {
+      const double x = p.first.x - q.first.x + i * p.step.x - j * q.step.x;
+      const double y = p.first.y - q.first.y + i * p.step.y - j * q.step.y;
+      squared = std::min(squared, x * x + y * y);
+    }
+  }
+  return std::sqrt(squared) - p.radius - q.radius;
 }
 
 std::vector<std::pair<std::size_t, std::size_t>> near_pairs(const std::vector<Disc>& discs) {

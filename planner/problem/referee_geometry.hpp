@@ -52,6 +52,10 @@ inline constexpr double kExact = std::numeric_limits<double>::infinity();
 /// edges, the depth comes out up to sqrt(2) too small; elsewhere it is exact.
 [[nodiscard]] double separation(const Box& box, const Polygon& polygon, double enough = kExact);
 
+/// At most the distance of the two boxes [m], at little cost: the distance of discs that cover
+/// them, in a row each. Negative where discs overlap.
+[[nodiscard]] double distance_of_covers(const Box& a, const Box& b);
+
 /// A disc that covers a footprint, at rest or during a motion.
 struct Disc {
   Point center;

@@ -185,6 +185,24 @@ TEST(RefereeGeometry, StopsAtASeparationThatIsEnough) {
   }
 }
 
+TEST(RefereeGeometry, CoversOfBoxesAreNoFartherApartThanThey) {
+  Draws draw(11);
+  for (int k = 0; k < kPairs; ++k) {
+    Box a = draw.box(1.0);
+    Box b = draw.box(1.0);
+    a.half_length *= draw.between(0.1, 20.0);
+    if (k % 10 == 0) b.half_width = 0.0;
+    put(a, b, draw.between(0.0, 1.5) * (radius(a) + radius(b)), draw.direction());
+    ASSERT_LE(distance_of_covers(a, b), exact_distance(a, b) + 1e-12);
+  }
+}
+
+TEST(RefereeGeometry, CoversTellCarsInNeighbouringLanesApart) {
+  const Box car{{0.0, 0.0}, {1.0, 0.0}, 2.25, 0.9};
+  const Box oncoming{{0.5, 3.2}, {-1.0, 0.0}, 2.25, 0.9};
+  EXPECT_GT(distance_of_covers(car, oncoming), 0.7);  // of 1.4
+}
+
 TEST(FirstBelow, LooksOnceWhereWhatItGetsIsJustEnough) {
   Draws draw(9);
   for (int k = 0; k < 1000; ++k) {
