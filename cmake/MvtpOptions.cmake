@@ -5,7 +5,9 @@ endif()
 
 find_program(MVTP_CCACHE ccache)
 if(MVTP_CCACHE)
-  set(CMAKE_CXX_COMPILER_LAUNCHER ${MVTP_CCACHE})
+  # Without these it does not keep what was compiled with precompiled headers.
+  set(CMAKE_CXX_COMPILER_LAUNCHER
+    ${CMAKE_COMMAND} -E env CCACHE_SLOPPINESS=pch_defines,time_macros ${MVTP_CCACHE})
 endif()
 
 # The libraries also go into shared ones: Python modules, plugins.

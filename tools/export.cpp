@@ -24,7 +24,7 @@ namespace fs = std::filesystem;
 
 enum class Format { kCsv, kCommonRoad, kOpenScenario, kFcd };
 
-struct ExportOptions {
+struct ExportRequest {
   RecordingRequest request;
   Format format = Format::kCsv;
   std::string output;
@@ -90,7 +90,7 @@ std::vector<std::string> inputs_of(const RecordingRequest& request) {
 }
 
 /// With the roads of `network` beside it. @throws InputError
-void write_with_roads(const ExportOptions& options, const Recording& recording,
+void write_with_roads(const ExportRequest& options, const Recording& recording,
                       const std::string& network) {
   const std::string road_file = road_file_beside(options.output);
   if (fs::exists(options.output) && !fs::is_regular_file(options.output)) {
@@ -105,7 +105,7 @@ void write_with_roads(const ExportOptions& options, const Recording& recording,
   roads.keep();
 }
 
-void write_openscenario(const ExportOptions& options, const Recording& recording) {
+void write_openscenario(const ExportRequest& options, const Recording& recording) {
   const std::string& given = options.network;
   const std::string& network = given.empty() ? recording.network : given;
   if (!network.empty() && (!given.empty() || fs::exists(network))) {
@@ -117,7 +117,7 @@ void write_openscenario(const ExportOptions& options, const Recording& recording
 }
 
 /// Tells how many break the one rule of the schema that recorded traffic breaks.
-void write_commonroad(const ExportOptions& options, const Recording& recording) {
+void write_commonroad(const ExportRequest& options, const Recording& recording) {
   const CommonRoadScenario scenario = to_commonroad(recording, options.commonroad);
   write_text_file(options.output, scenario.text);
   if (scenario.late == 0) return;
@@ -127,7 +127,7 @@ void write_commonroad(const ExportOptions& options, const Recording& recording) 
              scenario.late, scenario.obstacles);
 }
 
-void write(const ExportOptions& options, const Recording& recording) {
+void write(const ExportRequest& options, const Recording& recording) {
   switch (options.format) {
     case Format::kCsv:
       return write_text_file(options.output, to_csv(recording));
@@ -140,7 +140,7 @@ void write(const ExportOptions& options, const Recording& recording) {
   }
 }
 
-void check(const ExportOptions& options) {
+void check(const ExportRequest& options) {
   check_output_files({options.output}, inputs_of(options.request));
   if (options.format != Format::kCommonRoad) {
     if (!options.commonroad.ego.empty()) throw InputError("--ego", "is for --to commonroad");
@@ -153,7 +153,7 @@ void check(const ExportOptions& options) {
   }
 }
 
-int export_recording(const ExportOptions& options) {
+int export_recording(const ExportRequest& options) {
   check(options);
   Recording recording = read_recording(options.request);
   if (recording.vehicles.empty()) throw InputError(options.request.input, "has no vehicle");
@@ -166,7 +166,7 @@ int export_recording(const ExportOptions& options) {
   return kDone;
 }
 
-void add_output_options(CLI::App& app, ExportOptions& options) {
+void add_output_options(CLI::App& app, ExportRequest& options) {
   add_choice<Format>(app, "--to", options.format,
                      {{"csv", Format::kCsv},
                       {"commonroad", Format::kCommonRoad},
@@ -205,7 +205,7 @@ void add_output_options(CLI::App& app, ExportOptions& options) {
 }  // namespace
 
 Action declare_export(CLI::App& app) {
-  const auto options = std::make_shared<ExportOptions>();
+  const auto options = std::make_shared<ExportRequest>();
   app.footer(
       "Trajectories for other tools; what the files hold is in docs/file-formats.md. E.g.\n"
       "  mvtp export plan.yaml --to csv -o plan.csv\n"

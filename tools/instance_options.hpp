@@ -1,10 +1,13 @@
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <string>
 #include <vector>
 
 #include "planner/problem/instance_file.hpp"
+
+namespace CLI {
+class App;
+}
 
 namespace mvtp {
 

@@ -1,8 +1,10 @@
 #pragma once
 
-#include <CLI/CLI.hpp>
-
 #include "planner/solve.hpp"
+
+namespace CLI {
+class App;
+}
 
 namespace mvtp {
 

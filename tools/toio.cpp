@@ -1,3 +1,5 @@
+#include <CLI/CLI.hpp>
+
 #include "tools/commands.hpp"
 #include "tools/toio/commands.hpp"
 

@@ -42,7 +42,7 @@ std::vector<Key> model_keys(FaultModel& m) {
           {"actuation", 5.0, {&m.actuation}}};
 }
 
-std::optional<double> number(std::string_view text) {
+std::optional<double> number_of(std::string_view text) {
   double value = 0.0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   const bool whole = error == std::errc() && end == text.data() + text.size();
@@ -53,7 +53,7 @@ std::optional<double> number(std::string_view text) {
 std::optional<VehicleFault> vehicle_fault(VehicleFault::Kind kind, const std::string& text) {
   const std::size_t at = text.rfind('@');
   if (at == std::string::npos || at == 0) return std::nullopt;
-  const std::optional<double> time = number(std::string_view(text).substr(at + 1));
+  const std::optional<double> time = number_of(std::string_view(text).substr(at + 1));
   if (!time || !(*time >= 0.0 && *time <= kLongestRun)) return std::nullopt;
   return VehicleFault{.kind = kind, .id = text.substr(0, at), .time = *time};
 }
@@ -74,7 +74,7 @@ void read(const std::string& option, const std::string& text, const std::vector<
       if (other(name, value)) continue;
       throw InputError(where, "is not a fault with a value; " + suggestion(name, names));
     }
-    const std::optional<double> amount = number(value);
+    const std::optional<double> amount = number_of(value);
     if (!amount || !(*amount >= 0.0 && *amount <= key->most)) {
       throw InputError(where, fmt::format("give {} a number from 0 to {:g}", name, key->most));
     }

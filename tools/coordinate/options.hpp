@@ -1,12 +1,15 @@
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "coordinator/controllers/registry.hpp"
+
+namespace CLI {
+class App;
+}
 
 namespace mvtp {
 

@@ -1,5 +1,6 @@
 #include "tools/manual/command_help.hpp"
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <nlohmann/json.hpp>
 

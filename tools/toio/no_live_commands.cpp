@@ -1,3 +1,5 @@
+#include <CLI/CLI.hpp>
+
 #include "planner/problem/input_error.hpp"
 #include "tools/toio/commands.hpp"
 

@@ -1,10 +1,13 @@
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <string>
 #include <vector>
 
 #include "tools/toio/load.hpp"
+
+namespace CLI {
+class App;
+}
 
 namespace mvtp {
 
