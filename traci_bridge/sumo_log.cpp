@@ -40,7 +40,10 @@ std::string errors_in(const std::string& log) {
     if (!errors.empty() && !errors.ends_with(' ')) errors += ' ';
     errors += line.substr(text);
   }
-  if (errors.size() > kLongestMessage) errors = errors.substr(0, kLongestMessage) + "...";
+  if (errors.size() > kLongestMessage) {
+    errors.resize(kLongestMessage);
+    errors += "...";
+  }
   return errors;
 }
 

@@ -1,5 +1,6 @@
 #include "traci_bridge/xml.hpp"
 
+#include <fmt/format.h>
 #include <unistd.h>
 #include <zlib.h>
 
@@ -17,7 +18,8 @@ namespace {
 constexpr std::size_t kLongestQuote = 60;
 
 std::string quoted(const std::string& text) {
-  return '"' + (text.size() <= kLongestQuote ? text : text.substr(0, kLongestQuote) + "...") + '"';
+  const bool is_long = text.size() > kLongestQuote;
+  return fmt::format("\"{}{}\"", text.substr(0, kLongestQuote), is_long ? "..." : "");
 }
 
 std::string unpacked(const std::string& path) {

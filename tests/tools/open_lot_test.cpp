@@ -19,7 +19,7 @@ std::string place(const ParkingSlot& slot) {
 }
 
 TEST(OpenLot, IsThatOfTheScenario) {
-  const std::string folder = std::string(MVTP_SOURCE_DIR) + "/scenarios/parking/";
+  const std::string folder = MVTP_SOURCE_DIR "/scenarios/parking/";
   const std::vector<ParkingLot> lots =
       read_parking_lots({folder + "parking.add.xml"}, read_network(folder + "parking.net.xml"));
   ASSERT_EQ(lots.size(), 1U);

@@ -1,5 +1,6 @@
 #include "traci_bridge/trips.hpp"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -25,7 +26,7 @@ constexpr const char* kArrived =
        vType="car" speedFactor="0.87" vaporized=""/>)";
 
 TEST(ReadTrips, AnArrivalHasAllItsFigures) {
-  const Trip trip = parse(std::string("<tripinfos>") + kArrived + "</tripinfos>").at(0);
+  const Trip trip = parse(fmt::format("<tripinfos>{}</tripinfos>", kArrived)).at(0);
 
   EXPECT_EQ(trip.id, "W-left.2");
   EXPECT_EQ(trip.type, "car");
