@@ -162,11 +162,12 @@ void Coordinator::replan() {
 }
 
 /// How plans are made now. Where somebody was left without a plan, somebody mostly will be again,
-/// whatever the work, and there will be further trials.
+/// whatever the work, and there will be further trials. With lights their costs are compared, which
+/// takes as much work for each.
 RoadEscotOptions Coordinator::escot() const {
   constexpr std::int64_t kLess = 8;
   RoadEscotOptions options = options_.escot;
-  if (left_without_plan_) options.work /= kLess;
+  if (left_without_plan_ && !heads_) options.work /= kLess;
   if (traffic_.time() >= options_.budget_from) options.budget.ms = options_.replan_budget_ms;
   return options;
 }

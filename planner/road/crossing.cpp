@@ -19,7 +19,7 @@ using Entry = JointPlan::Entry;
 using Order = PassingOrder;
 
 /// Looks that the plan of one vehicle may take although the work is used up.
-constexpr std::int64_t kLeastWork = 30000;
+constexpr std::int64_t kLeastWork = 10000;
 constexpr double kNotWorthIt = 0.1;  ///< [s] for which nobody asks again
 
 class CrossingPlanner {
@@ -80,7 +80,7 @@ class CrossingPlanner {
     }
     // No order works for all: either old plans stand as long as they fit, or earlier ones go first.
     CrossingResult standing = around_the_stuck(order, incumbent, /*old_plans_stand=*/true);
-    if (standing.unplanned.size() < 2) return standing;
+    if (standing.unplanned.size() < 2 || work_.left <= 0) return standing;
     CrossingResult in_order = around_the_stuck(order, incumbent, /*old_plans_stand=*/false);
     return in_order.unplanned.size() < standing.unplanned.size() ? in_order : standing;
   }
