@@ -123,7 +123,7 @@ bool Surroundings::rests_in_passage(const Other& other, std::int64_t k,
 }
 
 bool Surroundings::is_barred(double s) const {
-  constexpr double kAcross = 2.0;  // [m]: nobody is ahead of one that bars its way for longer
+  constexpr double kAcross = 2.0;  // [m]: nobody is ahead of who stands so far across its path
   count_work();
   const double now = vehicle_.now.s;
   const double rest = now + stopping_distance(vehicle_.now.v, body_.max_decel);

@@ -186,11 +186,11 @@ TEST_F(BesideADriver, ANewPlanDoesNotBrakeOntoHisLane) {
   EXPECT_GT(plans, 10);
 }
 
-//   Another one stands somewhere on path 1: a driver who keeps clear of others or does not, or one
-//   of ours without a plan. If it stands across path 0 for ever, nobody searches for a way through.
+//   Another one stands somewhere on path 1: a driver who keeps clear of others or does not, or a
+//   CAV without a plan. If it stands across path 0 for ever, nobody searches for a plan.
 class Barred : public Crossing {
  protected:
-  enum class Kind { kYields, kDoesNot, kOurs };
+  enum class Kind { kYields, kDoesNot, kCav };
 
   struct Result {
     bool barred;
@@ -207,7 +207,7 @@ class Barred : public Crossing {
     SpeedProfile stands{.states = {{other, 0.0}, {other, 0.0}}, .complete = false};
     if (creeps) stands.states.back().s += 1e-6;
     std::vector<JointPlan::Entry> before;
-    if (kind == Kind::kOurs) {
+    if (kind == Kind::kCav) {
       add(1, other, 0.0);
       before.push_back({1, std::make_shared<SpeedProfile>(stands)});
     } else {
@@ -226,7 +226,7 @@ class Barred : public Crossing {
 
 TEST_F(Barred, OnlyWhereNoPlanIsFoundAndThenAtOnce) {
   int barred = 0;
-  for (const Kind kind : {Kind::kYields, Kind::kDoesNot, Kind::kOurs}) {
+  for (const Kind kind : {Kind::kYields, Kind::kDoesNot, Kind::kCav}) {
     for (double other = 85.0; other <= 110.0; other += 0.5) {
       for (double s = 20.0; s <= 120.0; s += 4.0) {
         for (const double v : {0.0, 5.0, 12.0}) {
@@ -245,7 +245,7 @@ TEST_F(Barred, OnlyWhereNoPlanIsFoundAndThenAtOnce) {
 }
 
 TEST_F(Barred, FromAfarByWhoeverStandsOnTheCrossing) {
-  for (const Kind kind : {Kind::kYields, Kind::kDoesNot, Kind::kOurs}) {
+  for (const Kind kind : {Kind::kYields, Kind::kDoesNot, Kind::kCav}) {
     for (double other = 97.0; other <= 100.0; other += 0.5) {
       EXPECT_TRUE(look(40.0, 0.0, other, kind, false).barred) << other;
       EXPECT_FALSE(look(115.0, 0.0, other, kind, false).barred) << "it is past " << other;
