@@ -47,18 +47,18 @@ std::vector<CourseFinder::Turn> CourseFinder::turns_behind(const CorridorCourse&
   for (std::size_t i = std::size_t(course.exit_piece); i < n;) {
     std::vector<int> inside;
     Turn turn{.begin = here, .end = here, .speed = kInfinity};
-    const Lane& before = graph_.lane(course.pieces[i - 1].last_lane());
+    const int before = course.pieces[i - 1].last_lane();
     for (; i < n && graph_.edge_of(course.pieces[i].lane) == kNone; ++i) {
       const Lane& lane = graph_.lane(course.pieces[i].lane);
       inside.push_back(course.pieces[i].lane);
       turn.end += lane.length;
-      if (lane.speed_limit < kSlower * before.speed_limit) turn.speed = lane.speed_limit;
+      const bool is_slow = lane.speed_limit < kSlower * graph_.lane(before).speed_limit;
+      if (is_slow) turn.speed = lane.speed_limit;
     }
     here = turn.end;
     if (!inside.empty()) {
       const int after = i < n ? course.pieces[i].lane : kNone;
-      const int from = course.pieces[i - inside.size() - 1].last_lane();
-      if (turn.speed < kInfinity || bends(from, inside, after)) turns.push_back(turn);
+      if (turn.speed < kInfinity || bends(before, inside, after)) turns.push_back(turn);
     }
     if (i < n) here += graph_.lane(course.pieces[i++].lane).length;
   }
