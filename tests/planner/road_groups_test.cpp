@@ -66,6 +66,21 @@ using Groups = Crossing;
 using WithoutAPlan = Crossing;
 using Work = Crossing;
 
+TEST_F(ManyCrossings, PlansAnswerToOthersAsLateAsTheScene) {
+  add(0, 60.0, 8.0);
+  Forecast slower{.vehicle = scene.vehicles.front(), .trajectory = {.states = {}}};
+  for (int k = 0; k < 300; ++k) slower.trajectory.states.push_back({60.0 + 0.8 * k, 8.0});
+  slower.vehicle.key = -1;
+  scene.vehicles.clear();
+  add(0, 20.0, 12.0);
+  scene.forecasts = {slower};
+  const auto place = [&](double reaction) {
+    scene.reaction = reaction;
+    return decide_on_road(scene, {}, keys(), {}).plan.entries.front().trajectory->at(60).s;
+  };
+  EXPECT_GT(place(0.5), place(1.5) + 2.0);
+}
+
 TEST_F(ManyCrossings, EachIsAGroup) {
   fill({0, 1, 2, 3});
   const RoadDecision decision = decide_on_road(scene, {}, keys(), {});
@@ -201,8 +216,7 @@ TEST_F(Work, TimeEndsTheSearchBeforeAGroupIsLate) {
 
 TEST_F(Work, AGroupThatTakesLongerThanItsBudgetIsLate) {
   add(0, 70.0, 13.0);
-  EXPECT_EQ(decide_on_road(scene, {}, keys(), read_every(501.0)).late,
-            std::vector<std::size_t>{0});
+  EXPECT_EQ(decide_on_road(scene, {}, keys(), read_every(501.0)).late, std::vector<std::size_t>{0});
 }
 
 }  // namespace
