@@ -271,7 +271,9 @@ std::vector<Forecast> Coordinator::predict_one(const VehicleState& v,
                                                const std::vector<std::string>& guests) {
   const bool is_let_pass = std::ranges::count(guests, v.id) > 0;
   if (humans_ && humans_->knows(v.id) && (is_let_pass || humans_->passes(v.id))) {
-    return humans_->passages(v.id);
+    std::vector<Forecast> passages = humans_->passages(v.id);
+    for (Forecast& f : passages) f.is_new = !humans_->passes(v.id);
+    return passages;
   }
   const std::vector<int> route = route_of(v);
   const CourseQuery query = query_for(v, route);

@@ -8,6 +8,7 @@
 #include "coordinator/human_drivers.hpp"
 #include "coordinator/phase_choice.hpp"
 #include "planner/motion/inertial_car.hpp"
+#include "planner/road/road_contact.hpp"
 #include "planner/road/whole_trajectory.hpp"
 
 namespace mvtp {
@@ -249,8 +250,11 @@ bool HumanDrivers::may_meet(const std::vector<std::string>& ids, int path,
     if (found == agents_.end()) return false;
     const Agent& agent = found->second;
     return std::ranges::any_of(agent.movements, [&](const Movement& movement) {
-      const ContactTable& contacts =
-          corridors_.library().contacts(movement.forecast.vehicle.path, path);
+      const RoadVehicle& road = movement.forecast.vehicle;
+      const bool follows =
+          drives_ahead(corridors_.library(), {path, plan.at(step_).s}, {road.path, road.now.s});
+      if (follows) return false;
+      const ContactTable& contacts = corridors_.library().contacts(road.path, path);
       return mvtp::may_meet(contacts, tube_of(movement), movement.s_clear, {plan, plan},
                             SpeedProfile::kDeparted / 2.0, step_, slack_before(), slack_behind());
     });

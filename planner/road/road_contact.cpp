@@ -48,12 +48,18 @@ struct BesidePath {
   double off;     ///< [m] ahead of or behind the part of the path that was looked at
 };
 
-BesidePath beside_path(const PathLibrary& library, int path_a, double s_a, int path_b, double s_b) {
-  const Pose pose = library.path(path_a).at(s_a);
-  const ReferencePath& path = library.path(path_b);
-  const double foot = path.project({pose.x, pose.y}, s_b - kBehind, s_b + kAhead);
+/// Looked for from so far behind the other one to so far ahead of it [m].
+BesidePath beside_path(const PathLibrary& library, const PlaceOnPath& a, const PlaceOnPath& b,
+                       double behind = kBehind, double ahead = kAhead) {
+  const Pose pose = library.path(a.path).at(a.s);
+  const ReferencePath& path = library.path(b.path);
+  const double foot = path.project({pose.x, pose.y}, b.s - behind, b.s + ahead);
   const Pose local = relative(path.at(foot), pose);
-  return {foot - s_b, std::abs(local.y), std::abs(local.theta), std::abs(local.x)};
+  return {foot - b.s, std::abs(local.y), std::abs(local.theta), std::abs(local.x)};
+}
+
+bool is_on_path(const BesidePath& at) {
+  return at.off < kAside && at.aside < kAside && at.turned < kTurned;
 }
 
 bool is_in_next_lane(const BesidePath& at) {
@@ -110,7 +116,7 @@ bool RoadContact::b_blocks(const InertialState& a, const InertialState& b) const
 }
 
 bool RoadContact::a_is_beside(const InertialState& a, const InertialState& b) const {
-  return is_in_next_lane(beside_path(*library_, a_->path, a.s, b_->path, b.s));
+  return is_in_next_lane(beside_path(*library_, {a_->path, a.s}, {b_->path, b.s}));
 }
 
 bool RoadContact::a_is_alongside(const InertialState& a, const InertialState& b,
@@ -126,7 +132,7 @@ bool RoadContact::a_is_alongside(const InertialState& a, const InertialState& b,
                       std::abs(local.y) > kAside / 2 && std::abs(local.y) < kNextLane + kNearly &&
                       std::abs(local.theta) < kTurned + 0.5;
   if (!may_be) return false;
-  const BesidePath at = beside_path(*library_, a_->path, a.s, b_->path, b.s);
+  const BesidePath at = beside_path(*library_, {a_->path, a.s}, {b_->path, b.s});
   return is_in_next_lane(at) && at.along > behind && at.along < ahead;
 }
 
@@ -149,12 +155,17 @@ double RoadContact::gap(double s_a, double s_b) const {
   return (b_ahead_ ? 1.0 : -1.0) * distance_along(a, b) - a.half_length - half_depth(a, b);
 }
 
+bool drives_ahead(const PathLibrary& library, const PlaceOnPath& a, const PlaceOnPath& b) {
+  const BesidePath ahead = beside_path(library, a, b);
+  if (ahead.along > 0.0 && is_on_path(ahead)) return true;
+  const BesidePath behind = beside_path(library, b, a, kAhead, kBehind);
+  return behind.along < 0.0 && is_on_path(behind);
+}
+
 namespace {
 
-/// Is vehicle `a` ahead of `b` on the path of `b`, along it?
 bool drives_ahead(const RoadScene& scene, const RoadVehicle& a, const RoadVehicle& b) {
-  const BesidePath at = beside_path(*scene.library, a.path, a.now.s, b.path, b.now.s);
-  return at.along > 0.0 && at.off < kAside && at.aside < kAside && at.turned < kTurned;
+  return drives_ahead(*scene.library, {a.path, a.now.s}, {b.path, b.now.s});
 }
 
 }  // namespace

@@ -148,6 +148,15 @@ struct ContactView {
   }
 };
 
+struct PlaceOnPath {
+  int path = 0;    ///< in the PathLibrary
+  double s = 0.0;  ///< station of the rear axle [m]
+};
+
+/// Is somebody at `a` ahead of somebody at `b`, along the path of one of them?
+[[nodiscard]] bool drives_ahead(const PathLibrary& library, const PlaceOnPath& a,
+                                const PlaceOnPath& b);
+
 /// A scene, and for all pairs in it what planning asks again and again.
 class RoadPairs {
  public:

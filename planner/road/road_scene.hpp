@@ -119,6 +119,8 @@ struct Forecast {
   /// plans that are kept need not, so that a small surprise does not break them.
   int slack_before = 0;
   int slack_behind = 0;
+  /// Nobody has planned around it before: plans that are kept keep the slack, too.
+  bool is_new = false;
   /// Of a driver who is held at a line: he stays there, whatever `trajectory` says, until whoever
   /// is not behind him on his lane has passed. Else each of the two might wait for the other.
   std::optional<SpeedProfile> held;

@@ -26,7 +26,7 @@ Surroundings::Surroundings(const RoadPairs& pairs, const RoadVehicle& vehicle,
     add({contact, stays ? &*forecast.held : &forecast.trajectory,
          forecast.latest ? &*forecast.latest : nullptr, &forecast.vehicle,
          &scene.body(forecast.vehicle), true, forecast.yields, forecast.relies});
-    if (forecasts == Forecasts::kWithSlack) add_slack(forecast);
+    if (is_new_ || forecast.is_new) add_slack(forecast);
   }
   for (const JointPlan::Entry& e : before) {
     if (e.key == vehicle.key) continue;

@@ -66,6 +66,39 @@ TEST_P(PhasedTraffic, ArrivesWithoutContact) {
   EXPECT_EQ(run.coordinator.humans()->unplanned_passages(), 0);
 }
 
+/// Vehicles under control that stand on the junction, and for how many steps they have.
+void count_standing_inside(const ClosedLoop& run, std::map<std::string, int>& steps) {
+  std::map<std::string, int> now;
+  for (const VehicleState& v : run.traffic.vehicles()) {
+    const bool stands = run.traffic.is_taken_over(v.id) && v.speed == 0.0 && v.lane.front() == ':';
+    if (stands) now[v.id] = steps[v.id] + 1;
+  }
+  steps = std::move(now);
+}
+
+/// More than the junction lets through as they come: queues with left-turners on a single lane.
+class QueuedTraffic : public testing::TestWithParam<std::tuple<double, unsigned>> {};
+
+TEST_P(QueuedTraffic, NeverWaitsInsideAndFlows) {
+  const auto& [penetration, seed] = GetParam();
+  const NetworkShape shape = crossroads_with_phases();
+  std::vector<FakeTrip> trips =
+      random_trips(shape, {.vehicles = 60, .duration = 90.0, .seed = seed});
+  ClosedLoop run(shape, std::move(trips), 0.1, share(penetration));
+  std::map<std::string, int> standing;
+  int longest = 0;
+  while (run.traffic.time() < 180.0 && run.traffic.arrived() < run.number_of_trips) {
+    run.step();
+    count_standing_inside(run, standing);
+    for (const auto& [id, steps] : standing) longest = std::max(longest, steps);
+  }
+  EXPECT_THAT(run.broken, IsEmpty());
+  EXPECT_EQ(run.traffic.arrived(), run.number_of_trips);
+  EXPECT_LE(longest, 5);  // one decision
+}
+
+INSTANTIATE_TEST_SUITE_P(Seeds, QueuedTraffic, Combine(Values(0.3, 0.5, 0.7), Range(1U, 5U)));
+
 INSTANTIATE_TEST_SUITE_P(Seeds, PhasedTraffic, Combine(Values(0.0, 0.3, 0.7), Range(1U, 4U)));
 
 std::string name_of(const testing::TestParamInfo<Mix>& info) {
@@ -118,6 +151,36 @@ TEST(HumanDrivers, OneAloneHardlySlowsDown) {
   EXPECT_GT(least, 12.0);
   EXPECT_EQ(run.coordinator.humans()->greens(), 1);
   EXPECT_EQ(run.coordinator.humans()->unplanned_passages(), 0);
+}
+
+// It follows whoever is ahead in its lane, but not whoever crosses.
+TEST(HumanDrivers, MayGetGreenBehindAControlledCarButNotBeforeOne) {
+  CoordinatorOptions options = share(1.0);
+  options.share.human_types = {"bus"};
+  ClosedLoop run =
+      loop({{"a", 0.0, "W-C", "C-E"}, {"b", 1.5, "W-C", "C-E", "bus"}, {"c", 0.0, "S-C", "C-N"}},
+           options);
+  while (run.coordinator.drives("a") + run.coordinator.drives("c") < 2 ||
+         !run.coordinator.humans()->knows("b")) {
+    ASSERT_LT(run.traffic.time(), 30.0);
+    run.step();
+  }
+  const RoadScene scene = run.coordinator.scene();
+  ASSERT_EQ(scene.vehicles.size(), 2U);
+  const auto may_meet_at = [&](const RoadVehicle& v, double speed) {
+    SpeedProfile plan{.begin = scene.step, .states = {v.now}};
+    while (plan.states.size() < 600) {
+      plan.states.push_back({plan.states.back().s + speed * scene.grid.dt, speed});
+    }
+    return run.coordinator.humans()->may_meet({"b"}, v.path, plan);
+  };
+  int meeting = 0;
+  for (const RoadVehicle& v : scene.vehicles) {
+    bool meets = false;
+    for (double speed = 2.0; speed < 14.0; speed += 1.0) meets |= may_meet_at(v, speed);
+    meeting += int(meets);
+  }
+  EXPECT_EQ(meeting, 1);
 }
 
 /// The ground of one who drives from the west over a signal that is green for him.

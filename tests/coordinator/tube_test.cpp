@@ -148,6 +148,17 @@ TEST_F(OursAndATube, NewPlansKeepSlackAndOldOnesNeedNot) {
   EXPECT_TRUE(fits(*tight));
 }
 
+TEST_F(OursAndATube, BesideSomebodyNewOldPlansKeepSlackToo) {
+  const auto tight = plan();
+  scene.forecasts.front().slack_before = 10;
+  scene.forecasts.front().slack_behind = 10;
+  scene.forecasts.front().is_new = true;
+  const auto careful = plan();
+  ASSERT_TRUE(tight.has_value() && careful.has_value());
+  EXPECT_FALSE(fits(*tight));
+  EXPECT_TRUE(fits(*careful));
+}
+
 TEST_F(OursAndATube, BrakingInTheWayOfADriverWhoReliesOnHisGreenIsNoWayOut) {
   // It comes to rest within the decision, right on the crossing, where he is by then.
   scene.vehicles.front().now = {98.0, 2.0};

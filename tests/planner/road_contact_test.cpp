@@ -340,5 +340,24 @@ TEST_F(Forecasts, CrossTrafficCountsUntilWeAreInItsWay) {
   EXPECT_TRUE(RoadPairs(scene).follows(0, 0));
 }
 
+//   It has begun to turn left where the driver behind it goes straight on, who does not yield to
+//   others; its tail is still in his way.
+TEST_F(Crossing, ADriverFollowsWhoTurnsOffAheadOfHim) {
+  std::vector<Point> turn = {{-100, 0}, {0, 0}};
+  for (double a = 0.1; a < 1.5; a += 0.1) turn.push_back({6 * std::sin(a), 6 - 6 * std::cos(a)});
+  turn.push_back({6, 60});
+  library.add(ReferencePath(turn), kCar);
+  Forecast driver{.vehicle = add(0, 92.0, 5.0), .trajectory = {}, .yields = false};
+  scene.vehicles.clear();
+  driver.vehicle.key = -1;
+  driver.trajectory.states = {driver.vehicle.now};
+  scene.forecasts.push_back(driver);
+  add(4, 104.7, 0.0);
+  EXPECT_TRUE(RoadPairs(scene).follows(0, 0));
+  scene.vehicles.front().path = 1;  // one that comes from the right is nobody's leader
+  scene.vehicles.front().now.s = 96.0;
+  EXPECT_FALSE(RoadPairs(scene).follows(0, 0));
+}
+
 }  // namespace
 }  // namespace mvtp
