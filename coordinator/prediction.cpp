@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace mvtp {
 namespace {
@@ -24,9 +25,9 @@ double before_line(const InertialState& now, double a, const StopLine& line, dou
   };
   if (stays_short(a)) return a;
   if (stays_short(0.0)) return 0.0;
-  if (!line.at_lane_end) return -kBraking;
   const double room = line.s - now.s - now.v * dt;
   const double needed = room > 0.0 ? now.v * now.v / (2.0 * room) : now.v / dt;
+  if (needed > line.hardest) return -kBraking;
   return -std::min(std::max(kBraking, needed), now.v / dt);
 }
 
@@ -158,7 +159,8 @@ std::optional<StopLine> Predictor::lane_end(const Placed& placed) const {
   const double length = graph_.lane(corridor.course.pieces.back().lane).length;
   // The path is made of pieces of a given length, and may end a little before the lane does.
   const double end = corridors_.library().path(corridor.path).length() - kRest / 2.0;
-  return StopLine{std::min(end, corridor.stations.back() + corridor.ratios.back() * length), true};
+  return StopLine{std::min(end, corridor.stations.back() + corridor.ratios.back() * length),
+                  std::numeric_limits<double>::infinity()};  // his lane does not lead on
 }
 
 std::vector<Forecast> Predictor::predict(const VehicleState& v, const CourseQuery& query,
@@ -208,7 +210,7 @@ std::vector<Forecast> Predictor::predict(const VehicleState& v, const CourseQuer
     const double to_end = graph_.lane(query.lane).length - query.position;
     is_held = at_line && !is_inside;
     const double line = s + (is_held ? std::min(*to_line, to_end) : *to_line);
-    if (!stop || line < stop->s - kSame) stop = StopLine{line};
+    if (!stop || line < stop->s - kSame) stop = StopLine{line, body.max_decel};
   }
   forecast.trajectory = predict_leader(road, stop, grid, step);
   if (is_held) forecast.held = held_at_line(forecast.trajectory, grid);

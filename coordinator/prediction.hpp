@@ -23,8 +23,8 @@ enum class Intent { kWaits, kPasses, kUnknown };
 
 /// Where a driver halts for long.
 struct StopLine {
-  double s = 0.0;            ///< station [m]
-  bool at_lane_end = false;  ///< his lane does not lead on: he stops there, however hard he brakes
+  double s = 0.0;        ///< station [m]
+  double hardest = 3.0;  ///< [m/s^2] he does not brake harder, but drives over it
 };
 
 /// What vehicles that nobody controls are expected to do.

@@ -341,7 +341,7 @@ TEST_F(Forecasts, CrossTrafficCountsUntilWeAreInItsWay) {
 }
 
 //   It has begun to turn left where the driver behind it goes straight on, who does not yield to
-//   others; its tail is still in his way.
+//   others; its tail is still before him.
 TEST_F(Crossing, ADriverFollowsWhoTurnsOffAheadOfHim) {
   std::vector<Point> turn = {{-100, 0}, {0, 0}};
   for (double a = 0.1; a < 1.5; a += 0.1) turn.push_back({6 * std::sin(a), 6 - 6 * std::cos(a)});
