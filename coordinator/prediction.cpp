@@ -12,12 +12,12 @@ constexpr double kAcceleration = 1.0;   ///< [m/s^2] after that
 constexpr double kHesitant = 0.5;       ///< [m/s^2] of a driver let through who takes his time,
 constexpr double kEasing = 1.0;         ///< [m/s^2] or slows down
 constexpr double kCrawl = 4.0;          ///< [m/s] to no less than this
-constexpr double kBraking = 3.0;        ///< [m/s^2] before a line
 constexpr double kStand = 60.0;         ///< [s] that he stands there
 constexpr std::size_t kLongest = 3000;  ///< steps that are predicted
 
 /// The acceleration of a driver who would take `a` but is to stop before a line [m/s^2].
 double before_line(const InertialState& now, double a, const StopLine& line, double dt) {
+  constexpr double kBraking = StopLine::kBraking;
   constexpr double kShort = 1.0;  // [m] before the line
   const auto stays_short = [&](double acceleration) {
     const InertialState next = advance(now, acceleration, dt);

@@ -23,8 +23,10 @@ enum class Intent { kWaits, kPasses, kUnknown };
 
 /// Where a driver halts for long.
 struct StopLine {
-  double s = 0.0;        ///< station [m]
-  double hardest = 3.0;  ///< [m/s^2] he does not brake harder, but drives over it
+  static constexpr double kBraking = 3.0;  ///< [m/s^2] as drivers like to
+
+  double s = 0.0;             ///< station [m]
+  double hardest = kBraking;  ///< [m/s^2] he does not brake harder, but drives over it
 };
 
 /// What vehicles that nobody controls are expected to do.

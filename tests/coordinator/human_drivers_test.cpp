@@ -153,7 +153,7 @@ TEST(HumanDrivers, OneAloneHardlySlowsDown) {
   EXPECT_EQ(run.coordinator.humans()->unplanned_passages(), 0);
 }
 
-// It follows whoever is ahead in its lane, but not whoever crosses.
+// The car ahead in his lane is his leader; crossing traffic is not.
 TEST(HumanDrivers, MayGetGreenBehindAControlledCarButNotBeforeOne) {
   CoordinatorOptions options = share(1.0);
   options.share.human_types = {"bus"};
