@@ -5,6 +5,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <vector>
@@ -124,6 +125,8 @@ class HumanDrivers {
     bool seen = false;
     std::int64_t came = 0;  ///< step
     double waited = 0.0;    ///< [s] lost before the line so far
+    /// Drivers for whom it does not wait inside the junction, though it yields to their movements.
+    std::set<std::string> goes_before;
     /// Behind the movements, what does not depend on them: its line, how it brakes and speeds up.
     [[nodiscard]] const TubeDriver& driver() const { return movements.front().driver; }
     /// How far it may have come at the next decision, at least and at most [m].
@@ -149,6 +152,8 @@ class HumanDrivers {
   [[nodiscard]] const SpeedProfile& slowest(const Agent& agent) const;
   [[nodiscard]] bool yields_to(const std::vector<int>& links, const std::vector<int>& others) const;
   [[nodiscard]] bool let_each_other_pass(const Agent& a, const Agent& b) const;
+  [[nodiscard]] bool awaits(const Agent& agent, const Agent& other) const;
+  void pass_before_who_waits(Agent& agent) const;
   [[nodiscard]] std::int64_t yields_until(const Agent& agent, const Movement& movement) const;
   [[nodiscard]] bool turns_elsewhere(const Agent& agent, const VehicleState& leader) const;
   [[nodiscard]] std::optional<double> lead_of(const Agent& agent, const Movement& movement,

@@ -262,7 +262,7 @@ bool HumanDrivers::may_meet(const std::vector<std::string>& ids, int path,
 }
 
 /// Vehicles near that come from elsewhere: they have no green, or plans around him. But where one
-/// of two drivers with green yields, each looks at the other.
+/// of two drivers with green yields, each looks at the other, unless he goes before him.
 std::vector<std::string> HumanDrivers::who_waits_for(const Agent& agent) const {
   std::vector<std::string> ids;
   const auto own = origins_.find(agent.id);
@@ -272,8 +272,9 @@ std::vector<std::string> HumanDrivers::who_waits_for(const Agent& agent) const {
     const bool same =
         origin != origins_.end() && own != origins_.end() && origin->second == own->second;
     const auto other = agents_.find(v.id);
-    const bool yields = other != agents_.end() && let_each_other_pass(agent, other->second);
-    if (!same && !yields) ids.push_back(v.id);
+    const bool looks = other != agents_.end() && let_each_other_pass(agent, other->second) &&
+                       !agent.goes_before.contains(v.id);
+    if (!same && !looks) ids.push_back(v.id);
   }
   return ids;
 }
@@ -323,7 +324,8 @@ void HumanDrivers::take_back_greens() {
 }
 
 void HumanDrivers::settle() {
-  for (const auto& [id, agent] : agents_) {
+  for (auto& [id, agent] : agents_) {
+    pass_before_who_waits(agent);
     if (agent.granted) traffic_.rely_on_signal(id, who_waits_for(agent));
   }
   std::set<int> needed;

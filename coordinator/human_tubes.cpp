@@ -70,15 +70,29 @@ bool HumanDrivers::let_each_other_pass(const Agent& a, const Agent& b) const {
   return yields_to(a.links, b.links) || yields_to(b.links, a.links);
 }
 
-/// The step until which it may have to yield to drivers who have green, or come to one; -1: to
-/// nobody.
+/// Does it wait for the other one, if it has to yield to him? For those who have green, or come to
+/// one; but nobody comes from behind a vehicle under control that waits, perhaps for this one.
+bool HumanDrivers::awaits(const Agent& agent, const Agent& other) const {
+  if (agent.goes_before.contains(other.id)) return false;
+  return other.granted || (is_shown_green(other) && !is_behind_one_who_waits(other));
+}
+
+/// Inside the junction it goes before those for whom it does not wait, also if they come after all.
+void HumanDrivers::pass_before_who_waits(Agent& agent) const {
+  if (!agent.inside) agent.goes_before.clear();
+  if (!agent.inside || !phases_) return;
+  for (const auto& [id, other] : agents_) {
+    if (yields_to(agent.links, other.links) && !awaits(agent, other)) agent.goes_before.insert(id);
+  }
+}
+
+/// The step until which it may have to yield; -1: to nobody.
 std::int64_t HumanDrivers::yields_until(const Agent& agent, const Movement& movement) const {
   std::int64_t until = -1;
   const double here = movement.driver.road.now.s;
   if (here >= movement.s_clear) return until;
   for (const auto& [id, other] : agents_) {
-    const bool comes = other.granted || is_shown_green(other);
-    if (id == agent.id || !comes) continue;
+    if (id == agent.id || !awaits(agent, other)) continue;
     for (const Movement& theirs : other.movements) {
       const double there = theirs.driver.road.now.s;
       if (there >= theirs.s_clear || !yields_to(movement.links, theirs.links)) continue;

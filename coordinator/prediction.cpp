@@ -25,10 +25,13 @@ double before_line(const InertialState& now, double a, const StopLine& line, dou
   };
   if (stays_short(a)) return a;
   if (stays_short(0.0)) return 0.0;
-  const double room = line.s - now.s - now.v * dt;
-  const double needed = room > 0.0 ? now.v * now.v / (2.0 * room) : now.v / dt;
-  if (needed > line.hardest) return -kBraking;
-  return -std::min(std::max(kBraking, needed), now.v / dt);
+  const double room = line.s - now.s;
+  const auto needed = [&](double within) {
+    return within > 0.0 ? now.v * now.v / (2.0 * within) : now.v / dt;
+  };
+  // SUMO drives a whole step at the speed that it has at the step's end: braking takes it less far.
+  if (needed(room + now.v * dt / 2.0) > line.hardest) return -kBraking;
+  return -std::min(std::max(kBraking, needed(room)), now.v / dt);
 }
 
 /// Appends states until the end of the path, each with the acceleration that `wish` asks for, with

@@ -70,6 +70,10 @@ class FakeTraffic : public Traffic {
   void take_over(const std::string& id) override;
   void hand_back(const std::string& id) override { cars_.at(id).placed = false; }
   [[nodiscard]] bool is_taken_over(const std::string& id) const override;
+  /// Vehicles to which its driver does not yield, as he was told. @pre it is there
+  [[nodiscard]] const std::set<std::string>& goes_before(const std::string& id) const {
+    return cars_.at(id).waiting;
+  }
   void place(const std::string& id, const Pose& pose, double speed) override;
   void hold(const std::string& id, bool stop) override;
   void let_through(const std::string& id, bool pass) override;

@@ -183,6 +183,40 @@ TEST(HumanDrivers, MayGetGreenBehindAControlledCarButNotBeforeOne) {
   EXPECT_EQ(meeting, 1);
 }
 
+// Each of the two would wait for the other: the car for whom turns left before it, the driver who
+// turns left for those who come to a green behind the car.
+TEST(HumanDrivers, TurnLeftBeforeThoseBehindAControlledCarThatWaits) {
+  CoordinatorOptions options = share(1.0);
+  options.share.human_types = {"bus", "bike"};
+  const auto at = [](const std::string& id, const std::string& from, const std::string& to,
+                     const std::string& type, double place) {
+    FakeTrip trip{id, 0.0, from, to, type};
+    trip.at = std::pair(place, 8.0);
+    return trip;
+  };
+  std::vector<FakeTrip> trips = {at("first", "W-C", "C-E", "bike", 95.0),
+                                 at("waits", "W-C", "C-E", "car", 75.0),
+                                 at("behind", "W-C", "C-E", "bus", 50.0),
+                                 at("left", "E-C", "C-S", "bus", 50.0),
+                                 at("across", "S-C", "C-N", "bus", 50.0)};
+  trips[0].stop = FakeStop{"C-E_0", 8.0, 60.0};
+  ClosedLoop run(crossroads_with_phases(), trips, 0.1, options);
+  const HumanDrivers& humans = *run.coordinator.humans();
+  int inside = 0;
+  while (run.traffic.time() < 60.0) {
+    run.step();
+    if (!humans.passes("left")) continue;
+    for (const Forecast& f : humans.passages("left")) {
+      EXPECT_LT(double(f.latest->states.size()) * 0.1, 50.0) << run.traffic.time();
+    }
+    const auto left = std::ranges::find(run.traffic.vehicles(), "left", &VehicleState::id);
+    if (left->lane.front() != ':') continue;
+    if (++inside <= 5) continue;  // until the next decision
+    EXPECT_EQ(run.traffic.goes_before("left").count("behind"), 1U) << run.traffic.time();
+  }
+  EXPECT_GT(inside, 5);
+}
+
 /// The ground of one who drives from the west over a signal that is green for him.
 TEST(HumanDrivers, AreOnTheGroundThatIsExpectedOfThem) {
   ClosedLoop run = loop({{"a", 0.0, "W-C", "C-E"}}, share(0.0));
