@@ -8,6 +8,7 @@
 #include <set>
 
 #include "planner/road/joint_cost.hpp"
+#include "planner/road/known_plans.hpp"
 #include "planner/road/neighbourhoods.hpp"
 #include "planner/road/passing_order.hpp"
 #include "planner/search/draws.hpp"
@@ -30,6 +31,7 @@ class CrossingPlanner {
         orders_(pairs),
         neighbourhoods_(pairs),
         cost_(pairs, options.trajectory, options.headway_weight),
+        plans_(pairs, cost_, options.trajectory),
         scene_(pairs.scene()),
         options_(options),
         draws_(seed),
@@ -109,17 +111,17 @@ class CrossingPlanner {
   bool fit_in(const RoadVehicle& v, std::vector<Entry>& planned, std::span<const Entry> bodies) {
     std::vector<Entry> all(bodies.begin(), bodies.end());
     all.insert(all.end(), planned.begin(), planned.end());
-    if (auto t = plan_at_least(v, all)) {
-      planned.push_back({v.key, std::make_shared<SpeedProfile>(std::move(*t))});
+    if (const KnownPlans::Plan t = plan_at_least(v, all)) {
+      planned.push_back({v.key, t});
       return true;
     }
     const Order blocking = blockers_of(v, planned);
     if (blocking.empty() || work_.left <= 0) return false;
     std::erase_if(all, [&](const Entry& e) { return std::ranges::count(blocking, e.key) > 0; });
     for (const std::int64_t key : joined({v.key}, blocking)) {
-      auto t = plan_at_least(scene_.vehicle(key), all);
+      const KnownPlans::Plan t = plan_at_least(scene_.vehicle(key), all);
       if (!t) return false;
-      all.push_back({key, std::make_shared<SpeedProfile>(std::move(*t))});
+      all.push_back({key, t});
     }
     planned.assign(all.begin() + std::ptrdiff_t(bodies.size()), all.end());
     return true;
@@ -146,8 +148,8 @@ class CrossingPlanner {
     for (std::size_t i = 0; i < entries.size(); ++i) {
       const RoadVehicle& v = scene_.vehicle(entries[i].key);
       if (leaves_room(pairs_, v, *entries[i].trajectory, entries, options_.trajectory)) continue;
-      auto t = plan_at_least(v, entries);
-      if (t) entries[i].trajectory = std::make_shared<SpeedProfile>(std::move(*t));
+      const KnownPlans::Plan t = plan_at_least(v, entries);
+      if (t) entries[i].trajectory = t;
     }
   }
 
@@ -157,9 +159,9 @@ class CrossingPlanner {
       const RoadVehicle& v = scene_.vehicle(e.key);
       const double cost = cost_.until_handback(e);
       if (!v.asks_again || cost <= cost_.alone(e.key) + kNotWorthIt) continue;
-      auto t = plan_at_least(v, entries, cost / v.weight);
+      const KnownPlans::Plan t = plan_at_least(v, entries, cost / v.weight);
       if (!t) continue;
-      const Entry better{e.key, std::make_shared<SpeedProfile>(std::move(*t))};
+      const Entry better{e.key, t};
       if (cost_.until_handback(better) < cost) e = better;
     }
   }
@@ -179,20 +181,20 @@ class CrossingPlanner {
       changed = true;
       // All others make room for who leaves.
       if (i > 0 && fitting_incumbent(order[i], leaving_, {}) != nullptr) return i;
-      auto t = plan_at_least(scene_.vehicle(order[i]), entries);
+      const KnownPlans::Plan t = plan_at_least(scene_.vehicle(order[i]), entries);
       if (!t) return i;
-      entries.push_back({order[i], std::make_shared<SpeedProfile>(std::move(*t))});
+      entries.push_back({order[i], t});
     }
     return std::nullopt;
   }
 
   /// A plan even if the work is used up, as long as it is found fast.
   /// @param cost  [s] from which it is of no use.
-  std::optional<SpeedProfile> plan_at_least(const RoadVehicle& v, std::span<const Entry> before,
-                                            double cost = std::numeric_limits<double>::infinity()) {
+  KnownPlans::Plan plan_at_least(const RoadVehicle& v, std::span<const Entry> before,
+                                 double cost = std::numeric_limits<double>::infinity()) {
     WorkBudget least{std::max(work_.left, kLeastWork)};
     const std::int64_t given = least.left;
-    auto t = plan_vehicle(pairs_, v, before, options_.trajectory, {.work = &least, .cost = cost});
+    KnownPlans::Plan t = plans_.plan(v, before, {.work = &least, .cost = cost});
     work_.left -= given - least.left;
     return t;
   }
@@ -269,9 +271,9 @@ class CrossingPlanner {
       // Whoever costs more than this makes the whole no better.
       const PlanLimits limits{.work = &work_,
                               .cost = (budget - cost + cost_.alone(order[i])) / v.weight};
-      auto t = plan_vehicle(pairs_, v, entries, options_.trajectory, limits);
+      const KnownPlans::Plan t = plans_.plan(v, entries, limits);
       if (!t || work_.left <= 0) return i;
-      entries.push_back({order[i], std::make_shared<SpeedProfile>(std::move(*t))});
+      entries.push_back({order[i], t});
       cost += cost_.until_handback(entries.back()) - cost_.alone(order[i]);
     }
     return std::nullopt;
@@ -368,6 +370,7 @@ class CrossingPlanner {
   PassingOrders orders_;
   Neighbourhoods neighbourhoods_;
   JointCost cost_;
+  KnownPlans plans_;
   const RoadScene& scene_;
   const CrossingOptions& options_;
   Draws draws_;

@@ -170,6 +170,15 @@ bool drives_ahead(const RoadScene& scene, const RoadVehicle& a, const RoadVehicl
 
 }  // namespace
 
+bool RoadPairs::matters(std::size_t j, std::size_t i) const {
+  const RoadVehicle& a = scene_->vehicles[i];
+  const RoadVehicle& b = scene_->vehicles[j];
+  const bool same_exit =
+      a.exit_lane >= 0 && (a.exit_lane == b.exit_lane || b.enters(a.exit_lane));
+  return same_exit || !between(i, j).contact->never() ||
+         !scene_->library->reserved(a.path, b.path).empty();
+}
+
 bool RoadPairs::is_behind(std::size_t i, std::size_t f) const {
   return drives_ahead(*scene_, scene_->forecasts[f].vehicle, scene_->vehicles[i]);
 }

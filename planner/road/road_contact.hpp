@@ -180,6 +180,10 @@ class RoadPairs {
     return {&forecasts_[i * scene_->forecasts.size() + f], false};
   }
 
+  /// Does what vehicle j will do matter to vehicle i != j? Only if they may touch, leave by one lane
+  /// or may cross ground that is reserved.
+  [[nodiscard]] bool matters(std::size_t j, std::size_t i) const;
+
   /// Must vehicle i stay before vehicle j in every order of planning? Its body, where it is,
   /// blocks the rest of j's path, and not the other way round.
   [[nodiscard]] bool leads(std::size_t i, std::size_t j) const {
