@@ -49,7 +49,7 @@ bool Repair::plan(int i, const SoftOptions& options, const ArcTrajectory* old, i
     steps.assign(old->steps().begin(), old->steps().begin() + std::min(t, old->arrival()));
     steps.resize(std::size_t(t));
   }
-  const std::optional<SoftCollisionPath> path = search_.search(among, options, deadline_);
+  const std::optional<SoftResult> path = search_.search(among, options, deadline_);
   if (!path) return false;
   steps.insert(steps.end(), path->steps.begin(), path->steps.end());
   motion_.place(

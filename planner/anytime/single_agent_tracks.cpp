@@ -52,7 +52,7 @@ std::optional<ArcTrajectory> find_single_agent_track(SoftHybridAstar& search,
   options.leave_out_time();
   options.slowly = finer > 0;
   for (int level = 0; level < finer; ++level) options.refine();
-  std::optional<SoftCollisionPath> path = search.search(alone, options, deadline);
+  std::optional<SoftResult> path = search.search(alone, options, deadline);
   if (!path) return std::nullopt;
   return ArcTrajectory(robot.car->vehicle(), robot.start, std::move(path->steps), time.macro_step);
 }

@@ -19,16 +19,16 @@ struct Node {
   int parent = -1;
   int robot = -1;                        ///< whose path it changes
   std::optional<Constraint> constraint;  ///< that the robot keeps beside those of the parent
-  SpacetimePath path;
+  SearchResult path;
   double cost = 0.0;
   double lower_bound = 0.0;
   std::optional<Conflict> first;  ///< the first conflict of all paths
   int conflicts = 0;
 };
 
-/// The paths of all robots in one node.
-struct JointPlan {
-  std::vector<const SpacetimePath*> paths;
+/// The solution of one node, as the literature calls it: what all robots do, with conflicts.
+struct NodeSolution {
+  std::vector<const SearchResult*> paths;
   std::vector<SweptTrajectory> motions;
   std::vector<Conflict> conflicts;
 };
@@ -56,10 +56,10 @@ class ConflictTree {
     while (!open_.empty()) {
       const int n = open_.pop();
       const std::optional<Conflict> conflict = nodes_[std::size_t(n)].first;
-      if (!conflict) return solution(n);
+      if (!conflict) return result_of(n);
       if (int(nodes_.size()) >= options_.max_nodes) return failed(CbsFailure::kTooManyNodes);
       if (deadline_.expired()) break;
-      const JointPlan plan = joint_plan(n);
+      const NodeSolution plan = solution_of(n);
       branch(n, plan, conflict->i, conflict->j, conflict->t);
       branch(n, plan, conflict->j, conflict->i, conflict->t);
     }
@@ -88,7 +88,7 @@ class ConflictTree {
     motions.reserve(robots_.size());
     Node root;
     for (int i = 0; i < int(robots_.size()); ++i) {
-      std::optional<SpacetimePath> path = plan(i, {}, motions);
+      std::optional<SearchResult> path = plan(i, {}, motions);
       if (!path) return false;
       motions.push_back(motion(i, *path));
       root.cost += path->cost;
@@ -100,16 +100,16 @@ class ConflictTree {
   }
 
   /// Adds the child of node n in which robot i keeps clear of what j does at step t.
-  void branch(int n, const JointPlan& plan, int i, int j, int t) {
+  void branch(int n, const NodeSolution& plan, int i, int j, int t) {
     const Constraint constraint{std::max(t - 1, 0), t + 1, plan.motions[std::size_t(j)].at(t)};
     std::vector<Constraint> constraints = constraints_on(i, n);
     constraints.push_back(constraint);
-    std::optional<SpacetimePath> path = this->plan(i, constraints, plan.motions);
+    std::optional<SearchResult> path = this->plan(i, constraints, plan.motions);
     if (!path) return;
 
     Node child{.parent = n, .robot = i, .constraint = constraint, .path = *std::move(path)};
     const Node& parent = nodes_[std::size_t(n)];
-    const SpacetimePath& before = *plan.paths[std::size_t(i)];
+    const SearchResult& before = *plan.paths[std::size_t(i)];
     child.cost = parent.cost + child.path.cost - before.cost;
     // A child is no cheaper than its parent.
     child.lower_bound = std::max(parent.lower_bound,
@@ -130,8 +130,8 @@ class ConflictTree {
   }
 
   /// The path of robot i under `constraints`, with few conflicts with the others' motions.
-  [[nodiscard]] std::optional<SpacetimePath> plan(int i, std::span<const Constraint> constraints,
-                                                  std::span<const SweptTrajectory> motions) const {
+  [[nodiscard]] std::optional<SearchResult> plan(int i, std::span<const Constraint> constraints,
+                                                 std::span<const SweptTrajectory> motions) const {
     std::vector<const SweptTrajectory*> members;
     for (int j = 0; j < int(motions.size()); ++j) {
       if (j != i) members.push_back(&motions[std::size_t(j)]);
@@ -148,7 +148,7 @@ class ConflictTree {
                              {options_.w, options_.max_expansions}, deadline_);
   }
 
-  [[nodiscard]] SweptTrajectory motion(int i, const SpacetimePath& path) const {
+  [[nodiscard]] SweptTrajectory motion(int i, const SearchResult& path) const {
     const CbsRobot& robot = robots_[std::size_t(i)];
     return {*robot.car, robot.start, path.steps};
   }
@@ -163,11 +163,11 @@ class ConflictTree {
     return constraints;
   }
 
-  [[nodiscard]] std::vector<const SpacetimePath*> paths_of(int n) const {
-    std::vector<const SpacetimePath*> paths(robots_.size(), nullptr);
+  [[nodiscard]] std::vector<const SearchResult*> paths_of(int n) const {
+    std::vector<const SearchResult*> paths(robots_.size(), nullptr);
     for (; n > 0; n = nodes_[std::size_t(n)].parent) {
       const Node& node = nodes_[std::size_t(n)];
-      const SpacetimePath*& path = paths[std::size_t(node.robot)];
+      const SearchResult*& path = paths[std::size_t(node.robot)];
       if (path == nullptr) path = &node.path;  // the latest change counts
     }
     for (std::size_t i = 0; i < paths.size(); ++i) {
@@ -176,8 +176,8 @@ class ConflictTree {
     return paths;
   }
 
-  [[nodiscard]] JointPlan joint_plan(int n) const {
-    JointPlan plan{.paths = paths_of(n), .motions = {}, .conflicts = {}};
+  [[nodiscard]] NodeSolution solution_of(int n) const {
+    NodeSolution plan{.paths = paths_of(n), .motions = {}, .conflicts = {}};
     for (int i = 0; i < int(robots_.size()); ++i) {
       plan.motions.push_back(motion(i, *plan.paths[std::size_t(i)]));
     }
@@ -185,9 +185,9 @@ class ConflictTree {
     return plan;
   }
 
-  [[nodiscard]] CbsResult solution(int n) const {
+  [[nodiscard]] CbsResult result_of(int n) const {
     CbsResult result;
-    for (const SpacetimePath* path : paths_of(n)) result.steps.push_back(path->steps);
+    for (const SearchResult* path : paths_of(n)) result.steps.push_back(path->steps);
     return result;
   }
 
@@ -196,9 +196,9 @@ class ConflictTree {
   const SpacetimeHybridAstar& low_level_;
   const CbsOptions& options_;
   const Deadline& deadline_;
-  double least_cost_ = 0.0;          ///< of every robot [steps]
-  std::vector<SpacetimePath> root_;  ///< everybody's path in node 0
-  std::deque<Node> nodes_;           ///< paths in it are pointed at while it grows
+  double least_cost_ = 0.0;         ///< of every robot [steps]
+  std::vector<SearchResult> root_;  ///< everybody's path in node 0
+  std::deque<Node> nodes_;          ///< paths in it are pointed at while it grows
   FocalQueue<std::pair<int, double>> open_;
 };
 

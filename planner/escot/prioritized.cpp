@@ -75,7 +75,7 @@ class Prioritized {
     std::vector<SweptTrajectory> planned;
     planned.reserve(order.size());  // it is pointed into
     for (const int i : order) {
-      std::optional<SpacetimePath> path = plan(i, planned, order);
+      std::optional<SearchResult> path = plan(i, planned, order);
       if (!path) {
         attempt.failed = i;
         return attempt;
@@ -88,8 +88,8 @@ class Prioritized {
 
   /// The path of robot i, whose turn it is, clear of everybody planned and of the starts of those
   /// after it while they leave.
-  [[nodiscard]] std::optional<SpacetimePath> plan(int i, std::span<const SweptTrajectory> planned,
-                                                  const Order& order) const {
+  [[nodiscard]] std::optional<SearchResult> plan(int i, std::span<const SweptTrajectory> planned,
+                                                 const Order& order) const {
     std::vector<const SweptTrajectory*> others;
     for (const SweptTrajectory& other : planned) others.push_back(&other);
     const TimedObstacles traffic(others);

@@ -15,7 +15,7 @@ std::optional<std::vector<Arc>> find_single_agent_path(const PlanningProblem& pl
   problem.car = &car;
   problem.cost_to_go = &planning_problem.cost_to_go(i);
   problem.start = instance.agents[std::size_t(i)].start;
-  std::optional<SpacetimePath> path =
+  std::optional<SearchResult> path =
       SpacetimeHybridAstar(planning_problem.curves())
           .search_with_shorter_steps(problem, {.w = 1.5, .max_expansions = 20'000}, deadline);
   if (!path) return std::nullopt;

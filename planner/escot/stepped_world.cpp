@@ -114,7 +114,7 @@ void SteppedWorld::break_joint(int joint) {
   }
 }
 
-std::optional<SpacetimePath> SteppedWorld::find_reference_path(int i, const Pose& pose) const {
+std::optional<SearchResult> SteppedWorld::find_reference_path(int i, const Pose& pose) const {
   SearchProblem problem;
   problem.car = &problem_.car(i);
   problem.cost_to_go = &problem_.cost_to_go(i);
@@ -133,7 +133,7 @@ void SteppedWorld::update_reference_paths(const Configuration& q) {
     const bool not_yet = step_ < robot.search_again;
     if (robot.prediction && pose == robot.expected && (not_yet || !robot.search_again)) continue;
     break_joint(robot.joint);
-    std::optional<SpacetimePath> path;
+    std::optional<SearchResult> path;
     if (!not_yet) {
       path = find_reference_path(i, pose);
       robot.searched_in_vain = path ? 0 : robot.searched_in_vain + 1;

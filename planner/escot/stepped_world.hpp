@@ -168,7 +168,7 @@ class SteppedWorld {
   void update_neighbours(const Configuration& q);
   /// A circle around all places where robot i can be while groups look at it.
   [[nodiscard]] Circle reachable_disc(int i) const;
-  [[nodiscard]] std::optional<SpacetimePath> find_reference_path(int i, const Pose& pose) const;
+  [[nodiscard]] std::optional<SearchResult> find_reference_path(int i, const Pose& pose) const;
   void break_joint(int joint);
   void set_reference_path(int i, const Pose& pose, std::vector<Arc> reference_path, int joint);
 

@@ -139,9 +139,9 @@ SoftProblem LotPlanner::ReplanningSession::problem(int robot) const {
 /// From both ends where it parks: one search may be lost where the other finds a way at once.
 std::optional<ArcTrajectory> LotPlanner::ReplanningSession::alone(int robot, Effort effort) {
   const int expansions = planner_.options_.expansions * (effort == Effort::kQuick ? 1 : kMoreAlone);
-  std::optional<SoftCollisionPath> path = search_alone(problem(robot), expansions);
+  std::optional<SoftResult> path = search_alone(problem(robot), expansions);
   if (!robots_[std::size_t(robot)].leaves) {
-    std::optional<SoftCollisionPath> other = search_alone_backwards(robot, expansions);
+    std::optional<SoftResult> other = search_alone_backwards(robot, expansions);
     if (other && (!path || other->cost < path->cost)) path = std::move(other);
   }
   std::optional<std::vector<Arc>> steps;
@@ -175,8 +175,8 @@ std::optional<ArcTrajectory> LotPlanner::ReplanningSession::alone(int robot) {
   return path ? std::move(path) : alone(robot, Effort::kThorough);
 }
 
-std::optional<SoftCollisionPath> LotPlanner::ReplanningSession::search_alone(SoftProblem problem,
-                                                                             int expansions) {
+std::optional<SoftResult> LotPlanner::ReplanningSession::search_alone(SoftProblem problem,
+                                                                      int expansions) {
   const Occupancy nobody(1, planner_.time_);
   problem.others = {.occupancy = &nobody};
   SoftOptions options = soft_options(planner_.options_);
@@ -185,15 +185,15 @@ std::optional<SoftCollisionPath> LotPlanner::ReplanningSession::search_alone(Sof
 }
 
 /// From the goal to the start, driven the other way round.
-std::optional<SoftCollisionPath> LotPlanner::ReplanningSession::search_alone_backwards(
-    int robot, int expansions) {
+std::optional<SoftResult> LotPlanner::ReplanningSession::search_alone_backwards(int robot,
+                                                                                int expansions) {
   const Robot& r = robots_[std::size_t(robot)];
   SoftProblem reversed = problem(robot);
   const CostToGo to_start = planner_.make_cost_to_go(r.body, reversed.start);
   reversed.start = r.goal;
   reversed.cost_to_go = &to_start;
   reversed.direction = 0;
-  std::optional<SoftCollisionPath> path = search_alone(reversed, expansions);
+  std::optional<SoftResult> path = search_alone(reversed, expansions);
   if (!path) return path;
   std::ranges::reverse(path->steps);
   for (Arc& arc : path->steps) arc.length = -arc.length;
@@ -237,7 +237,7 @@ bool LotPlanner::ReplanningSession::plan(int robot, const ArcTrajectory& alone, 
   SoftOptions options = soft_options(planner_.options_);
   options.hard = true;
   if (effort == Effort::kThorough) options.max_expansions *= kMoreAmongOthers;
-  std::optional<SoftCollisionPath> path = planner_.search_.search(soft, options, Deadline::never());
+  std::optional<SoftResult> path = planner_.search_.search(soft, options, Deadline::never());
   if (!path && effort == Effort::kQuick) return drive_alone_later(robot, alone);
   if (!path || comes_back_into_entry(robot, path->steps)) return false;
   joint_->place(robot, ArcTrajectory(soft.car->vehicle(), soft.start, std::move(path->steps),

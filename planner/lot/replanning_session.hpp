@@ -90,8 +90,8 @@ class LotPlanner::ReplanningSession {
   [[nodiscard]] ArcTrajectory forecast_track(int car) const;
   [[nodiscard]] bool drive_alone_later(int robot, const ArcTrajectory& alone);
   [[nodiscard]] SoftProblem problem(int robot) const;
-  [[nodiscard]] std::optional<SoftCollisionPath> search_alone(SoftProblem problem, int expansions);
-  [[nodiscard]] std::optional<SoftCollisionPath> search_alone_backwards(int robot, int expansions);
+  [[nodiscard]] std::optional<SoftResult> search_alone(SoftProblem problem, int expansions);
+  [[nodiscard]] std::optional<SoftResult> search_alone_backwards(int robot, int expansions);
   [[nodiscard]] std::optional<std::vector<Arc>> sample_alone(int robot) const;
   [[nodiscard]] std::vector<Arc> tail(const ArcTrajectory& alone) const;
   [[nodiscard]] ArcPath path_of(int robot, const ArcTrajectory& track) const;

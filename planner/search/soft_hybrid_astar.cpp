@@ -19,9 +19,9 @@ constexpr int kRoomFor = 1 << 12;  ///< expansions, before the table of cells ha
 
 }  // namespace
 
-std::optional<SoftCollisionPath> SoftHybridAstar::search(const SoftProblem& problem,
-                                                         const SoftOptions& options,
-                                                         const Deadline& deadline) {
+std::optional<SoftResult> SoftHybridAstar::search(const SoftProblem& problem,
+                                                  const SoftOptions& options,
+                                                  const Deadline& deadline) {
   problem_ = &problem;
   options_ = options;
   start_search();

@@ -61,7 +61,8 @@ struct SoftOptions {
   }
 };
 
-struct SoftCollisionPath {
+/// What the search found.
+struct SoftResult {
   std::vector<Arc> steps;  ///< one per time step from the start of start_macro_step on
   double cost = 0.0;       ///< arrival and soft-collision costs of all overlaps and reversals [s]
   double soft_cost = 0.0;  ///< of overlaps alone: 0 if nobody is overlapped
@@ -81,9 +82,9 @@ class SoftHybridAstar {
       : found_(std::size_t(robots) + Occupancy::kPadding),
         around_list_(std::size_t(robots) + Occupancy::kPadding) {}
 
-  [[nodiscard]] std::optional<SoftCollisionPath> search(const SoftProblem& problem,
-                                                        const SoftOptions& options,
-                                                        const Deadline& deadline);
+  [[nodiscard]] std::optional<SoftResult> search(const SoftProblem& problem,
+                                                 const SoftOptions& options,
+                                                 const Deadline& deadline);
 
   /// Expansions of all searches so far.
   [[nodiscard]] std::int64_t expansions() const { return expansions_; }
@@ -159,7 +160,7 @@ class SoftHybridAstar {
   [[nodiscard]] std::span<const Arc> to_the_end(const ReedsSheppPath& analytic_expansion);
   [[nodiscard]] bool waits_in_its_cell(const Node& node) const;
   void push(const Node& node);
-  [[nodiscard]] SoftCollisionPath path();
+  [[nodiscard]] SoftResult path();
 
   std::vector<int> found_;        ///< the first nearby_ are those near the motion in question
   std::vector<int> around_list_;  ///< the first around_ are those near the node in question

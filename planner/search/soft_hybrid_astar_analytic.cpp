@@ -153,7 +153,7 @@ void SoftHybridAstar::end_macro_step(Ride& ride) {
   ride.time_steps = 0;
 }
 
-SoftCollisionPath SoftHybridAstar::path() {
+SoftResult SoftHybridAstar::path() {
   const MotionPrimitives& car = *problem_->car;
   const int time_steps = car.time().macro_step;
   const Node& last = nodes_[std::size_t(best_.node)];
@@ -166,7 +166,7 @@ SoftCollisionPath SoftHybridAstar::path() {
     const bool reversed = node.direction * nodes_[std::size_t(node.parent)].direction < 0;
     reversals += reversed ? options_.reversal : 0.0;
   }
-  SoftCollisionPath path;
+  SoftResult path;
   path.cost = best_.cost;
   path.soft_cost = reversals == 0.0 ? best_.soft_cost : std::max(0.0, best_.soft_cost - reversals);
   if (path.soft_cost < kNoSoftCost) path.soft_cost = 0.0;

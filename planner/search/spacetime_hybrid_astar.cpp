@@ -84,7 +84,7 @@ class Search {
     headings_ = std::clamp(std::round(2 * std::numbers::pi / (kHeadingPerTurn * turn)), 8.0, 90.0);
   }
 
-  std::optional<SpacetimePath> run() {
+  std::optional<SearchResult> run() {
     if (forbidden(parked_, end_)) return std::nullopt;
     goal_free_from_ = goal_free_from();
     least_cost_ = std::max(problem_.least_cost, double(goal_free_from_));
@@ -269,9 +269,9 @@ class Search {
     return parked_conflicts_[std::size_t(std::max(0, end_ - t + 1))];
   }
 
-  [[nodiscard]] SpacetimePath path_to(int n) const {
+  [[nodiscard]] SearchResult path_to(int n) const {
     const Node& goal = nodes_[std::size_t(n)];
-    SpacetimePath path;
+    SearchResult path;
     for (int k = goal.parent; nodes_[std::size_t(k)].parent >= 0;
          k = nodes_[std::size_t(k)].parent) {
       path.steps.push_back(nodes_[std::size_t(k)].arc);
@@ -312,13 +312,13 @@ class Search {
 
 }  // namespace
 
-std::optional<SpacetimePath> SpacetimeHybridAstar::search(const SearchProblem& problem,
-                                                          const SearchOptions& options,
-                                                          const Deadline& deadline) const {
+std::optional<SearchResult> SpacetimeHybridAstar::search(const SearchProblem& problem,
+                                                         const SearchOptions& options,
+                                                         const Deadline& deadline) const {
   return Search(problem, options, curves_, deadline).run();
 }
 
-std::optional<SpacetimePath> SpacetimeHybridAstar::search_with_shorter_steps(
+std::optional<SearchResult> SpacetimeHybridAstar::search_with_shorter_steps(
     const SearchProblem& problem, SearchOptions options, const Deadline& deadline) const {
   for (const double scale : {1.0, 0.5, 0.25}) {
     options.arc_scale = scale;

@@ -38,8 +38,8 @@ struct SearchOptions {
   double arc_scale = 1.0;     ///< drives arcs of this part of a full step, in (0, 1]
 };
 
-/// A path in steps of one arc each, waits included; it ends exactly at the goal.
-struct SpacetimePath {
+/// What the search found: one arc per step, waits included, that end exactly at the goal.
+struct SearchResult {
   std::vector<Arc> steps;
   double cost = 0.0;         ///< its steps, or least_cost if that is more
   double lower_bound = 0.0;  ///< nearly: cost <= w * lower_bound, unless out of expansions
@@ -59,13 +59,13 @@ class SpacetimeHybridAstar {
 
   /// @return nullopt if no path was found in `max_expansions` or until the deadline, or if there is
   ///         none on the search grid.
-  [[nodiscard]] std::optional<SpacetimePath> search(const SearchProblem& problem,
-                                                    const SearchOptions& options,
-                                                    const Deadline& deadline) const;
+  [[nodiscard]] std::optional<SearchResult> search(const SearchProblem& problem,
+                                                   const SearchOptions& options,
+                                                   const Deadline& deadline) const;
 
   /// The same, where that fails with steps of half and then a quarter of the length: full steps do
   /// not get out of every narrow place, shorter ones may.
-  [[nodiscard]] std::optional<SpacetimePath> search_with_shorter_steps(
+  [[nodiscard]] std::optional<SearchResult> search_with_shorter_steps(
       const SearchProblem& problem, SearchOptions options, const Deadline& deadline) const;
 
  private:

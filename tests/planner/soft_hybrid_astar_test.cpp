@@ -36,7 +36,7 @@ struct Scene {
     return result;
   }
 
-  [[nodiscard]] ArcTrajectory track(const Pose& start, const SoftCollisionPath& path) const {
+  [[nodiscard]] ArcTrajectory track(const Pose& start, const SoftResult& path) const {
     return {kCar, start, path.steps, kTime.macro_step};
   }
 
@@ -59,8 +59,7 @@ Map corridor() {
   return map;
 }
 
-std::optional<SoftCollisionPath> search(const SoftProblem& problem,
-                                        const SoftOptions& options = {}) {
+std::optional<SoftResult> search(const SoftProblem& problem, const SoftOptions& options = {}) {
   return SoftHybridAstar(2).search(problem, options, Deadline::never());
 }
 
@@ -68,7 +67,7 @@ TEST(SoftHybridAstar, DrivesTheShortestCurveIfAlone) {
   const Pose start{10, 10, 0.3};
   const Pose goal{30, 25, 2.0};
   const Scene scene(empty_map(50), goal);
-  const std::optional<SoftCollisionPath> path = search(scene.problem(start));
+  const std::optional<SoftResult> path = search(scene.problem(start));
   ASSERT_TRUE(path);
   const double length = reeds_shepp_length(start, goal, 3.0);
   EXPECT_GE(int(path->steps.size()) * kTime.dt, length);
@@ -101,7 +100,7 @@ TEST(SoftHybridAstar, SlowActionsLeadOutOfTightPlaces) {
   EXPECT_FALSE(search(scene.problem(start), quick));
   SoftOptions slow = quick;
   slow.slowly = true;
-  const std::optional<SoftCollisionPath> path = search(scene.problem(start), slow);
+  const std::optional<SoftResult> path = search(scene.problem(start), slow);
   ASSERT_TRUE(path);
   EXPECT_LT(distance(drive(start, path->steps), {21.5, 40, 1.5707963}), 1e-8);
   for (const Arc& step : path->steps) EXPECT_LE(std::abs(step.length), kTime.dt + 1e-9);
@@ -113,7 +112,7 @@ TEST(SoftHybridAstar, GivesWayToTheOther) {
   const Pose start{10, 25, 0};
   Scene scene(empty_map(50), {40, 25, 0});
   scene.place_other({40, 25, 3.14159265358979}, std::vector<Arc>(284, Arc{0.1059, 0.0}));
-  const std::optional<SoftCollisionPath> path = search(scene.problem(start));
+  const std::optional<SoftResult> path = search(scene.problem(start));
   ASSERT_TRUE(path);
   EXPECT_EQ(path->soft_cost, 0.0);
   const ArcTrajectory track = scene.track(start, *path);
@@ -129,7 +128,7 @@ TEST(SoftHybridAstar, DrivesThroughTheOtherWhereItMust) {
   const Pose start{5, 1.5, 0};
   Scene scene(corridor(), {45, 1.5, 0});
   scene.place_other({25, 1.5, 0}, {});
-  const std::optional<SoftCollisionPath> path = search(scene.problem(start));
+  const std::optional<SoftResult> path = search(scene.problem(start));
   ASSERT_TRUE(path);
   EXPECT_GE(path->soft_cost, 10.0);
   EXPECT_NEAR(path->cost, path->soft_cost + double(path->steps.size()) * kTime.dt, 1e-6);
@@ -155,7 +154,7 @@ TEST(SoftHybridAstar, WaitsWhereItStands) {
   steps.insert(steps.end(), 400, Arc{0.1059, 0.0});
   scene.place_other({8.3, 1.5, 0}, steps);
   const Pose start{5, 1.5, 0};
-  const std::optional<SoftCollisionPath> path = search(scene.problem(start), {.hard = true});
+  const std::optional<SoftResult> path = search(scene.problem(start), {.hard = true});
   ASSERT_TRUE(path);
   const ArcTrajectory track = scene.track(start, *path);
   for (int t = 0; t < 500; t += kTime.macro_step) {
@@ -187,7 +186,7 @@ TEST(SoftHybridAstar, ArrivesAfterTheLastOneHasPassed) {
   std::vector<Arc> steps(100);  // waits
   steps.insert(steps.end(), 300, Arc{0.1059, 0.0});
   scene.place_other({25, 10, 1.5707963267949}, steps);
-  const std::optional<SoftCollisionPath> path =
+  const std::optional<SoftResult> path =
       search(scene.problem({15, 25, 0}), {.max_expansions = 5000});
   ASSERT_TRUE(path);
   EXPECT_EQ(path->soft_cost, 0.0);
@@ -210,8 +209,7 @@ TEST(SoftHybridAstar, StaysClearOfObstaclesAndInsideTheMap) {
   for (int k = 0; k < 12; ++k) map.circles.push_back({20.0 + (k % 3), 4.0 + 2.5 * k, 0.8});
   const Pose start{8, 20, 0};
   const Scene scene(map, {32, 20, 0});
-  const std::optional<SoftCollisionPath> path =
-      search(scene.problem(start), {.max_expansions = 20000});
+  const std::optional<SoftResult> path = search(scene.problem(start), {.max_expansions = 20000});
   ASSERT_TRUE(path);
   Pose pose = start;
   for (const Arc& step : path->steps) {
@@ -247,7 +245,7 @@ TEST(SoftHybridAstar, PlansFromALaterBucketOn) {
   scene.place_other({25, 10, 1.5707963267949}, std::vector<Arc>(140, Arc{0.1059, 0.0}));
   SoftProblem problem = scene.problem(start);
   problem.start_macro_step = 10;  // the other has left by then
-  const std::optional<SoftCollisionPath> path = search(problem);
+  const std::optional<SoftResult> path = search(problem);
   ASSERT_TRUE(path);
   EXPECT_EQ(path->soft_cost, 0.0);
   EXPECT_NEAR(path->cost, (140.0 + double(path->steps.size())) * kTime.dt, 1e-6);

@@ -33,7 +33,7 @@ class SpacetimeSearch : public testing::Test {
     return result;
   }
   static void expect_free_path_to_goal(const PlanningProblem& planning_problem, int i,
-                                       const SpacetimePath& path) {
+                                       const SearchResult& path) {
     Pose pose = planning_problem.starts()[std::size_t(i)];
     for (const Arc& arc : path.steps) {
       EXPECT_TRUE(planning_problem.car(i).is_free(pose, arc));
