@@ -114,8 +114,8 @@ class SteppedWorld {
     std::optional<Arc> random_primitive;  ///< for the next step only
   };
 
-  /// Where another robot goes after this step: no place to stand for who has to give way to it.
-  struct PredictedPath {
+  /// What another robot sweeps after this step: no place to stand for who has to give way to it.
+  struct GroundAhead {
     int of = -1;
     Pose from;
     const SweptTrajectory* along = nullptr;
@@ -124,7 +124,7 @@ class SteppedWorld {
     Point middle;   ///< a circle around all of it
     double radius = 0.0;
 
-    [[nodiscard]] bool may_meet(const PredictedPath& other) const;
+    [[nodiscard]] bool may_meet(const GroundAhead& other) const;
   };
 
   /// May two that overlap at their starts, or at their goals, do so during these motions?
@@ -144,7 +144,7 @@ class SteppedWorld {
   /// What counts against standing where others pass, or against meeting them farther along the
   /// reference path if the motion is the greedy one [m].
   [[nodiscard]] double blocking_cost(int i, const Motion& motion, bool greedy,
-                                     std::span<const PredictedPath> paths) const;
+                                     std::span<const GroundAhead> grounds) const;
   [[nodiscard]] double times_in_cell(int i, const Pose& pose) const;
   [[nodiscard]] std::uint64_t cell(int i, const Pose& pose) const;
   /// How many steps of others are looked at.
@@ -155,13 +155,13 @@ class SteppedWorld {
   }
   /// In how many steps the two will overlap on their reference paths; nullopt: not soon.
   [[nodiscard]] std::optional<int> predicted_conflict(int i, int j) const;
-  [[nodiscard]] PredictedPath path_along(int i, const Pose& from, const SweptTrajectory& along,
+  [[nodiscard]] GroundAhead ground_ahead(int i, const Pose& from, const SweptTrajectory& along,
                                          int next) const;
   /// Where those go that robot i has to give way to.
-  [[nodiscard]] std::vector<PredictedPath> paths_to_keep_clear(int i) const;
+  [[nodiscard]] std::vector<GroundAhead> grounds_to_keep_clear(int i) const;
   /// How far robot i, in `pose`, is from having left the lane of another one [m]: the path aside,
   /// of which a turn across the lane is worth a radius.
-  [[nodiscard]] double still_to_clear(int i, const Pose& pose, const PredictedPath& path) const;
+  [[nodiscard]] double still_to_clear(int i, const Pose& pose, const GroundAhead& ground) const;
   /// No point of the body is farther from the rear axle during one step, wherever that starts [m].
   [[nodiscard]] double reach(int i) const;
   void set_order();
@@ -196,9 +196,9 @@ class SteppedWorld {
 /// that would come later anyway.
 class SteppedWorld::Ranking {
  public:
-  /// @param paths  to be kept clear
+  /// @param grounds  to be kept clear
   /// @param along  what one of them points at, if nobody else keeps it
-  Ranking(const SteppedWorld& world, int robot, const Pose& pose, std::vector<PredictedPath> paths,
+  Ranking(const SteppedWorld& world, int robot, const Pose& pose, std::vector<GroundAhead> grounds,
           std::shared_ptr<const SweptTrajectory> along = nullptr);
 
   /// Number k, from 0 on; nullptr if there are not so many. The pointers stay valid.
@@ -219,7 +219,7 @@ class SteppedWorld::Ranking {
   const SteppedWorld& world_;
   int robot_;
   Pose pose_;
-  std::vector<PredictedPath> paths_;
+  std::vector<GroundAhead> grounds_;
   std::shared_ptr<const SweptTrajectory> along_;
   std::vector<Entry> entries_;
   std::vector<std::size_t> ranked_;  ///< entries, best first

@@ -47,59 +47,59 @@ SteppedWorld::Motion SteppedWorld::motion(int i, const Pose& pose, const Frame& 
 }
 
 SteppedWorld::Ranking SteppedWorld::candidates(int i, const Pose& pose) const {
-  return {*this, i, pose, paths_to_keep_clear(i)};
+  return {*this, i, pose, grounds_to_keep_clear(i)};
 }
 
 std::optional<SteppedWorld::Motion> SteppedWorld::first_choice(int i, const Pose& pose) const {
   if (robots_[std::size_t(i)].random_primitive) return std::nullopt;
-  const std::vector<PredictedPath> paths = paths_to_keep_clear(i);
+  const std::vector<GroundAhead> grounds = grounds_to_keep_clear(i);
   if (!has_reference_path(i)) {
     Motion wait = safe_stop(i, pose);
-    const bool may_stay = pose == problem_.goal(i) && blocking_cost(i, wait, false, paths) == 0.0;
+    const bool may_stay = pose == problem_.goal(i) && blocking_cost(i, wait, false, grounds) == 0.0;
     return may_stay ? std::optional(wait) : std::nullopt;
   }
   // No other candidate comes closer to the goal or takes less than a straight step ahead.
   const Motion greedy = greedy_motion(i, pose);
   const bool best =
       penalty(i, greedy.arc) * times_in_cell(i, greedy.end) <= problem_.car(i).step_length() &&
-      blocking_cost(i, greedy, true, paths) == 0.0;
+      blocking_cost(i, greedy, true, grounds) == 0.0;
   return best ? std::optional(greedy) : std::nullopt;
 }
 
 SteppedWorld::Ranking SteppedWorld::push_candidates(int i, const Pose& pose, int pusher,
                                                     const Motion& motion) const {
-  std::vector<PredictedPath> paths = paths_to_keep_clear(i);
-  std::erase_if(paths, [&](const PredictedPath& path) { return path.of == pusher; });
+  std::vector<GroundAhead> grounds = grounds_to_keep_clear(i);
+  std::erase_if(grounds, [&](const GroundAhead& ground) { return ground.of == pusher; });
   // The pusher goes on along its reference path, if that is what it does now, or else as it does
   // now.
   const Robot& robot = robots_[std::size_t(pusher)];
   const bool follows = has_reference_path(pusher) && motion.arc == robot.reference_path[robot.next];
   if (follows) {
-    paths.push_back(path_along(pusher, motion.end, *robot.prediction, int(robot.next) + 1));
-    return {*this, i, pose, std::move(paths)};
+    grounds.push_back(ground_ahead(pusher, motion.end, *robot.prediction, int(robot.next) + 1));
+    return {*this, i, pose, std::move(grounds)};
   }
   auto straight_on = std::make_shared<const SweptTrajectory>(
       problem_.car(pusher), motion.end,
       std::vector<Arc>(std::size_t(look_ahead(pusher)), motion.arc));
-  paths.push_back(path_along(pusher, motion.end, *straight_on, 0));
-  return {*this, i, pose, std::move(paths), std::move(straight_on)};
+  grounds.push_back(ground_ahead(pusher, motion.end, *straight_on, 0));
+  return {*this, i, pose, std::move(grounds), std::move(straight_on)};
 }
 
-std::vector<SteppedWorld::PredictedPath> SteppedWorld::paths_to_keep_clear(int i) const {
+std::vector<SteppedWorld::GroundAhead> SteppedWorld::grounds_to_keep_clear(int i) const {
   const Robot& robot = robots_[std::size_t(i)];
-  std::vector<PredictedPath> paths;
-  paths.reserve(robot.within_lookahead.size() + 1);
+  std::vector<GroundAhead> grounds;
+  grounds.reserve(robot.within_lookahead.size() + 1);
   for (const int j : robot.within_lookahead) {
     const Robot& other = robots_[std::size_t(j)];
     // Those on a joint trajectory are decided before all others.
     const bool before = other.rank < robot.rank || other.joint >= 0;
     if (!before || !has_reference_path(j)) continue;
-    paths.push_back(path_along(j, other.expected, *other.prediction, int(other.next) + 1));
+    grounds.push_back(ground_ahead(j, other.expected, *other.prediction, int(other.next) + 1));
   }
-  return paths;
+  return grounds;
 }
 
-SteppedWorld::PredictedPath SteppedWorld::path_along(int i, const Pose& from,
+SteppedWorld::GroundAhead SteppedWorld::ground_ahead(int i, const Pose& from,
                                                      const SweptTrajectory& along, int next) const {
   // Half way is within half of it from both ends.
   const int half = look_ahead(i) / 2;
@@ -108,26 +108,26 @@ SteppedWorld::PredictedPath SteppedWorld::path_along(int i, const Pose& from,
   return {i, from, &along, next, look_ahead(i), middle.centre(), radius};
 }
 
-bool SteppedWorld::PredictedPath::may_meet(const PredictedPath& other) const {
+bool SteppedWorld::GroundAhead::may_meet(const GroundAhead& other) const {
   const double reach = radius + other.radius;
   return squared_distance(middle, other.middle) <= reach * reach;
 }
 
-double SteppedWorld::still_to_clear(int i, const Pose& pose, const PredictedPath& path) const {
+double SteppedWorld::still_to_clear(int i, const Pose& pose, const GroundAhead& ground) const {
   const Vehicle& own = problem_.car(i).vehicle();
-  const Pose seen = relative(path.from, pose);
+  const Pose seen = relative(ground.from, pose);
   const double radius = own.min_turning_radius;
-  const double clear = (own.width + problem_.car(path.of).vehicle().width) / 2 + radius;
+  const double clear = (own.width + problem_.car(ground.of).vehicle().width) / 2 + radius;
   return std::max(0.0, clear - std::abs(seen.y) - radius * std::abs(std::sin(seen.theta)));
 }
 
 SteppedWorld::Ranking::Ranking(const SteppedWorld& world, int robot, const Pose& pose,
-                               std::vector<PredictedPath> paths,
+                               std::vector<GroundAhead> grounds,
                                std::shared_ptr<const SweptTrajectory> along)
     : world_(world),
       robot_(robot),
       pose_(pose),
-      paths_(std::move(paths)),
+      grounds_(std::move(grounds)),
       along_(std::move(along)) {
   const Robot& self = world.robots_[std::size_t(robot)];
   const std::vector<Primitive>& primitives = world.problem_.car(robot).primitives();
@@ -170,7 +170,7 @@ bool SteppedWorld::Ranking::find_next() {
       return true;
     }
     if (world_.problem_.car(robot_).is_free(pose_, entry.motion.arc, entry.motion.sweep)) {
-      entry.score += world_.blocking_cost(robot_, entry.motion, entry.greedy, paths_);
+      entry.score += world_.blocking_cost(robot_, entry.motion, entry.greedy, grounds_);
       entry.known = true;
     } else {
       left_.erase(best);
@@ -216,30 +216,30 @@ int SteppedWorld::look_ahead(int i) const {
 }
 
 double SteppedWorld::blocking_cost(int i, const Motion& m, bool greedy,
-                                   std::span<const PredictedPath> paths) const {
-  if (paths.empty()) return 0.0;
+                                   std::span<const GroundAhead> grounds) const {
+  if (grounds.empty()) return 0.0;
   const Robot& robot = robots_[std::size_t(i)];
   const double step = problem_.car(i).step_length();
   const OrientedBox standing = footprint(problem_.car(i).vehicle(), m.end);
   // What robot i will do then: go on along its reference path, or stand.
-  const PredictedPath own =
-      greedy ? path_along(i, m.end, *robot.prediction, int(robot.next) + 1)
-             : PredictedPath{.middle = {standing.x, standing.y},
-                             .radius = std::sqrt(standing.half_length * standing.half_length +
-                                                 standing.half_width * standing.half_width)};
-  const auto meets = [&](const PredictedPath& path) {
-    if (!own.may_meet(path)) return false;
-    return std::ranges::any_of(std::views::iota(0, path.steps), [&](int k) {
-      const Sweep& other = path.along->at(path.next + k);
+  const GroundAhead own =
+      greedy ? ground_ahead(i, m.end, *robot.prediction, int(robot.next) + 1)
+             : GroundAhead{.middle = {standing.x, standing.y},
+                           .radius = std::sqrt(standing.half_length * standing.half_length +
+                                               standing.half_width * standing.half_width)};
+  const auto meets = [&](const GroundAhead& ground) {
+    if (!own.may_meet(ground)) return false;
+    return std::ranges::any_of(std::views::iota(0, ground.steps), [&](int k) {
+      const Sweep& other = ground.along->at(ground.next + k);
       return greedy ? collide(own.along->at(own.next + k), other) : collide(other, standing);
     });
   };
   double worst = 0.0;  // [m]
-  for (const PredictedPath& path : paths) {
-    if (!meets(path)) continue;
-    const double clear = still_to_clear(i, m.end, path);
+  for (const GroundAhead& ground : grounds) {
+    if (!meets(ground)) continue;
+    const double clear = still_to_clear(i, m.end, ground);
     const double urgent =
-        std::min(kMaxUrgency, 1.0 + kUrgency * robots_[std::size_t(path.of)].stuck);
+        std::min(kMaxUrgency, 1.0 + kUrgency * robots_[std::size_t(ground.of)].stuck);
     worst = std::max(worst, urgent * (kBlocking * step + kAside * clear));
   }
   return worst;
