@@ -21,9 +21,9 @@ constexpr double kCut = 0.5;     ///< [m] by which a goal is moved back at a tim
 constexpr double kHalfDiagonal = kCell / std::numbers::sqrt2;
 
 /// The piece of its path that a vehicle still has to drive.
-class Course {
+class RemainingPath {
  public:
-  Course(const std::string& id, const Driven& driven, const CorridorMap& corridors)
+  RemainingPath(const std::string& id, const Driven& driven, const CorridorMap& corridors)
       : id_(id),
         driven_(driven),
         path_(corridors.library().path(driven.road.path)),
@@ -63,13 +63,13 @@ class Course {
 
 /// Moves goals back along their paths until all are apart, that of the vehicle further behind
 /// first. At worst everybody stays at its start, where nobody overlaps.
-void part_goals(std::vector<Course>& courses) {
+void part_goals(std::vector<RemainingPath>& paths) {
   for (bool moved = true; moved;) {
     moved = false;
-    for (std::size_t i = 0; i < courses.size(); ++i) {
+    for (std::size_t i = 0; i < paths.size(); ++i) {
       for (std::size_t j = 0; j < i; ++j) {
-        Course* behind = &courses[i];
-        Course* ahead = &courses[j];
+        RemainingPath* behind = &paths[i];
+        RemainingPath* ahead = &paths[j];
         if (behind->left() < ahead->left()) std::swap(behind, ahead);
         if (behind->stays()) std::swap(behind, ahead);
         if (behind->stays()) continue;
@@ -84,23 +84,23 @@ void part_goals(std::vector<Course>& courses) {
   }
 }
 
-/// Calls `visitor` with the rear-axle poses of a course, close to each other, both ends included.
+/// Calls `visitor` with the rear-axle poses of a path, close to each other, both ends included.
 template <class Visitor>
-void for_each_pose(const Course& course, Visitor visitor) {
-  const int steps = int(std::ceil((course.to() - course.from()) / ReferencePath::kSpacing));
+void for_each_pose(const RemainingPath& path, Visitor visitor) {
+  const int steps = int(std::ceil((path.to() - path.from()) / ReferencePath::kSpacing));
   for (int i = 0; i <= steps; ++i) {
-    visitor(course.at(std::min(course.to(), course.from() + i * ReferencePath::kSpacing)));
+    visitor(path.at(std::min(path.to(), path.from() + i * ReferencePath::kSpacing)));
   }
 }
 
 /// A box of whole squares of ground, each solid or free.
 class Ground {
  public:
-  Ground(const std::vector<Course>& courses, const DrivableArea& area) {
-    set_box(courses);
+  Ground(const std::vector<RemainingPath>& paths, const DrivableArea& area) {
+    set_box(paths);
     free_.assign(std::size_t(columns_) * std::size_t(rows_), 0);
-    for (const Course& course : courses) {
-      for_each_pose(course, [&](const Pose& pose) { set_free(pose, course.body()); });
+    for (const RemainingPath& path : paths) {
+      for_each_pose(path, [&](const Pose& pose) { set_free(pose, path.body()); });
     }
     for (int r = 0; r < rows_; ++r) {
       for (int c = 0; c < columns_; ++c) {
@@ -152,13 +152,13 @@ class Ground {
     return {low_.x + (c + 0.5) * kCell, low_.y + (r + 0.5) * kCell};
   }
 
-  void set_box(const std::vector<Course>& courses) {
+  void set_box(const std::vector<RemainingPath>& paths) {
     Point low{1e300, 1e300};
     Point high{-1e300, -1e300};
-    for (const Course& course : courses) {
-      const double reach = kBorder + std::hypot(std::max(course.body().front, course.body().rear),
-                                                course.body().width / 2.0);
-      for_each_pose(course, [&](const Pose& p) {
+    for (const RemainingPath& path : paths) {
+      const double reach = kBorder + std::hypot(std::max(path.body().front, path.body().rear),
+                                                path.body().width / 2.0);
+      for_each_pose(path, [&](const Pose& p) {
         low = {std::min(low.x, p.x - reach), std::min(low.y, p.y - reach)};
         high = {std::max(high.x, p.x + reach), std::max(high.y, p.y + reach)};
       });
@@ -193,14 +193,14 @@ class Ground {
 }  // namespace
 
 Instance instance_of(const Coordinator& coordinator, const DrivableArea& area, double dt) {
-  std::vector<Course> courses;
+  std::vector<RemainingPath> paths;
   for (const auto& [id, driven] : coordinator.driven()) {
-    courses.emplace_back(id, driven, coordinator.corridors());
+    paths.emplace_back(id, driven, coordinator.corridors());
   }
-  part_goals(courses);
-  const Ground ground(courses, area);
+  part_goals(paths);
+  const Ground ground(paths, area);
   Instance instance{.dt = dt};
-  for (const Course& course : courses) instance.agents.push_back(course.agent(ground.origin()));
+  for (const RemainingPath& path : paths) instance.agents.push_back(path.agent(ground.origin()));
   instance.map.width = ground.width();
   instance.map.height = ground.height();
   instance.map.polygons = ground.solids();

@@ -107,7 +107,7 @@ LotMotion LotPlanner::ReplanningSession::result(std::span<const int> changed) co
   }
   const auto planned = [&](const TimedCar& of) {
     const LotCar& car = result.cars()[std::size_t(result.find(of.key))];
-    return PlannedPath{&car.cells, car.cells.cell_at(car.s), of.times};
+    return CellSchedule{&car.cells, car.cells.cell_at(car.s), of.times};
   };
   for (std::size_t i = 0; i < timed.size(); ++i) {
     for (std::size_t j = i + 1; j < timed.size(); ++j) {

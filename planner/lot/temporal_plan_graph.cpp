@@ -96,7 +96,8 @@ void Precedence::finish() {
   steps_ = std::move(kept);
 }
 
-std::pair<Precedence, Precedence> precedence(const PlannedPath& first, const PlannedPath& second) {
+std::pair<Precedence, Precedence> precedence(const CellSchedule& first,
+                                             const CellSchedule& second) {
   std::pair<Precedence, Precedence> result;
   std::vector<double> need_of_first(std::size_t(first.cells->size()), 0.0);
   std::vector<double> need_of_second(std::size_t(second.cells->size()), 0.0);
@@ -113,11 +114,12 @@ std::pair<Precedence, Precedence> precedence(const PlannedPath& first, const Pla
       need_of_first[i] = std::max(need_of_first[i], beyond(b));
     }
   });
-  const auto collect = [](const PlannedPath& path, const std::vector<double>& needs,
+  const auto collect = [](const CellSchedule& schedule, const std::vector<double>& needs,
                           Precedence& precedence) {
     for (std::size_t k = 0; k < needs.size(); ++k) {
       if (needs[k] == 0.0) continue;
-      precedence.add(path.cells->waits_before(int(k), path.first) * PathCells::kLength, needs[k]);
+      precedence.add(schedule.cells->waits_before(int(k), schedule.first) * PathCells::kLength,
+                     needs[k]);
     }
     precedence.finish();
   };

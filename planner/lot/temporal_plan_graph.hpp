@@ -126,8 +126,8 @@ class Precedence {
   std::vector<Step> steps_;
 };
 
-/// A car's path as planned: what the order of passage is taken from.
-struct PlannedPath {
+/// When a car is to be in each cell of its path: what the order of passage is taken from.
+struct CellSchedule {
   const PathCells* cells = nullptr;
   int first = 0;                 ///< the cell in which it is now
   std::span<const float> times;  ///< when it is in the middle of each cell [s]
@@ -135,7 +135,7 @@ struct PlannedPath {
 
 /// The order in which two cars use the ground that both need: as planned.
 /// @return  how far the first may go for the second, and the second for the first
-[[nodiscard]] std::pair<Precedence, Precedence> precedence(const PlannedPath& first,
-                                                           const PlannedPath& second);
+[[nodiscard]] std::pair<Precedence, Precedence> precedence(const CellSchedule& first,
+                                                           const CellSchedule& second);
 
 }  // namespace mvtp

@@ -82,8 +82,8 @@ RoadContact::RoadContact(const RoadScene& scene, const RoadVehicle& a, const Roa
   const OrientedBox box_b = footprint(library_->body(b.path), library_->path(b.path).at(b.now.s));
   b_ahead_ = distance_along(box_a, box_b) > 0.0;
   in_one_lane_ = follow_each_other(box_a, box_b);
-  const BrakingMotion stop_a{a.now, library_->body(a.path).max_decel, reaction};
-  const BrakingMotion stop_b{b.now, library_->body(b.path).max_decel};
+  const BrakingProfile stop_a{a.now, library_->body(a.path).max_decel, reaction};
+  const BrakingProfile stop_b{b.now, library_->body(b.path).max_decel};
   const double gap_now = gap(a.now.s, b.now.s);
   least_gap_ = gap_now;
   for (int i = 1; i <= std::max(stop_a.looks(), stop_b.looks()); ++i) {
@@ -96,8 +96,8 @@ RoadContact::RoadContact(const RoadScene& scene, const RoadVehicle& a, const Roa
 
 bool RoadContact::touch_braking(const InertialState& a, const InertialState& b,
                                 bool lenient) const {
-  const BrakingMotion stop_a{a, library_->body(a_->path).max_decel, reaction_};
-  const BrakingMotion stop_b{b, library_->body(b_->path).max_decel};
+  const BrakingProfile stop_a{a, library_->body(a_->path).max_decel, reaction_};
+  const BrakingProfile stop_b{b, library_->body(b_->path).max_decel};
   if (!ab_->reaches(a.s, stop_a.rest(), b.s, stop_b.rest())) return false;
   // Mostly it is where they come to rest that they touch, if at all.
   if (!lenient && ab_->touches(stop_a.rest(), stop_b.rest())) return true;
@@ -137,8 +137,8 @@ bool RoadContact::a_is_alongside(const InertialState& a, const InertialState& b,
 }
 
 bool RoadContact::cuts_off(const InertialState& a, const InertialState& b) const {
-  const BrakingMotion stop_a{a, library_->body(a_->path).max_decel, 0.0};
-  const BrakingMotion stop_b{b, library_->body(b_->path).max_decel, kNotice};
+  const BrakingProfile stop_a{a, library_->body(a_->path).max_decel, 0.0};
+  const BrakingProfile stop_b{b, library_->body(b_->path).max_decel, kNotice};
   if (!ab_->reaches(a.s, stop_a.rest(), b.s, stop_b.rest())) return false;
   const int looks = std::max({1, stop_a.looks(), stop_b.looks()});
   return meet([&](int i) { return stop_a.position(i); }, [&](int i) { return stop_b.position(i); },

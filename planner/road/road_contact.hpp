@@ -7,8 +7,9 @@
 
 namespace mvtp {
 
-/// A car that keeps its speed for `reaction` seconds and then brakes to rest.
-struct BrakingMotion {
+/// The speed profile, as a formula, of a car that keeps its speed for `reaction` seconds and then
+/// brakes to rest.
+struct BrakingProfile {
   static constexpr double kLook = 0.2;  ///< [s] between two looks at braking cars
 
   InertialState from;

@@ -42,10 +42,10 @@ void JointMotion::for_each_contact(int i, const ArcTrajectory& track, int wait, 
     const SweptBox swept = swept_box(boxes, shape, time_.macro_step);
     for (int f = 0; f < n; ++f) {
       const int j = found_[std::size_t(f)];
-      const Occupancy::Motion& motion = occupancy_.motion(k, j);
-      if (apart(swept, motion.swept)) continue;
+      const Occupancy::MacroStepSweep& sweep = occupancy_.sweep(k, j);
+      if (apart(swept, sweep.swept)) continue;
       BoxShape other = shapes_[std::size_t(j)];
-      other.travel = motion.travel;
+      other.travel = sweep.travel;
       if (!meet(boxes, shape, tracks_[std::size_t(j)].boxes(t), other, time_.macro_step)) continue;
       if (!visitor(j, k)) return;
     }

@@ -77,7 +77,7 @@ void Occupancy::extend(int rows) {
   grow(x_, kAway);
   grow(y_, kAway);
   grow(radius_, 0.0F);
-  grow(motions_, Motion{});
+  grow(sweeps_, MacroStepSweep{});
   rows_ = rows;
 }
 
@@ -99,11 +99,11 @@ void Occupancy::place(int i, const ArcTrajectory& track, const BoxShape& shape) 
     x_[here] = boxes[k < moving ? middle : 0].x;
     y_[here] = boxes[k < moving ? middle : 0].y;
     radius_[here] = half;
-    motions_[here] = {{*boxes, shape.half_length, shape.half_width}, 0.0F};
+    sweeps_[here] = {{*boxes, shape.half_length, shape.half_width}, 0.0F};
     if (k >= moving) continue;
     const MotionBounds bounds = bounds_of(boxes, time_.macro_step, half);
     radius_[here] += bounds.excursion;
-    motions_[here] = {swept_box(boxes, shape, time_.macro_step), bounds.travel};
+    sweeps_[here] = {swept_box(boxes, shape, time_.macro_step), bounds.travel};
   }
 }
 

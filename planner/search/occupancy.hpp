@@ -38,12 +38,12 @@ class Occupancy {
     return dx * dx + dy * dy < reach * reach;
   }
   /// What robot i does during the macro step, more closely. @pre it is present
-  struct Motion {
+  struct MacroStepSweep {
     SweptBox swept;
     float travel = 0.0F;  ///< no point of it moves further between two time steps [m]
   };
-  [[nodiscard]] const Motion& motion(int macro_step, int i) const {
-    return motions_[at(std::min(macro_step, rows_ - 1), i)];
+  [[nodiscard]] const MacroStepSweep& sweep(int macro_step, int i) const {
+    return sweeps_[at(std::min(macro_step, rows_ - 1), i)];
   }
 
   /// The number of macro steps after which every robot rests or has departed.
@@ -62,7 +62,7 @@ class Occupancy {
   std::vector<float> x_;
   std::vector<float> y_;
   std::vector<float> radius_;
-  std::vector<Motion> motions_;
+  std::vector<MacroStepSweep> sweeps_;
 };
 
 }  // namespace mvtp

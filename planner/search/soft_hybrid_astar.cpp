@@ -108,7 +108,7 @@ float SoftHybridAstar::soft_cost(int macro_step, const BoxPose* boxes, float tra
   nearby_ = 0;
   for (int k = 0; k < near; ++k) {
     const int j = found_[std::size_t(k)];
-    if (!apart(swept, occupancy.motion(macro_step, j).swept)) found_[std::size_t(nearby_++)] = j;
+    if (!apart(swept, occupancy.sweep(macro_step, j).swept)) found_[std::size_t(nearby_++)] = j;
   }
   return soft_cost_of_nearby(macro_step, boxes, travel);
 }
@@ -127,7 +127,7 @@ bool SoftHybridAstar::anyone_nearby(int macro_step, const BoxPose& halfway, floa
   for (int k = 0; k < around_; ++k) {
     const int j = around_list_[std::size_t(k)];
     if (!occupancy.overlaps(macro_step, j, halfway.x, halfway.y, radius)) continue;
-    if (!apart(swept, occupancy.motion(macro_step, j).swept)) found_[std::size_t(nearby_++)] = j;
+    if (!apart(swept, occupancy.sweep(macro_step, j).swept)) found_[std::size_t(nearby_++)] = j;
   }
   return nearby_ > 0;
 }
@@ -142,7 +142,7 @@ float SoftHybridAstar::soft_cost_of_nearby(int macro_step, const BoxPose* boxes,
   for (int k = 0; k < nearby_; ++k) {
     const std::size_t j = std::size_t(found_[std::size_t(k)]);
     BoxShape other = others.shapes[j];
-    other.travel = others.occupancy->motion(macro_step, int(j)).travel;
+    other.travel = others.occupancy->sweep(macro_step, int(j)).travel;
     if (meet(boxes, own, others.tracks[j].boxes(t), other, time_steps)) sum += others.soft_costs[j];
   }
   return sum;

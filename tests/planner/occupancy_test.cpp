@@ -71,7 +71,7 @@ TEST_F(OccupancyOfMany, TravelBoundsEveryCorner) {
           };
           const auto [ax, ay] = corner(boxes[t]);
           const auto [bx, by] = corner(boxes[t + 1]);
-          EXPECT_LE(std::hypot(bx - ax, by - ay), occupancy.motion(k, i).travel + 1e-5F);
+          EXPECT_LE(std::hypot(bx - ax, by - ay), occupancy.sweep(k, i).travel + 1e-5F);
         }
       }
     }
