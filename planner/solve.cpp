@@ -50,7 +50,8 @@ PlannerResult run_cbs(const PlanningProblem& problem, const CbsOptions& options,
   if (result.failure != CbsFailure::kNone) return {Status::kExhausted, {}};
   PlannerResult plan{Status::kSolved, {}};
   for (int i = 0; i < problem.size(); ++i) {
-    plan.trajectories.push_back(trajectory_of(problem, i, result.steps[std::size_t(i)]));
+    plan.trajectories.push_back(
+        trajectory_of(problem, i, result.steps[std::size_t(i)], problem.instance().dt));
   }
   return plan;
 }

@@ -10,7 +10,7 @@
 #include "planner/anytime/exchange.hpp"
 #include "planner/anytime/first_plan.hpp"
 #include "planner/anytime/repair.hpp"
-#include "planner/anytime/single_agent_tracks.hpp"
+#include "planner/anytime/single_agent_trajectories.hpp"
 #include "planner/search/joint_motion.hpp"
 
 namespace mvtp {
@@ -151,11 +151,11 @@ class Searcher {
 
 /// The plan under way is free of conflicts: keeps it.
 void Searcher::keep() {
-  if (best_.tracks.empty()) {
+  if (best_.trajectories.empty()) {
     first_solution_ =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_).count();
   }
-  ConflictFreePlan plan{motion_.tracks(), motion_.makespan(), motion_.flowtime()};
+  ConflictFreePlan plan{motion_.trajectories(), motion_.makespan(), motion_.flowtime()};
   if (plan.better_than(best_)) best_ = std::move(plan);
 }
 
@@ -168,7 +168,7 @@ void Searcher::find_first_plan() {
 void Searcher::straighten_longest_paths() {
   for (std::size_t i = 0; i < alone_.size(); ++i) {
     if (alone_[i].arrival() <= scene_.goal || deadline_.expired()) continue;
-    std::optional<ArcTrajectory> better = find_single_agent_track(
+    std::optional<ArcTrajectory> better = find_single_agent_trajectory(
         repair_.search(), scene_.robots[i], kSoloWeight, kSoloExpansions, 0, deadline_);
     if (better && better->arrival() < alone_[i].arrival()) alone_[i] = *std::move(better);
   }
@@ -177,7 +177,7 @@ void Searcher::straighten_longest_paths() {
 /// Lowers the deadline of all robots: boldly first, unless it is far from the bound, less so after
 /// each failure, and again with twice the effort when nothing was too much to ask for.
 void Searcher::improve() {
-  if (best_.tracks.empty()) return;
+  if (best_.trajectories.empty()) return;
   straighten_longest_paths();
   int floor = scene_.lower_bound;
   const bool far = best_.makespan > kFar * floor;
@@ -191,7 +191,7 @@ void Searcher::improve() {
     const int lowest = std::min(floor, best - 1);
     const int limit = lowest + int(part * (best - 1 - lowest));
     bool unreachable = false;
-    motion_.place_all(best_.tracks);
+    motion_.place_all(best_.trajectories);
     if (repair_.lower(
             limit, stagnation_limit << doublings, kLateExpansions << doublings,
             [this] { return interrupted(); }, unreachable)) {
@@ -212,13 +212,13 @@ void Searcher::improve() {
 }
 
 void Searcher::shorten() {
-  motion_.place_all(best_.tracks);
+  motion_.place_all(best_.trajectories);
   repair_.set_limit(best_.makespan);
   for (int round = 0; round < kShortenRounds; ++round) {
     bool shortened = false;
     for (int i = 0; i < motion_.size() && !deadline_.expired(); ++i) {
       const int driven = alone_[std::size_t(i)].arrival();
-      if (motion_.track(i).arrival() <= driven) continue;
+      if (motion_.trajectory(i).arrival() <= driven) continue;
       shortened = repair_.shorten(i, kShortenExpansions) || shortened;
     }
     if (!shortened) break;
@@ -229,27 +229,9 @@ void Searcher::shorten() {
 double Searcher::solo_makespan() const {
   int longest = 0;
   for (std::size_t i = 0; i < alone_.size(); ++i) {
-    longest = std::max(longest, std::min(alone_[i].arrival(), best_.tracks[i].arrival()));
+    longest = std::max(longest, std::min(alone_[i].arrival(), best_.trajectories[i].arrival()));
   }
   return longest * scene_.time.dt;
-}
-
-std::vector<Trajectory> trajectories(const PlanningProblem& problem, const Scene& scene,
-                                     const ConflictFreePlan& plan) {
-  std::vector<Trajectory> result;
-  for (int i = 0; i < problem.size(); ++i) {
-    const ArcTrajectory& track = plan.tracks[std::size_t(i)];
-    const Vehicle& vehicle = scene.cars[std::size_t(i)].vehicle();
-    Trajectory trajectory(track.start());
-    Pose pose = track.start();
-    for (const Arc& arc : track.steps()) {
-      pose = problem.after(i, pose, arc);
-      trajectory.push_back(
-          {pose, arc.length / scene.time.dt, std::atan(arc.curvature * vehicle.wheelbase)});
-    }
-    result.push_back(std::move(trajectory));
-  }
-  return result;
 }
 
 }  // namespace
@@ -262,7 +244,7 @@ PlannerResult solve_escot_star(const PlanningProblem& problem, const EscotStarOp
   Scene scene(problem, deadline);
   scene.goal =
       std::max(scene.lower_bound, int(problem.lower_bound() * (1.0 + options.gap) / scene.time.dt));
-  scene.alone = find_single_agent_tracks(problem, scene.robots, deadline);
+  scene.alone = find_single_agent_trajectories(problem, scene.robots, deadline);
   if (scene.alone.empty()) {
     if (deadline.expired()) plan.status = Status::kTimeout;
     return plan;
@@ -283,7 +265,7 @@ PlannerResult solve_escot_star(const PlanningProblem& problem, const EscotStarOp
   }
 
   Searcher& first = *searchers.front();  // has adopted the best of all
-  if (first.best().tracks.empty()) {
+  if (first.best().trajectories.empty()) {
     plan.status = first.exhausted() ? Status::kExhausted : Status::kTimeout;
     return plan;
   }
@@ -291,7 +273,10 @@ PlannerResult solve_escot_star(const PlanningProblem& problem, const EscotStarOp
   double soonest = std::numeric_limits<double>::infinity();
   for (const auto& searcher : searchers) soonest = std::min(soonest, searcher->first_solution());
   plan.status = Status::kSolved;
-  plan.trajectories = trajectories(problem, scene, first.best());
+  for (int i = 0; i < problem.size(); ++i) {
+    const std::vector<Arc>& steps = first.best().trajectories[std::size_t(i)].steps();
+    plan.trajectories.push_back(trajectory_of(problem, i, steps, scene.time.dt));
+  }
   plan.dt = scene.time.dt;
   plan.first_solution = soonest + std::chrono::duration<double>(searching - begin).count();
   plan.solo_makespan = first.solo_makespan();

@@ -16,8 +16,8 @@ struct EscotStarOptions {
 
 /// ESCoT*: near-optimal plans, improved until the deadline or the gap.
 ///
-/// 1. Every robot alone (find_single_agent_tracks), by a search that could drive through others at
-/// a soft-collision cost
+/// 1. Every robot alone (find_single_agent_trajectories), by a search that could drive through
+/// others at a soft-collision cost
 ///    (SoftHybridAstar).
 /// 2. From these a plan for all, by repair of what overlaps, one robot at a time (Repair), under
 ///    a makespan bound from the start; where that stagnates, in turn (FirstPlan,

@@ -9,9 +9,9 @@
 
 namespace mvtp {
 
-/// A plan that is free of conflicts; none yet if `tracks` is empty.
+/// A plan that is free of conflicts; none yet if `trajectories` is empty.
 struct ConflictFreePlan {
-  std::vector<ArcTrajectory> tracks;
+  std::vector<ArcTrajectory> trajectories;
   int makespan = std::numeric_limits<int>::max();                    ///< [time steps]
   std::int64_t flowtime = std::numeric_limits<std::int64_t>::max();  ///< [time steps]
 

@@ -77,7 +77,7 @@ bool FirstPlan::spread_out() {
         best = wait;
       }
     }
-    motion_.place(i, motion_.track_after(i, best, path.steps()));
+    motion_.place(i, motion_.trajectory_after(i, best, path.steps()));
   }
   return true;
 }

@@ -101,7 +101,7 @@ bool Repair::drive_alone(int i) {
   if (path.arrival() > limit_) return false;
   const int latest =
       std::min(limit_ - path.arrival(), motion_.makespan()) / motion_.time().macro_step;
-  motion_.place(i, motion_.track_after(i, random_.below(latest + 1), path.steps()));
+  motion_.place(i, motion_.trajectory_after(i, random_.below(latest + 1), path.steps()));
   return true;
 }
 
@@ -132,16 +132,16 @@ bool Repair::lower(int limit, std::int64_t stagnation_limit, int expansions,
   unreachable = false;
   std::vector<int> late;
   for (int i = 0; i < motion_.size(); ++i) {
-    if (motion_.track(i).arrival() > limit) late.push_back(i);
+    if (motion_.trajectory(i).arrival() > limit) late.push_back(i);
   }
   random_.shuffle(late);
   for (const int i : late) motion_.remove(i);
   for (const int i : late) {
     if (plan(i, soft_options(expansions))) continue;
-    const ArcTrajectory& track = alone_[std::size_t(i)];
-    unreachable = track.arrival() > limit && !deadline_.expired();
+    const ArcTrajectory& trajectory = alone_[std::size_t(i)];
+    unreachable = trajectory.arrival() > limit && !deadline_.expired();
     if (unreachable || deadline_.expired()) return false;
-    motion_.place(i, track);
+    motion_.place(i, trajectory);
   }
   const auto resolve = [&] { return run(stagnation_limit, interrupt); };
   return needs_windows(motion_) ? resolve_by_windows(motion_, resolve) : resolve();
@@ -150,7 +150,7 @@ bool Repair::lower(int limit, std::int64_t stagnation_limit, int expansions,
 bool Repair::shorten(int i, int expansions) {
   ArcTrajectory old = motion_.remove(i);
   if (plan(i, soft_options(expansions)) && motion_.conflicts().empty() &&
-      motion_.track(i).arrival() < old.arrival()) {
+      motion_.trajectory(i).arrival() < old.arrival()) {
     return true;
   }
   put_back(i, std::move(old));

@@ -45,7 +45,7 @@ void RevisedPrioritizedPlanning::find_who_blocks_whom() {
     const MacroRobot& robot = motion_.robot(i);
     goals.emplace_back(robot.car->vehicle(), robot.cost_to_go->goal(), std::vector<Arc>{},
                        motion_.time().macro_step);
-    starts.push_back(motion_.track_after(i, 0, {}));
+    starts.push_back(motion_.trajectory_after(i, 0, {}));
   }
   const auto blockers_of = [&](int i) {
     ArcTrajectory rest = motion_.remove(i);

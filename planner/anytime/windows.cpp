@@ -14,7 +14,7 @@ bool needs_windows(const JointMotion& motion) {
 }
 
 bool resolve_by_windows(JointMotion& motion, const std::function<bool()>& resolve) {
-  motion.restore({motion.tracks(), kWindow, kWindow + kLookahead});
+  motion.restore({motion.trajectories(), kWindow, kWindow + kLookahead});
   for (int end = kWindow; resolve(); end += kWindow) {
     if (!motion.has_horizon()) return true;
     if (end * motion.time().macro_step > motion.makespan()) {

@@ -17,8 +17,8 @@ struct PlannerResult {
   std::optional<double> solo_makespan = std::nullopt;   ///< [s]
 };
 
-/// The trajectory of robot i that drives `steps` from its start.
+/// The trajectory of robot i that drives `steps` of `dt` [s] each from its start.
 [[nodiscard]] Trajectory trajectory_of(const PlanningProblem& problem, int i,
-                                       const std::vector<Arc>& steps);
+                                       const std::vector<Arc>& steps, double dt);
 
 }  // namespace mvtp

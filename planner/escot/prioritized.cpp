@@ -111,7 +111,8 @@ class Prioritized {
     PlannerResult plan{Status::kSolved, {}};
     for (int i = 0; i < problem_.size(); ++i) {
       const auto rank = std::ranges::find(order, i) - order.begin();
-      plan.trajectories.push_back(trajectory_of(problem_, i, attempt.steps[std::size_t(rank)]));
+      plan.trajectories.push_back(
+          trajectory_of(problem_, i, attempt.steps[std::size_t(rank)], problem_.instance().dt));
     }
     return plan;
   }

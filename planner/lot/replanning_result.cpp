@@ -13,20 +13,20 @@ constexpr float kNow = -1.0F;  ///< when a car is where it is: before all that i
 
 }  // namespace
 
-ArcPath LotPlanner::ReplanningSession::path_of(int robot, const ArcTrajectory& track) const {
+ArcPath LotPlanner::ReplanningSession::path_of(int robot, const ArcTrajectory& trajectory) const {
   const Robot& r = robots_[std::size_t(robot)];
   ArcPath path = r.prefix;
-  path.append(track.steps());
+  path.append(trajectory.steps());
   if (r.leaves) path.append({Arc{kRunOut, 0.0}});
   return path;
 }
 
-LotCar LotPlanner::ReplanningSession::car(int robot, const ArcTrajectory& track) const {
+LotCar LotPlanner::ReplanningSession::car(int robot, const ArcTrajectory& trajectory) const {
   const Robot& r = robots_[std::size_t(robot)];
   LotCar car;
   car.key = r.key;
   car.body = r.body;
-  car.path = path_of(robot, track);
+  car.path = path_of(robot, trajectory);
   car.goal = r.goal;
   car.leaves = r.leaves;
   car.s = r.s;
@@ -34,9 +34,10 @@ LotCar LotPlanner::ReplanningSession::car(int robot, const ArcTrajectory& track)
   return car;
 }
 
-double LotPlanner::ReplanningSession::duration_alone(int robot, const ArcTrajectory& track) const {
+double LotPlanner::ReplanningSession::duration_alone(int robot,
+                                                     const ArcTrajectory& trajectory) const {
   LotMotion motion(planner_.options_.limits);
-  motion.put(car(robot, track));
+  motion.put(car(robot, trajectory));
   return motion.forecast().arrival(0);
 }
 
@@ -61,7 +62,7 @@ std::vector<float> LotPlanner::ReplanningSession::times_of_planned(const LotCar&
   const Robot& r = robots_[std::size_t(robot)];
   const double prefix = r.prefix.length();
   std::vector<float> times(std::size_t(car.cells.size()), float(kNever));
-  const std::vector<Arc>& steps = track(robot).steps();
+  const std::vector<Arc>& steps = trajectory(robot).steps();
   std::size_t step = 0;
   double s = prefix;
   for (std::size_t c = 0; c < times.size(); ++c) {
@@ -99,7 +100,7 @@ LotMotion LotPlanner::ReplanningSession::result(std::span<const int> changed) co
     timed.push_back({robots_[std::size_t(i)].key, times_of_kept(i), false});
   }
   for (const int i : changed) {
-    LotCar now = car(i, track(i));
+    LotCar now = car(i, trajectory(i));
     now.cells = PathCells(now.path, now.body, planner_.options_.gap);
     now.cells.keep_clear(planner_.footpaths_);
     timed.push_back({now.key, times_of_planned(now, i), true});

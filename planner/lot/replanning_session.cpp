@@ -38,7 +38,7 @@ LotPlanner::ReplanningSession::ReplanningSession(LotPlanner& planner, const LotM
     add_queue(*request, macro_robots_[std::size_t(robot_of_goal(0))].start);
   }
   joint_.emplace(macro_robots_, planner_.time_);
-  for (int i = 0; i < cars(); ++i) joint_->place(i, forecast_track(i));
+  for (int i = 0; i < cars(); ++i) joint_->place(i, forecast_trajectory(i));
   for (std::size_t i = first_standing; i < robots_.size(); ++i) {
     const MacroRobot& robot = macro_robots_[i];
     joint_->place(int(i),
@@ -103,7 +103,7 @@ void LotPlanner::ReplanningSession::add_queue(const LotRequest& request, const P
   add({.body = body, .prefix = ArcPath(lane.begin), .goal = lane.begin}, lane.begin, true);
 }
 
-ArcTrajectory LotPlanner::ReplanningSession::forecast_track(int i) const {
+ArcTrajectory LotPlanner::ReplanningSession::forecast_trajectory(int i) const {
   const auto k = std::size_t(i);
   const LotCar& car = motion_.cars()[k];
   std::vector<Arc> steps;
@@ -271,8 +271,9 @@ bool LotPlanner::ReplanningSession::comes_back_into_entry(int robot,
   return false;
 }
 
-std::vector<int> LotPlanner::ReplanningSession::blockers_of(int robot, const ArcTrajectory& track) {
-  joint_->place(robot, track);
+std::vector<int> LotPlanner::ReplanningSession::blockers_of(int robot,
+                                                            const ArcTrajectory& trajectory) {
+  joint_->place(robot, trajectory);
   std::vector<int> result = joint_->conflicts_of(robot);
   (void)joint_->remove(robot);
   return result;

@@ -35,9 +35,11 @@ class LotPlanner::ReplanningSession {
   [[nodiscard]] std::optional<ArcTrajectory> alone(int robot);
   [[nodiscard]] bool plan(int robot, const ArcTrajectory& alone);
   [[nodiscard]] ArcTrajectory take(int robot) { return joint_->remove(robot); }
-  [[nodiscard]] const ArcTrajectory& track(int robot) const { return joint_->track(robot); }
+  [[nodiscard]] const ArcTrajectory& trajectory(int robot) const {
+    return joint_->trajectory(robot);
+  }
   /// The cars under way that stand blocking a robot that moves like this.
-  [[nodiscard]] std::vector<int> blockers_of(int robot, const ArcTrajectory& track);
+  [[nodiscard]] std::vector<int> blockers_of(int robot, const ArcTrajectory& trajectory);
 
   /// Must the car's path stay as it is? In an entry lane somebody follows; shortly before the end
   /// nothing is to be gained.
@@ -62,12 +64,12 @@ class LotPlanner::ReplanningSession {
 
   /// The motion in which the given robots drive as placed here, the others as before.
   [[nodiscard]] LotMotion result(std::span<const int> changed) const;
-  /// The robot on its way along `track`.
-  [[nodiscard]] LotCar car(int robot, const ArcTrajectory& track) const;
+  /// The robot on its way along `trajectory`.
+  [[nodiscard]] LotCar car(int robot, const ArcTrajectory& trajectory) const;
   /// The next one follows in the lane: a car may leave it only forwards, and for good.
   [[nodiscard]] bool comes_back_into_entry(int robot, const std::vector<Arc>& steps) const;
-  /// Arrival of a robot that drives `track` with nobody else there [s from now].
-  [[nodiscard]] double duration_alone(int robot, const ArcTrajectory& track) const;
+  /// Arrival of a robot that drives `trajectory` with nobody else there [s from now].
+  [[nodiscard]] double duration_alone(int robot, const ArcTrajectory& trajectory) const;
 
  private:
   struct Robot {
@@ -87,14 +89,14 @@ class LotPlanner::ReplanningSession {
   void add_standing(const StandingCar& car);
   void add_queue(const LotRequest& request, const Pose& start);
   void add(Robot robot, const Pose& start, bool in_entry);
-  [[nodiscard]] ArcTrajectory forecast_track(int car) const;
+  [[nodiscard]] ArcTrajectory forecast_trajectory(int car) const;
   [[nodiscard]] bool drive_alone_later(int robot, const ArcTrajectory& alone);
   [[nodiscard]] SoftProblem problem(int robot) const;
   [[nodiscard]] std::optional<SoftResult> search_alone(SoftProblem problem, int expansions);
   [[nodiscard]] std::optional<SoftResult> search_alone_backwards(int robot, int expansions);
   [[nodiscard]] std::optional<std::vector<Arc>> sample_alone(int robot) const;
   [[nodiscard]] std::vector<Arc> tail(const ArcTrajectory& alone) const;
-  [[nodiscard]] ArcPath path_of(int robot, const ArcTrajectory& track) const;
+  [[nodiscard]] ArcPath path_of(int robot, const ArcTrajectory& trajectory) const;
   [[nodiscard]] std::vector<float> times_of_kept(int car) const;
   [[nodiscard]] std::vector<float> times_of_planned(const LotCar& car, int robot) const;
   [[nodiscard]] double ahead() const { return planner_.options_.ahead; }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <memory>
 #include <vector>
 
@@ -25,6 +26,12 @@ struct Primitive {
     return {point.x, point.y, wrap_to_pi(from.theta + end.theta)};
   }
 };
+
+/// A step of `dt` [s] as the plan file gives it: the state it ends in, and what was held during it.
+[[nodiscard]] inline Waypoint waypoint(const Vehicle& vehicle, const Arc& arc, const Pose& end,
+                                       double dt) {
+  return {end, arc.length / dt, std::atan(arc.curvature * vehicle.wheelbase)};
+}
 
 /// The paper's motion model: a car that may change speed and steering at once at every step, and so
 /// stands at the end of each. Its safe stop is the pose itself.
@@ -67,9 +74,9 @@ class SteppedCar {
   /// Cuts a path into steps: every arc into full steps and a shorter last one.
   [[nodiscard]] std::vector<Arc> steps(const std::vector<Arc>& path) const;
 
-  /// The step as the plan file gives it: the state it ends in, and what was held during it.
+  /// The step as the plan file gives it.
   [[nodiscard]] Waypoint waypoint(const Arc& arc, const Pose& end) const {
-    return {end, arc.length / dt_, std::atan(arc.curvature * vehicle_.wheelbase)};
+    return mvtp::waypoint(vehicle_, arc, end, dt_);
   }
 
  private:

@@ -9,7 +9,7 @@ JointMotion::JointMotion(std::vector<MacroRobot> robots, TimeGrid time)
     : robots_(std::move(robots)),
       time_(time),
       occupancy_(size(), time),
-      tracks_(robots_.size()),
+      trajectories_(robots_.size()),
       present_(robots_.size(), 0),
       weights_(robots_.size() * robots_.size(), 1.0F),
       position_(robots_.size() * robots_.size(), -1),
@@ -19,21 +19,21 @@ JointMotion::JointMotion(std::vector<MacroRobot> robots, TimeGrid time)
 }
 
 template <class Visitor>
-void JointMotion::for_each_contact(int i, const ArcTrajectory& track, int wait, int from,
+void JointMotion::for_each_contact(int i, const ArcTrajectory& trajectory, int wait, int from,
                                    Visitor&& visitor) {
   const MotionPrimitives& own = *robot(i).car;
-  const int arrival = wait + (track.arrival() + time_.macro_step - 1) / time_.macro_step;
+  const int arrival = wait + (trajectory.arrival() + time_.macro_step - 1) / time_.macro_step;
   int last = std::max(occupancy_.horizon(), arrival);
-  if (track.departure() != ArcTrajectory::kNever) {
-    last = std::min(last, wait + track.departure() / time_.macro_step - 1);
+  if (trajectory.departure() != ArcTrajectory::kNever) {
+    last = std::min(last, wait + trajectory.departure() / time_.macro_step - 1);
   }
-  if (wait > 0) waiting_.assign(std::size_t(time_.macro_step) + 1, *track.boxes(0));
+  if (wait > 0) waiting_.assign(std::size_t(time_.macro_step) + 1, *trajectory.boxes(0));
   for (int k = from; k <= last && k < horizon_; ++k) {
     const int t = k * time_.macro_step;
     const int driven = t - wait * time_.macro_step;
-    const BoxPose* boxes = driven < 0 ? waiting_.data() : track.boxes(driven);
-    const bool rests = driven < 0 || track.arrival() <= driven;
-    const BoxPose& middle = rests ? *boxes : *track.boxes(driven + time_.macro_step / 2);
+    const BoxPose* boxes = driven < 0 ? waiting_.data() : trajectory.boxes(driven);
+    const bool rests = driven < 0 || trajectory.arrival() <= driven;
+    const BoxPose& middle = rests ? *boxes : *trajectory.boxes(driven + time_.macro_step / 2);
     BoxShape shape = own.shape();
     if (rests) shape.travel = 0.0F;
     const float radius = rests ? shape.half_diagonal() : own.reach();
@@ -46,44 +46,45 @@ void JointMotion::for_each_contact(int i, const ArcTrajectory& track, int wait, 
       if (apart(swept, sweep.swept)) continue;
       BoxShape other = shapes_[std::size_t(j)];
       other.travel = sweep.travel;
-      if (!meet(boxes, shape, tracks_[std::size_t(j)].boxes(t), other, time_.macro_step)) continue;
+      if (!meet(boxes, shape, trajectories_[std::size_t(j)].boxes(t), other, time_.macro_step))
+        continue;
       if (!visitor(j, k)) return;
     }
   }
 }
 
-void JointMotion::place(int i, ArcTrajectory track) {
-  for_each_contact(i, track, 0, 0, [&](int j, int) {
+void JointMotion::place(int i, ArcTrajectory trajectory) {
+  for_each_contact(i, trajectory, 0, 0, [&](int j, int) {
     if (!in_conflict(i, j)) add_conflict(i, j);
     return true;
   });
-  occupancy_.place(i, track, shapes_[std::size_t(i)]);
-  tracks_[std::size_t(i)] = std::move(track);
+  occupancy_.place(i, trajectory, shapes_[std::size_t(i)]);
+  trajectories_[std::size_t(i)] = std::move(trajectory);
   present_[std::size_t(i)] = 1;
 }
 
-int JointMotion::overlaps(int i, const ArcTrajectory& track, int most, int wait) {
+int JointMotion::overlaps(int i, const ArcTrajectory& trajectory, int most, int wait) {
   counted_.assign(robots_.size(), 0);
   int count = 0;
-  for_each_contact(i, track, wait, 0, [&](int j, int) {
+  for_each_contact(i, trajectory, wait, 0, [&](int j, int) {
     if (std::exchange(counted_[std::size_t(j)], char{1}) == 0) ++count;
     return count < most;
   });
   return count;
 }
 
-ArcTrajectory JointMotion::track_after(int i, int wait, std::span<const Arc> steps_driven,
-                                       bool leaves) const {
+ArcTrajectory JointMotion::trajectory_after(int i, int wait, std::span<const Arc> steps_driven,
+                                            bool leaves) const {
   std::vector<Arc> steps(std::size_t(wait * time_.macro_step), Arc{});
   steps.insert(steps.end(), steps_driven.begin(), steps_driven.end());
   return {robot(i).car->vehicle(), robot(i).start, std::move(steps), time_.macro_step, leaves};
 }
 
 bool JointMotion::place_later(int i, std::span<const Arc> steps_driven, int latest, bool leaves) {
-  const ArcTrajectory track = track_after(i, 0, steps_driven, leaves);
+  const ArcTrajectory trajectory = trajectory_after(i, 0, steps_driven, leaves);
   for (int wait = 0; wait * time_.macro_step <= latest; ++wait) {
-    if (overlaps(i, track, 1, wait) > 0) continue;
-    place(i, track_after(i, wait, steps_driven, leaves));
+    if (overlaps(i, trajectory, 1, wait) > 0) continue;
+    place(i, trajectory_after(i, wait, steps_driven, leaves));
     return true;
   }
   return false;
@@ -93,7 +94,7 @@ ArcTrajectory JointMotion::remove(int i) {
   for (const int j : conflicts_of(i)) drop_conflict(i, j);
   occupancy_.remove(i);
   present_[std::size_t(i)] = 0;
-  return std::move(tracks_[std::size_t(i)]);
+  return std::move(trajectories_[std::size_t(i)]);
 }
 
 void JointMotion::clear() {
@@ -109,18 +110,19 @@ void JointMotion::set_horizon(int conflicts, int lookahead) {
   lookahead_ = lookahead;
   for (int i = 0; i < size(); ++i) {
     if (!present(i)) continue;
-    for_each_contact(i, track(i), 0, before, [&](int j, int) {
+    for_each_contact(i, trajectory(i), 0, before, [&](int j, int) {
       if (j != i && !in_conflict(i, j)) add_conflict(i, j);
       return true;
     });
   }
 }
 
-bool JointMotion::place_all(const std::vector<ArcTrajectory>& tracks, const Deadline& deadline) {
+bool JointMotion::place_all(const std::vector<ArcTrajectory>& trajectories,
+                            const Deadline& deadline) {
   clear();
   for (int i = 0; i < size(); ++i) {
     if (deadline.expired()) return false;
-    place(i, tracks[std::size_t(i)]);
+    place(i, trajectories[std::size_t(i)]);
   }
   return true;
 }
@@ -128,7 +130,7 @@ bool JointMotion::place_all(const std::vector<ArcTrajectory>& tracks, const Dead
 void JointMotion::restore(const State& state) {
   clear();
   set_horizon(state.horizon, state.lookahead);
-  for (int i = 0; i < size(); ++i) place(i, state.tracks[std::size_t(i)]);
+  for (int i = 0; i < size(); ++i) place(i, state.trajectories[std::size_t(i)]);
 }
 
 void JointMotion::add_conflict(int i, int j) {
@@ -157,7 +159,7 @@ std::vector<int> JointMotion::conflicts_of(int i) const {
 
 int JointMotion::first_conflict(int i) {
   int first = -1;
-  for_each_contact(i, track(i), 0, 0, [&](int j, int k) {
+  for_each_contact(i, trajectory(i), 0, 0, [&](int j, int k) {
     if (j == i) return true;
     first = k;
     return false;
@@ -174,13 +176,13 @@ OtherRobots JointMotion::others(int i, double soft_cost) {
   for (int j = 0; j < size(); ++j) {
     soft_costs_[std::size_t(j)] = float(soft_cost) * weights_[at(i, j)];
   }
-  return {&occupancy_, tracks_, shapes_, soft_costs_, lookahead_};
+  return {&occupancy_, trajectories_, shapes_, soft_costs_, lookahead_};
 }
 
 int JointMotion::makespan() const {
   int last = 0;
   for (int i = 0; i < size(); ++i) {
-    if (present(i)) last = std::max(last, track(i).arrival());
+    if (present(i)) last = std::max(last, trajectory(i).arrival());
   }
   return last;
 }
@@ -188,7 +190,7 @@ int JointMotion::makespan() const {
 std::int64_t JointMotion::flowtime() const {
   std::int64_t sum = 0;
   for (int i = 0; i < size(); ++i) {
-    if (present(i)) sum += track(i).arrival();
+    if (present(i)) sum += trajectory(i).arrival();
   }
   return sum;
 }

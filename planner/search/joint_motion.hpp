@@ -35,42 +35,44 @@ class JointMotion {
   [[nodiscard]] int size() const { return int(robots_.size()); }
   [[nodiscard]] const MacroRobot& robot(int i) const { return robots_[std::size_t(i)]; }
   [[nodiscard]] const TimeGrid& time() const { return time_; }
-  [[nodiscard]] const ArcTrajectory& track(int i) const { return tracks_[std::size_t(i)]; }
+  [[nodiscard]] const ArcTrajectory& trajectory(int i) const {
+    return trajectories_[std::size_t(i)];
+  }
   [[nodiscard]] bool present(int i) const { return present_[std::size_t(i)] != 0; }
 
-  /// Robot i, absent so far, moves along `track`.
-  void place(int i, ArcTrajectory track);
-  /// How many others robot i, absent so far, would overlap on `track`, begun so many macro steps
-  /// later; counted up to `most`.
-  [[nodiscard]] int overlaps(int i, const ArcTrajectory& track, int most, int wait = 0);
+  /// Robot i, absent so far, moves along `trajectory`.
+  void place(int i, ArcTrajectory trajectory);
+  /// How many others robot i, absent so far, would overlap on `trajectory`, begun so many macro
+  /// steps later; counted up to `most`.
+  [[nodiscard]] int overlaps(int i, const ArcTrajectory& trajectory, int most, int wait = 0);
   /// Robot i standing at its start for `wait` macro steps, and then on this way.
-  [[nodiscard]] ArcTrajectory track_after(int i, int wait, std::span<const Arc> steps_driven,
-                                          bool leaves = false) const;
+  [[nodiscard]] ArcTrajectory trajectory_after(int i, int wait, std::span<const Arc> steps_driven,
+                                               bool leaves = false) const;
   /// Robot i, absent so far, drives the path from its start, begun as late as it must so that it
   /// overlaps nobody, but no later than `latest`. @return false if it is absent still
   [[nodiscard]] bool place_later(int i, std::span<const Arc> steps_driven, int latest,
                                  bool leaves = false);
-  /// Takes robot i and its conflicts away. @return its track
+  /// Takes robot i and its conflicts away. @return its trajectory
   ArcTrajectory remove(int i);
-  [[nodiscard]] const std::vector<ArcTrajectory>& tracks() const { return tracks_; }
+  [[nodiscard]] const std::vector<ArcTrajectory>& trajectories() const { return trajectories_; }
   /// Everyone is absent again, and no horizon.
   void clear();
   /// Overlaps from macro step `conflicts` on do not count yet; searches see others until macro step
   /// `horizon`. @pre neither is lower than before, or everyone is absent
   void set_horizon(int conflicts, int lookahead);
   [[nodiscard]] bool has_horizon() const { return horizon_ != kNoHorizon; }
-  /// Everyone moves along the given tracks, one per robot, and no horizon.
+  /// Everyone moves along the given trajectories, one per robot, and no horizon.
   /// @return false if the time ran out; then some are absent
-  bool place_all(const std::vector<ArcTrajectory>& tracks,
+  bool place_all(const std::vector<ArcTrajectory>& trajectories,
                  const Deadline& deadline = Deadline::never());
 
   struct State {
-    std::vector<ArcTrajectory> tracks;
+    std::vector<ArcTrajectory> trajectories;
     int horizon = kNoHorizon;
     int lookahead = kNoHorizon;
   };
   /// To go back to. @pre everyone is present
-  [[nodiscard]] State state() const { return {tracks_, horizon_, lookahead_}; }
+  [[nodiscard]] State state() const { return {trajectories_, horizon_, lookahead_}; }
   void restore(const State& state);
 
   [[nodiscard]] const std::vector<Pair>& conflicts() const { return conflicts_; }
@@ -99,17 +101,18 @@ class JointMotion {
   }
   void add_conflict(int i, int j);
   void drop_conflict(int i, int j);
-  /// Calls visitor(j, macro step) for robots that `track`, begun `wait` macro steps later, overlaps
-  /// from macro step `from` to the horizon, until it returns false.
+  /// Calls visitor(j, macro step) for robots that `trajectory`, begun `wait` macro steps later,
+  /// overlaps from macro step `from` to the horizon, until it returns false.
   template <class Visitor>
-  void for_each_contact(int i, const ArcTrajectory& track, int wait, int from, Visitor&& visitor);
+  void for_each_contact(int i, const ArcTrajectory& trajectory, int wait, int from,
+                        Visitor&& visitor);
 
   std::vector<MacroRobot> robots_;
   TimeGrid time_;
   Occupancy occupancy_;
   int horizon_ = kNoHorizon;    ///< of conflicts [macro steps]
   int lookahead_ = kNoHorizon;  ///< of searches [macro steps]
-  std::vector<ArcTrajectory> tracks_;
+  std::vector<ArcTrajectory> trajectories_;
   std::vector<BoxShape> shapes_;
   std::vector<char> present_;
   std::vector<float> weights_;

@@ -81,10 +81,10 @@ void Occupancy::extend(int rows) {
   rows_ = rows;
 }
 
-void Occupancy::place(int i, const ArcTrajectory& track, const BoxShape& shape) {
-  const int moving = (track.arrival() + time_.macro_step - 1) / time_.macro_step;
-  const bool leaves = track.departure() != ArcTrajectory::kNever;
-  const int present = leaves ? track.departure() / time_.macro_step : ArcTrajectory::kNever;
+void Occupancy::place(int i, const ArcTrajectory& trajectory, const BoxShape& shape) {
+  const int moving = (trajectory.arrival() + time_.macro_step - 1) / time_.macro_step;
+  const bool leaves = trajectory.departure() != ArcTrajectory::kNever;
+  const int present = leaves ? trajectory.departure() / time_.macro_step : ArcTrajectory::kNever;
   const int settled = leaves ? present : moving;
   if (settled >= rows_) extend(settled + 1);
   const float half = shape.half_diagonal();
@@ -95,7 +95,7 @@ void Occupancy::place(int i, const ArcTrajectory& track, const BoxShape& shape) 
       continue;
     }
     const std::size_t here = at(k, i);
-    const BoxPose* boxes = track.boxes(k * time_.macro_step);
+    const BoxPose* boxes = trajectory.boxes(k * time_.macro_step);
     x_[here] = boxes[k < moving ? middle : 0].x;
     y_[here] = boxes[k < moving ? middle : 0].y;
     radius_[here] = half;

@@ -19,8 +19,8 @@ class Occupancy {
   /// near() may write so many entries more than there are robots.
   static constexpr std::size_t kPadding = 16;
 
-  /// Robot i moves along `track` from now on, in place of what it did before.
-  void place(int i, const ArcTrajectory& track, const BoxShape& shape);
+  /// Robot i moves along `trajectory` from now on, in place of what it did before.
+  void place(int i, const ArcTrajectory& trajectory, const BoxShape& shape);
   void remove(int i);
 
   /// The robots whose circles overlap the given one during a macro step, in ascending order;

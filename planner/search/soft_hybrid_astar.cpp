@@ -143,7 +143,8 @@ float SoftHybridAstar::soft_cost_of_nearby(int macro_step, const BoxPose* boxes,
     const std::size_t j = std::size_t(found_[std::size_t(k)]);
     BoxShape other = others.shapes[j];
     other.travel = others.occupancy->sweep(macro_step, int(j)).travel;
-    if (meet(boxes, own, others.tracks[j].boxes(t), other, time_steps)) sum += others.soft_costs[j];
+    if (meet(boxes, own, others.trajectories[j].boxes(t), other, time_steps))
+      sum += others.soft_costs[j];
   }
   return sum;
 }

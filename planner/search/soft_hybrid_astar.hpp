@@ -17,7 +17,7 @@ namespace mvtp {
 /// The other robots, as one robot's search sees them. All spans are indexed by robot.
 struct OtherRobots {
   const Occupancy* occupancy = nullptr;  ///< without the robot that is searched for
-  std::span<const ArcTrajectory> tracks;
+  std::span<const ArcTrajectory> trajectories;
   std::span<const BoxShape> shapes;
   std::span<const float> soft_costs;  ///< of overlapping robot j for one macro step of time [s]
   int horizon = std::numeric_limits<int>::max();  ///< nobody is seen from this macro step on

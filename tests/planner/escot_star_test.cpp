@@ -125,9 +125,9 @@ TEST_F(StarParts, RemovingAndPlacingAgainChangesNothing) {
   const double cost = motion.cost();
   EXPECT_EQ(cost, double(before.size()) + 1.5);
   for (int i = 0; i < motion.size(); ++i) {
-    ArcTrajectory track = motion.remove(i);
+    ArcTrajectory trajectory = motion.remove(i);
     EXPECT_TRUE(motion.conflicts_of(i).empty());
-    motion.place(i, std::move(track));
+    motion.place(i, std::move(trajectory));
   }
   std::vector<JointMotion::Pair> after = motion.conflicts();
   std::ranges::sort(before);
@@ -144,15 +144,15 @@ TEST_F(StarParts, OverlapsAreCountedBeforehand) {
   int most = 0;
   for (int i = 0; i < motion.size(); ++i) {
     const int expected = int(motion.conflicts_of(i).size());
-    ArcTrajectory track = motion.remove(i);
-    EXPECT_EQ(motion.overlaps(i, track, kAll), expected);
-    EXPECT_EQ(motion.overlaps(i, track, 1), std::min(expected, 1));
+    ArcTrajectory trajectory = motion.remove(i);
+    EXPECT_EQ(motion.overlaps(i, trajectory, kAll), expected);
+    EXPECT_EQ(motion.overlaps(i, trajectory, 1), std::min(expected, 1));
     const int wait = 1 + i % 20;
-    const int later = motion.overlaps(i, track, kAll, wait);
-    motion.place(i, motion.track_after(i, wait, track.steps()));
+    const int later = motion.overlaps(i, trajectory, kAll, wait);
+    motion.place(i, motion.trajectory_after(i, wait, trajectory.steps()));
     EXPECT_EQ(later, int(motion.conflicts_of(i).size()));
     motion.remove(i);
-    motion.place(i, std::move(track));
+    motion.place(i, std::move(trajectory));
     most = std::max(most, expected);
   }
   EXPECT_GT(most, 2);
@@ -167,7 +167,7 @@ TEST(JointMotion, CountsEachOneOnce) {
   const JointScene scene(instance);
   JointMotion motion(scene.robots, scene.time);
   motion.place(0, scene.alone[0]);
-  motion.place(2, motion.track_after(2, 600, scene.alone[2].steps()));
+  motion.place(2, motion.trajectory_after(2, 600, scene.alone[2].steps()));
   EXPECT_EQ(motion.overlaps(1, scene.alone[1], 3), 1);
 }
 
@@ -219,12 +219,12 @@ TEST_F(StarParts, ShorteningKeepsThePlanValidAndNeverDelays) {
   const std::int64_t before = motion.flowtime();
   int shortened = 0;
   for (int i = 0; i < motion.size(); ++i) {
-    const int arrival = motion.track(i).arrival();
+    const int arrival = motion.trajectory(i).arrival();
     if (repair.shorten(i, 2000)) {
       ++shortened;
-      EXPECT_LT(motion.track(i).arrival(), arrival);
+      EXPECT_LT(motion.trajectory(i).arrival(), arrival);
     } else {
-      EXPECT_EQ(motion.track(i).arrival(), arrival);
+      EXPECT_EQ(motion.trajectory(i).arrival(), arrival);
     }
   }
   EXPECT_GT(shortened, 0);
@@ -244,13 +244,14 @@ TEST_F(StarParts, ConflictsBehindTheHorizonDoNotCount) {
   constexpr int kHorizon = 10;
   JointMotion motion(robots, time);
   motion.set_horizon(kHorizon, kHorizon);
-  for (int i = 0; i < all.size(); ++i) motion.place(i, all.track(i));
+  for (int i = 0; i < all.size(); ++i) motion.place(i, all.trajectory(i));
   std::vector<JointMotion::Pair> early;
   for (const auto& [i, j] : pairs(all)) {
     bool meeting = false;
     for (int t = 0; t < kHorizon * time.macro_step && !meeting; t += time.macro_step) {
-      meeting = meet(all.track(i).boxes(t), robots[std::size_t(i)].car->shape(),
-                     all.track(j).boxes(t), robots[std::size_t(j)].car->shape(), time.macro_step);
+      meeting =
+          meet(all.trajectory(i).boxes(t), robots[std::size_t(i)].car->shape(),
+               all.trajectory(j).boxes(t), robots[std::size_t(j)].car->shape(), time.macro_step);
     }
     if (meeting) early.emplace_back(i, j);
   }

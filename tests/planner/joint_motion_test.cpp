@@ -23,10 +23,10 @@ class Departures : public testing::Test {
   /// Straight ahead for so many time steps, begun `wait` macro steps later, and out.
   [[nodiscard]] ArcTrajectory path_out(int i, int time_steps, int wait = 0) const {
     const std::vector<Arc> steps_driven(std::size_t(time_steps), Arc{0.1, 0.0});
-    return motion_.track_after(i, wait, steps_driven, true);
+    return motion_.trajectory_after(i, wait, steps_driven, true);
   }
   [[nodiscard]] ArcTrajectory long_path() const {
-    return motion_.track_after(2, 0, std::vector<Arc>(300, Arc{0.1, 0.0}));
+    return motion_.trajectory_after(2, 0, std::vector<Arc>(300, Arc{0.1, 0.0}));
   }
 
   JointScene scene_;
@@ -53,7 +53,7 @@ TEST_F(Departures, AnExitIsNotPutOffByAnEarlierOne) {
   motion_.place(0, path_out(0, 50));
   const std::vector<Arc> steps_driven(50, Arc{0.1, 0.0});
   ASSERT_TRUE(motion_.place_later(1, steps_driven, 200, true));
-  EXPECT_EQ(motion_.track(1).arrival(), 50);
+  EXPECT_EQ(motion_.trajectory(1).arrival(), 50);
 }
 
 //   Until the end of the macro step in which it arrives it is there, and not a macro step longer.
@@ -64,7 +64,7 @@ TEST_F(Departures, TheWayOutItselfCounts) {
     return ArcTrajectory(second.car->vehicle(), {9.5, 5, 0}, {}, scene_.time.macro_step);
   };
   EXPECT_EQ(motion_.overlaps(1, standing(), 3), 1);
-  const int departure = motion_.track(0).departure();
+  const int departure = motion_.trajectory(0).departure();
   EXPECT_EQ(departure, 60);
   const ArcTrajectory late(second.car->vehicle(), {9.5 - 0.1 * departure, 12, 0},
                            std::vector<Arc>(std::size_t(departure), Arc{0.1, 0.0}),

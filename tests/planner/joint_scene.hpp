@@ -2,11 +2,11 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
 #include <utility>
 #include <vector>
 
-#include "planner/anytime/single_agent_tracks.hpp"
+#include "planner/anytime/single_agent_trajectories.hpp"
+#include "planner/escot/planner_result.hpp"
 #include "planner/escot/planning_problem.hpp"
 #include "planner/problem/plan.hpp"
 #include "planner/problem/validate.hpp"
@@ -27,31 +27,25 @@ struct JointScene {
       cars.emplace_back(a.vehicle, time, instance.map, obstacles, clearance);
       robots.push_back({&cars.back(), &planning_problem.cost_to_go(i), a.start});
     }
-    alone = find_single_agent_tracks(planning_problem, robots, never);
+    alone = find_single_agent_trajectories(planning_problem, robots, never);
     EXPECT_EQ(alone.size(), robots.size());
   }
   JointScene(const JointScene&) = delete;
   JointScene& operator=(const JointScene&) = delete;
 
-  /// The plan of these tracks.
+  /// The plan of these trajectories.
   Plan plan_of(const JointMotion& motion) const {
     Plan plan;
     plan.statistics.dt = time.dt;
     for (int i = 0; i < motion.size(); ++i) {
-      Trajectory trajectory(motion.track(i).start());
-      Pose pose = motion.track(i).start();
-      const double wheelbase = cars[std::size_t(i)].vehicle().wheelbase;
-      for (const Arc& arc : motion.track(i).steps()) {
-        pose = planning_problem.after(i, pose, arc);
-        trajectory.push_back({pose, arc.length / time.dt, std::atan(arc.curvature * wheelbase)});
-      }
       plan.names.push_back(instance.agents[std::size_t(i)].name);
-      plan.trajectories.push_back(trajectory);
+      plan.trajectories.push_back(
+          trajectory_of(planning_problem, i, motion.trajectory(i).steps(), time.dt));
     }
     return plan;
   }
 
-  /// The referee finds nothing in the plan of these tracks.
+  /// The referee finds nothing in the plan of these trajectories.
   void expect_valid(const JointMotion& motion) const {
     for (const Violation& violation :
          find_violations(instance, plan_of(motion), CollisionRule::kContinuous)) {

@@ -147,15 +147,15 @@ TEST(ArcTrajectory, KnowsItsPosesAndRestsAtTheEnd) {
   for (int k = 0; k < 100; ++k) steps.push_back({k % 3 == 0 ? 0.0 : 0.1, k % 2 == 0 ? 0.3 : -0.2});
   steps.resize(120);  // waits at the end do not count
   const Pose start{3.0, 4.0, 0.5};
-  const ArcTrajectory track(kCar, start, steps, kSteps);
-  EXPECT_EQ(track.arrival(), 99 + 1 - 1);
+  const ArcTrajectory trajectory(kCar, start, steps, kSteps);
+  EXPECT_EQ(trajectory.arrival(), 99 + 1 - 1);
   Pose pose = start;
   for (int t = 0; t < 130; ++t) {
-    EXPECT_LT(distance(track.pose(t), pose), 1e-9);
+    EXPECT_LT(distance(trajectory.pose(t), pose), 1e-9);
     const BoxPose box = box_pose(kCar, pose);
-    EXPECT_NEAR(track.boxes(t)->x, box.x, 1e-5);
-    EXPECT_NEAR(track.boxes(t)->uy, box.uy, 1e-5);
-    EXPECT_EQ(track.boxes(200)[kSteps].x, track.boxes(track.arrival())->x);
+    EXPECT_NEAR(trajectory.boxes(t)->x, box.x, 1e-5);
+    EXPECT_NEAR(trajectory.boxes(t)->uy, box.uy, 1e-5);
+    EXPECT_EQ(trajectory.boxes(200)[kSteps].x, trajectory.boxes(trajectory.arrival())->x);
     if (t < 120) pose = drive(pose, steps[std::size_t(t)]);
   }
 }

@@ -10,7 +10,7 @@ namespace {
 const Vehicle kCar{.front = 2.0, .rear = 1.0, .min_turning_radius = 3.0};
 constexpr TimeGrid kTime{0.1059, 14};
 
-ArcTrajectory random_track(std::mt19937_64& rng) {
+ArcTrajectory random_trajectory(std::mt19937_64& rng) {
   std::uniform_real_distribution<double> place(5.0, 35.0);
   std::uniform_int_distribution<int> which(-1, 1);
   std::vector<Arc> steps;
@@ -27,15 +27,15 @@ class OccupancyOfMany : public testing::Test {
 
   OccupancyOfMany() : occupancy(kRobots, kTime), found(kRobots + Occupancy::kPadding) {
     for (int i = 0; i < kRobots; ++i) {
-      tracks.push_back(random_track(rng));
-      occupancy.place(i, tracks.back(), shape);
+      trajectories.push_back(random_trajectory(rng));
+      occupancy.place(i, trajectories.back(), shape);
     }
   }
 
   std::mt19937_64 rng{5};
   BoxShape shape = box_shape(kCar, kTime.dt);
   Occupancy occupancy;
-  std::vector<ArcTrajectory> tracks;
+  std::vector<ArcTrajectory> trajectories;
   std::vector<int> found;
 };
 
@@ -50,7 +50,7 @@ TEST_F(OccupancyOfMany, NobodyIsOverlooked) {
     for (int i = 0; i < kRobots; ++i) {
       const bool listed = std::count(found.begin(), found.begin() + count, i) == 1;
       EXPECT_EQ(listed, occupancy.overlaps(macro_step, i, dot.x, dot.y, 0.5F));
-      const BoxPose* boxes = tracks[std::size_t(i)].boxes(macro_step * kTime.macro_step);
+      const BoxPose* boxes = trajectories[std::size_t(i)].boxes(macro_step * kTime.macro_step);
       for (int t = 0; t <= kTime.macro_step; ++t) {
         if (gap(boxes[t], shape, dot, {}) < 0.5F / std::sqrt(2.0F)) {
           EXPECT_TRUE(listed) << i;
@@ -63,7 +63,7 @@ TEST_F(OccupancyOfMany, NobodyIsOverlooked) {
 TEST_F(OccupancyOfMany, TravelBoundsEveryCorner) {
   for (int i = 0; i < kRobots; ++i) {
     for (int k = 0; k < 22; ++k) {
-      const BoxPose* boxes = tracks[std::size_t(i)].boxes(k * kTime.macro_step);
+      const BoxPose* boxes = trajectories[std::size_t(i)].boxes(k * kTime.macro_step);
       for (int t = 0; t < kTime.macro_step; ++t) {
         for (const float side : {-1.0F, 1.0F}) {
           const auto corner = [&](const BoxPose& b) {
@@ -81,7 +81,7 @@ TEST_F(OccupancyOfMany, TravelBoundsEveryCorner) {
 TEST_F(OccupancyOfMany, RemovedRobotsAreGone) {
   occupancy.remove(7);
   for (int k = 0; k < 25; ++k) {
-    const BoxPose& box = *tracks[7].boxes(k * kTime.macro_step);
+    const BoxPose& box = *trajectories[7].boxes(k * kTime.macro_step);
     const int count = occupancy.near(k, box.x, box.y, 1.0F, found.data());
     EXPECT_EQ(std::count(found.begin(), found.begin() + count, 7), 0);
   }

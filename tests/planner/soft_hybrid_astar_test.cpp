@@ -23,20 +23,20 @@ struct Scene {
 
   /// The other robot drives along the steps.
   void place_other(const Pose& start, const std::vector<Arc>& steps) {
-    tracks[1] = ArcTrajectory(kCar, start, steps, kTime.macro_step);
-    occupancy.place(1, tracks[1], car.shape());
+    trajectories[1] = ArcTrajectory(kCar, start, steps, kTime.macro_step);
+    occupancy.place(1, trajectories[1], car.shape());
   }
 
   [[nodiscard]] SoftProblem problem(const Pose& start) const {
     SoftProblem result;
     result.car = &car;
     result.cost_to_go = &cost_to_go;
-    result.others = {&occupancy, tracks, shapes, soft_costs};
+    result.others = {&occupancy, trajectories, shapes, soft_costs};
     result.start = start;
     return result;
   }
 
-  [[nodiscard]] ArcTrajectory track(const Pose& start, const SoftResult& path) const {
+  [[nodiscard]] ArcTrajectory trajectory(const Pose& start, const SoftResult& path) const {
     return {kCar, start, path.steps, kTime.macro_step};
   }
 
@@ -46,7 +46,7 @@ struct Scene {
   MotionPrimitives car;
   CostToGo cost_to_go;
   Occupancy occupancy{2, kTime};
-  std::vector<ArcTrajectory> tracks{2};
+  std::vector<ArcTrajectory> trajectories{2};
   std::vector<BoxShape> shapes{box_shape(kCar, kTime.dt), box_shape(kCar, kTime.dt)};
   std::vector<float> soft_costs{10.0F, 10.0F};
 };
@@ -115,10 +115,10 @@ TEST(SoftHybridAstar, GivesWayToTheOther) {
   const std::optional<SoftResult> path = search(scene.problem(start));
   ASSERT_TRUE(path);
   EXPECT_EQ(path->soft_cost, 0.0);
-  const ArcTrajectory track = scene.track(start, *path);
+  const ArcTrajectory trajectory = scene.trajectory(start, *path);
   for (int t = 0; t < 400; t += kTime.macro_step) {
-    EXPECT_FALSE(meet(track.boxes(t), scene.shapes[0], scene.tracks[1].boxes(t), scene.shapes[1],
-                      kTime.macro_step));
+    EXPECT_FALSE(meet(trajectory.boxes(t), scene.shapes[0], scene.trajectories[1].boxes(t),
+                      scene.shapes[1], kTime.macro_step));
   }
 }
 
@@ -156,10 +156,10 @@ TEST(SoftHybridAstar, WaitsWhereItStands) {
   const Pose start{5, 1.5, 0};
   const std::optional<SoftResult> path = search(scene.problem(start), {.hard = true});
   ASSERT_TRUE(path);
-  const ArcTrajectory track = scene.track(start, *path);
+  const ArcTrajectory trajectory = scene.trajectory(start, *path);
   for (int t = 0; t < 500; t += kTime.macro_step) {
-    EXPECT_FALSE(meet(track.boxes(t), scene.shapes[0], scene.tracks[1].boxes(t), scene.shapes[1],
-                      kTime.macro_step));
+    EXPECT_FALSE(meet(trajectory.boxes(t), scene.shapes[0], scene.trajectories[1].boxes(t),
+                      scene.shapes[1], kTime.macro_step));
   }
 }
 

@@ -14,16 +14,16 @@ namespace mvtp {
 /// @param weight  of the cost-to-go, >= 1
 /// @param finer   so many times smaller are the cells of the search; slow steps are used if > 0
 /// @return nullopt if none was found in so many expansions or until the deadline
-[[nodiscard]] std::optional<ArcTrajectory> find_single_agent_track(SoftHybridAstar& search,
-                                                                   const MacroRobot& robot,
-                                                                   double weight, int expansions,
-                                                                   int finer,
-                                                                   const Deadline& deadline);
+[[nodiscard]] std::optional<ArcTrajectory> find_single_agent_trajectory(SoftHybridAstar& search,
+                                                                        const MacroRobot& robot,
+                                                                        double weight,
+                                                                        int expansions, int finer,
+                                                                        const Deadline& deadline);
 
 /// Every robot's single-agent path: by a quick search, by hybrid A* with steps of several lengths,
 /// or by ever finer searches; empty if one was not found.
 /// @param robots  those of the problem, in its order
-[[nodiscard]] std::vector<ArcTrajectory> find_single_agent_tracks(
+[[nodiscard]] std::vector<ArcTrajectory> find_single_agent_trajectories(
     const PlanningProblem& problem, const std::vector<MacroRobot>& robots,
     const Deadline& deadline);
 

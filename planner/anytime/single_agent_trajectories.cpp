@@ -1,4 +1,4 @@
-#include "planner/anytime/single_agent_tracks.hpp"
+#include "planner/anytime/single_agent_trajectories.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -17,28 +17,28 @@ constexpr int kFactor = 8;       ///< each has so many times the expansions of t
 std::optional<ArcTrajectory> find_path_alone(SoftHybridAstar& search,
                                              const PlanningProblem& problem, int i,
                                              const MacroRobot& robot, const Deadline& deadline) {
-  std::optional<ArcTrajectory> track =
-      find_single_agent_track(search, robot, kWeight, kExpansions, 0, deadline);
-  if (track) return track;
+  std::optional<ArcTrajectory> trajectory =
+      find_single_agent_trajectory(search, robot, kWeight, kExpansions, 0, deadline);
+  if (trajectory) return trajectory;
   if (const std::optional<std::vector<Arc>> arcs = find_single_agent_path(problem, i, deadline)) {
     return ArcTrajectory(robot.car->vehicle(), robot.start,
                          by_time_steps(*arcs, robot.car->step_length()),
                          robot.car->time().macro_step);
   }
   int expansions = kExpansions;
-  for (int finer = 1; finer <= kFinerLevels && !track && !deadline.expired(); ++finer) {
+  for (int finer = 1; finer <= kFinerLevels && !trajectory && !deadline.expired(); ++finer) {
     expansions *= kFactor;
-    track = find_single_agent_track(search, robot, kWeight, expansions, finer, deadline);
+    trajectory = find_single_agent_trajectory(search, robot, kWeight, expansions, finer, deadline);
   }
-  return track;
+  return trajectory;
 }
 
 }  // namespace
 
-std::optional<ArcTrajectory> find_single_agent_track(SoftHybridAstar& search,
-                                                     const MacroRobot& robot, double weight,
-                                                     int expansions, int finer,
-                                                     const Deadline& deadline) {
+std::optional<ArcTrajectory> find_single_agent_trajectory(SoftHybridAstar& search,
+                                                          const MacroRobot& robot, double weight,
+                                                          int expansions, int finer,
+                                                          const Deadline& deadline) {
   const TimeGrid& time = robot.car->time();
   const Occupancy nobody(1, time);
   SoftProblem alone;
@@ -57,19 +57,19 @@ std::optional<ArcTrajectory> find_single_agent_track(SoftHybridAstar& search,
   return ArcTrajectory(robot.car->vehicle(), robot.start, std::move(path->steps), time.macro_step);
 }
 
-std::vector<ArcTrajectory> find_single_agent_tracks(const PlanningProblem& problem,
-                                                    const std::vector<MacroRobot>& robots,
-                                                    const Deadline& deadline) {
+std::vector<ArcTrajectory> find_single_agent_trajectories(const PlanningProblem& problem,
+                                                          const std::vector<MacroRobot>& robots,
+                                                          const Deadline& deadline) {
   SoftHybridAstar search(1);
-  std::vector<ArcTrajectory> tracks;
+  std::vector<ArcTrajectory> trajectories;
   for (int i = 0; i < problem.size(); ++i) {
-    std::optional<ArcTrajectory> track =
+    std::optional<ArcTrajectory> trajectory =
         deadline.expired() ? std::nullopt
                            : find_path_alone(search, problem, i, robots[std::size_t(i)], deadline);
-    if (!track) return {};
-    tracks.push_back(*std::move(track));
+    if (!trajectory) return {};
+    trajectories.push_back(*std::move(trajectory));
   }
-  return tracks;
+  return trajectories;
 }
 
 }  // namespace mvtp
