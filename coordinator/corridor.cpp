@@ -67,7 +67,7 @@ ReferencePath drivers_path(std::span<const Point> line, const Vehicle& body) {
   const double length = length_of(line);
   std::vector<Pose> poses;
   const auto add = [&](const Point& rear, const Point& front) {
-    const double theta = std::atan2(front.y - rear.y, front.x - rear.x);
+    const double theta = heading(rear, front);
     const Point axle{front.x - body.front * std::cos(theta),
                      front.y - body.front * std::sin(theta)};
     if (!poses.empty() && std::hypot(axle.x - poses.back().x, axle.y - poses.back().y) < 0.05)
@@ -219,9 +219,10 @@ void CorridorMap::set_stations(const Line& line, const ReferencePath& path, cons
   corridor.s_end = corridor.s_exit + course.end;
   const double wanted = corridor.s_exit + course.handback;
   const double earliest = corridor.s_exit + std::min(course.handback, body.length() + 1.0);
-  corridor.s_handback = straight_near(line, path, body, wanted, {earliest, corridor.s_end});
-  corridor.aside = aside(line, path, body, corridor.s_handback);
-  corridor.s_latest = straight_until(line, path, body, corridor.s_handback, corridor.s_end);
+  const Lie lie = straight_near(line, path, body, wanted, {earliest, corridor.s_end});
+  corridor.s_handback = lie.s;
+  corridor.aside = lie.aside;
+  corridor.s_latest = straight_until(line, path, body, lie, corridor.s_end);
   // Vehicles come by in steps: there is room to find one of those where the body lies so.
   constexpr double kRoom = 3.0;  // [m]
   while (corridor.s_latest - corridor.s_handback < kRoom && corridor.s_handback - 0.5 > earliest &&
@@ -240,27 +241,25 @@ double CorridorMap::aside(const Line& line, const ReferencePath& path, const Veh
 
 /// The first place from `from` on, or else the last before it, where the body lies along its lane;
 /// else the one where it does so best.
-double CorridorMap::straight_near(const Line& line, const ReferencePath& path, const Vehicle& body,
-                                  double from, std::pair<double, double> within) {
-  double best = from;
-  double least = aside(line, path, body, from);
+CorridorMap::Lie CorridorMap::straight_near(const Line& line, const ReferencePath& path,
+                                            const Vehicle& body, double from,
+                                            std::pair<double, double> within) {
+  Lie best{from, aside(line, path, body, from)};
   const auto look_at = [&](double s) {
     const double here = aside(line, path, body, s);
-    if (here >= least) return;
-    least = here;
-    best = s;
+    if (here < best.aside) best = {s, here};
   };
-  for (double s = from; s < within.second && least > kAside; s += 1.0) look_at(s);
-  for (double s = from; s > within.first && least > kAside; s -= 1.0) look_at(s);
+  for (double s = from; s < within.second && best.aside > kAside; s += 1.0) look_at(s);
+  for (double s = from; s > within.first && best.aside > kAside; s -= 1.0) look_at(s);
   return best;
 }
 
 /// How far on from `from` the body goes on lying along its lane, or no worse than there.
 double CorridorMap::straight_until(const Line& line, const ReferencePath& path, const Vehicle& body,
-                                   double from, double to) {
+                                   const Lie& from, double to) {
   constexpr double kStep = 0.5;  // [m]
-  const double most = std::max(kAside, aside(line, path, body, from));
-  double s = from;
+  const double most = std::max(kAside, from.aside);
+  double s = from.s;
   while (s + kStep <= to && aside(line, path, body, s + kStep) <= most) s += kStep;
   return s;
 }

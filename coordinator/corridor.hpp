@@ -82,15 +82,20 @@ class CorridorMap {
                     Corridor& corridor) const;
   [[nodiscard]] std::vector<JunctionStretch> stretches_of(const Corridor& corridor,
                                                           const Vehicle& body) const;
+  /// How a body lies at a place.
+  struct Lie {
+    double s = 0.0;      ///< [m] rear axle
+    double aside = 0.0;  ///< [m] see aside()
+  };
   [[nodiscard]] static double aside(const Line& line, const ReferencePath& path,
                                     const Vehicle& body, double s);
   [[nodiscard]] static double last_in_lane(const Line& line, const ReferencePath& path,
                                            const Vehicle& body, double from, double to);
-  [[nodiscard]] static double straight_near(const Line& line, const ReferencePath& path,
-                                            const Vehicle& body, double from,
-                                            std::pair<double, double> within);
+  [[nodiscard]] static Lie straight_near(const Line& line, const ReferencePath& path,
+                                         const Vehicle& body, double from,
+                                         std::pair<double, double> within);
   [[nodiscard]] static double straight_until(const Line& line, const ReferencePath& path,
-                                             const Vehicle& body, double from, double to);
+                                             const Vehicle& body, const Lie& from, double to);
   void set_limits(const ReferencePath& path, const Vehicle& body, Corridor& corridor) const;
   [[nodiscard]] double lateral_limit(const ReferencePath& path, double s, bool changes_lane) const;
   [[nodiscard]] static double limit_before_end(const Corridor& corridor, const Vehicle& body,

@@ -273,9 +273,10 @@ std::optional<CorridorCourse> CourseFinder::find(const CourseQuery& query) const
   const double latest =
       arrives ? room - kArrives
               : std::max(std::min(straight_room(query.length), room - 1.6), room - kBeforeEnd);
+  const std::vector<Turn> turns = turns_behind(course);
   course.cramped = room < straight_room(query.length);
   course.handback =
-      std::max(0.1, clear_of_turns(course, query.length, std::min(wanted, latest), latest));
+      std::max(0.1, clear_of_turns(turns, query.length, std::min(wanted, latest), latest));
   course.end = std::max(course.handback, std::min(course.handback + kRunOut, room - 1.0));
   // Where it bends at first there is room for a hand-back further on.
   if (is_early) course.end = std::max(course.end, room - kDriverBrakes);
@@ -285,7 +286,7 @@ std::optional<CorridorCourse> CourseFinder::find(const CourseQuery& query) const
     course.slow_places.push_back({exit.room, 0.0});
   }
   course.slow_places.push_back({laid, speed_behind(query, *start, course)});
-  for (const Turn& turn : turns_behind(course)) {
+  for (const Turn& turn : turns) {
     if (turn.begin > course.handback) course.slow_places.push_back({turn.begin, turn.speed});
   }
   course.start = query.position + distance - options_.takeover - kLeadIn;

@@ -141,8 +141,8 @@ class CourseFinder {
   [[nodiscard]] bool lay_pieces(const CourseQuery& query, const Start& start, std::size_t exit,
                                 double reach, CorridorCourse& course) const;
   [[nodiscard]] static double straight_room(double body_length);
-  [[nodiscard]] double clear_of_turns(const CorridorCourse& course, double body_length, double at,
-                                      double latest) const;
+  [[nodiscard]] static double clear_of_turns(std::span<const Turn> turns, double body_length,
+                                             double at, double latest);
   [[nodiscard]] bool turns_round(int from_edge, int to_edge) const;
   [[nodiscard]] bool leads_on(const CourseQuery& query, const Start& start,
                               const CorridorCourse& course) const;

@@ -21,6 +21,8 @@ double smootherstep(double x) {
 
 double distance(const Point& a, const Point& b) { return std::hypot(b.x - a.x, b.y - a.y); }
 
+double heading(const Point& a, const Point& b) { return std::atan2(b.y - a.y, b.x - a.x); }
+
 double length_of(std::span<const Point> line) {
   double length = 0.0;
   for (std::size_t i = 1; i < line.size(); ++i) length += distance(line[i - 1], line[i]);

@@ -11,6 +11,8 @@ namespace mvtp {
 // Polylines that lanes are made of; lengths along them in metres.
 
 [[nodiscard]] double distance(const Point& a, const Point& b);
+/// The direction from `a` to `b` [rad].
+[[nodiscard]] double heading(const Point& a, const Point& b);
 [[nodiscard]] double length_of(std::span<const Point> line);
 [[nodiscard]] Point point_at(std::span<const Point> line, double s);
 [[nodiscard]] double distance_to(std::span<const Point> line, const Pose& place);

@@ -17,17 +17,15 @@ constexpr double kSlower = 0.9;  ///< of the speed before a turn, at most, in it
 constexpr double kBent = 0.15;   ///< [rad] that count as a bend
 constexpr double kNoise = 0.1;   ///< [m]: shorter pieces of a line have no direction
 
-double direction(const Point& a, const Point& b) { return std::atan2(b.y - a.y, b.x - a.x); }
-
 }  // namespace
 
 /// Do the internal `lanes`, driven after lane `before` and up to `after`, bend away from it? The
 /// poses of SUMO's drivers jerk there, whose bumpers keep to the lines of the lanes.
 bool CourseFinder::bends(int before, std::span<const int> lanes, int after) const {
   const std::vector<Point>& in = graph_.lane(before).shape;
-  const double straight = direction(in[in.size() - 2], in.back());
+  const double straight = heading(in[in.size() - 2], in.back());
   const auto turned = [&](const Point& a, const Point& b) {
-    return distance(a, b) > kNoise && std::abs(wrap_to_pi(direction(a, b) - straight)) > kBent;
+    return distance(a, b) > kNoise && std::abs(wrap_to_pi(heading(a, b) - straight)) > kBent;
   };
   const auto is_bent = [&](int lane) {
     const std::vector<Point>& shape = graph_.lane(lane).shape;
@@ -67,8 +65,8 @@ std::vector<CourseFinder::Turn> CourseFinder::turns_behind(const CorridorCourse&
 
 /// The place nearest to `at` behind the exit's start, up to `latest`, that is not right before or
 /// inside a turn without conflicts, nor right behind it; `at` itself if there is none [m].
-double CourseFinder::clear_of_turns(const CorridorCourse& course, double body_length, double at,
-                                    double latest) const {
+double CourseFinder::clear_of_turns(std::span<const Turn> turns, double body_length, double at,
+                                    double latest) {
   std::optional<double> best;
   double from = std::min(at, straight_room(body_length));  // of the lanes since the last turn
   const auto look_at = [&](double to) {
@@ -76,7 +74,7 @@ double CourseFinder::clear_of_turns(const CorridorCourse& course, double body_le
     const double place = std::clamp(at, from, to);
     if (!best || std::abs(place - at) < std::abs(*best - at)) best = place;
   };
-  for (const Turn& turn : turns_behind(course)) {
+  for (const Turn& turn : turns) {
     look_at(turn.begin - kDriverBrakes);
     from = turn.end + straight_room(body_length);
   }

@@ -3,13 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "coordinator/corridor_line.hpp"
+
 namespace mvtp {
-namespace {
-
-double heading(const Point& a, const Point& b) { return std::atan2(b.y - a.y, b.x - a.x); }
-
-}  // namespace
-
 std::map<std::string, double> bend_speed_limits(const RoadNetwork& network,
                                                 double max_lateral_accel) {
   constexpr double kStraight = 0.35;  // [rad]: a lane that turns less is only shifted sideways

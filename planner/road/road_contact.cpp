@@ -9,9 +9,7 @@ constexpr double kBareGap = 0.2;   ///< [m] between two that are stuck
 constexpr double kClose = 1.0;     ///< [m]: longer than any margin, shorter than any vehicle
 constexpr double kGraze = 0.5;     ///< [m] by which two in one lane may overlap at their sides
 constexpr double kNotice = 2.0;    ///< [s] until a driver answers to who has come into his lane
-constexpr double kAhead = 100.0;   ///< [m] along a path within which others are ahead on it,
-constexpr double kBehind = 30.0;   ///< [m] or beside it or behind,
-constexpr double kAside = 1.2;     ///< [m] if they are no further from it
+constexpr double kAside = 1.2;     ///< [m]: no further from a path is who is on it
 constexpr double kNextLane = 6.0;  ///< [m]: no further aside is who comes over from the next lane
 constexpr double kTurned = 0.5;    ///< [rad] and drive the same way
 
@@ -40,6 +38,14 @@ bool follow_each_other(const OrientedBox& a, const OrientedBox& b) {
   return a.ux * b.ux + a.uy * b.uy > kAligned && along >= gap_across(a, b);
 }
 
+/// How far from a vehicle others are looked for along its path [m].
+struct LookAlong {
+  double behind;
+  double ahead;
+};
+constexpr LookAlong kAhead{30.0, 100.0};
+constexpr LookAlong kBehind{100.0, 30.0};
+
 /// Where a vehicle is beside the path of another one that drives the same way.
 struct BesidePath {
   double along;   ///< [m] ahead of that one
@@ -48,12 +54,12 @@ struct BesidePath {
   double off;     ///< [m] ahead of or behind the part of the path that was looked at
 };
 
-/// Looked for from so far behind the other one to so far ahead of it [m].
+/// Where `a` is, seen from `b`.
 BesidePath beside_path(const PathLibrary& library, const PlaceOnPath& a, const PlaceOnPath& b,
-                       double behind = kBehind, double ahead = kAhead) {
+                       const LookAlong& look) {
   const Pose pose = library.path(a.path).at(a.s);
   const ReferencePath& path = library.path(b.path);
-  const double foot = path.project({pose.x, pose.y}, b.s - behind, b.s + ahead);
+  const double foot = path.project({pose.x, pose.y}, b.s - look.behind, b.s + look.ahead);
   const Pose local = relative(path.at(foot), pose);
   return {foot - b.s, std::abs(local.y), std::abs(local.theta), std::abs(local.x)};
 }
@@ -116,7 +122,7 @@ bool RoadContact::b_blocks(const InertialState& a, const InertialState& b) const
 }
 
 bool RoadContact::a_is_beside(const InertialState& a, const InertialState& b) const {
-  return is_in_next_lane(beside_path(*library_, {a_->path, a.s}, {b_->path, b.s}));
+  return is_in_next_lane(beside_path(*library_, {a_->path, a.s}, {b_->path, b.s}, kAhead));
 }
 
 bool RoadContact::a_is_alongside(const InertialState& a, const InertialState& b,
@@ -132,7 +138,7 @@ bool RoadContact::a_is_alongside(const InertialState& a, const InertialState& b,
                       std::abs(local.y) > kAside / 2 && std::abs(local.y) < kNextLane + kNearly &&
                       std::abs(local.theta) < kTurned + 0.5;
   if (!may_be) return false;
-  const BesidePath at = beside_path(*library_, {a_->path, a.s}, {b_->path, b.s});
+  const BesidePath at = beside_path(*library_, {a_->path, a.s}, {b_->path, b.s}, kAhead);
   return is_in_next_lane(at) && at.along > behind && at.along < ahead;
 }
 
@@ -156,9 +162,9 @@ double RoadContact::gap(double s_a, double s_b) const {
 }
 
 bool drives_ahead(const PathLibrary& library, const PlaceOnPath& a, const PlaceOnPath& b) {
-  const BesidePath ahead = beside_path(library, a, b);
+  const BesidePath ahead = beside_path(library, a, b, kAhead);
   if (ahead.along > 0.0 && is_on_path(ahead)) return true;
-  const BesidePath behind = beside_path(library, b, a, kAhead, kBehind);
+  const BesidePath behind = beside_path(library, b, a, kBehind);
   return behind.along < 0.0 && is_on_path(behind);
 }
 

@@ -61,12 +61,7 @@ std::vector<Ahead> paths_ahead(const RoadScene& scene) {
 
 /// The scene without all that a group has nothing to do with.
 RoadScene scene_of(const RoadScene& scene, const Keys& group) {
-  RoadScene part{.library = scene.library,
-                 .grid = scene.grid,
-                 .step = scene.step,
-                 .vehicles = {},
-                 .forecasts = {},
-                 .reaction = scene.reaction};
+  RoadScene part = scene.without_vehicles();
   for (const std::int64_t key : group) part.vehicles.push_back(scene.vehicle(key));
   const std::vector<Ahead> paths = paths_ahead(part);
   for (const Forecast& f : scene.forecasts) {

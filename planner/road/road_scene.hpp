@@ -70,7 +70,8 @@ struct RoadVehicle {
   /// Rear axle when the front bumper is at each stop line, ascending [m]: a vehicle without a
   /// complete plan waits before the next.
   std::vector<double> stop_lines;
-  /// Where its rear axle must not come to rest to wait, from and to [m]: on crossings of people.
+  /// Where its rear axle must not come to rest to wait, from and to [m]: inside junctions where
+  /// signals, ours or the network's, let human drivers go.
   std::vector<std::pair<double, double>> no_waiting;
   std::vector<ClosedStretch> closed;  ///< ground that others have a right to
   /// Its plan gives way to a better one around all others at every decision, as soon as there is
@@ -140,6 +141,13 @@ struct RoadScene {
     return *std::ranges::lower_bound(vehicles, key, {}, &RoadVehicle::key);
   }
   [[nodiscard]] const Vehicle& body(const RoadVehicle& v) const { return library->body(v.path); }
+
+  /// The same moment with nobody on the road.
+  [[nodiscard]] RoadScene without_vehicles() const {
+    // A new member does not compile here until somebody says whether it is copied.
+    const auto& [its_library, its_grid, its_step, ours, others, its_reaction] = *this;
+    return {its_library, its_grid, its_step, {}, {}, its_reaction};
+  }
 };
 
 /// Complete trajectories, in the order of priority in which they were planned.
