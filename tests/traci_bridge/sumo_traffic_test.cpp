@@ -3,87 +3,24 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <signal.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
-#include <fstream>
 #include <limits>
 #include <numbers>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
-#include "tests/traci_bridge/fixtures.hpp"
+#include "tests/traci_bridge/sumo_traffic_fixture.hpp"
 #include "traci_bridge/trips.hpp"
 
 namespace mvtp {
 namespace {
 
-using testing::Contains;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
-using testing::MatchesRegex;
 using testing::SizeIs;
-
-constexpr double kStep = 0.1;
-
-std::string vehicle(const std::string& id, double depart, const std::string& edges,
-                    const std::string& more = "") {
-  return "<vehicle id=\"" + id + "\" type=\"car\" depart=\"" + std::to_string(depart) +
-         "\" departSpeed=\"max\" " + more + "><route edges=\"" + edges + "\"/></vehicle>";
-}
-
-/// The crossroads with cars that drive exactly at the limit, from west (Wi) to east (Eo) and so on.
-class SumoTrafficTest : public testing::Test {
- protected:
-  /// Opens the crossroads with some elements of a route file.
-  std::unique_ptr<SumoTraffic> open(const std::string& vehicles) {
-    options_.configuration = write_scenario(vehicles);
-    return open_sumo(options_);
-  }
-
-  std::string write_scenario(const std::string& vehicles) {
-    const std::string network = "networks/" + network_ + ".net.xml";
-    directory_.write(
-        "test.rou.xml",
-        R"(<routes><vType id="car" length="4.5" width="1.8" sigma="0" speedDev="0"/>)" + vehicles +
-            "</routes>");
-    return directory_.write("test.sumocfg", "<configuration><net-file value=\"" +
-                                                project_file(network) +
-                                                R"("/><route-files value="test.rou.xml"/>
-                                                <step-length value="0.1"/></configuration>)");
-  }
-
-  std::string error_of(const std::string& vehicles, int steps = 1) {
-    return message_of([&] {
-      const std::unique_ptr<SumoTraffic> traffic = open(vehicles);
-      for (int i = 0; i < steps; ++i) traffic->step();
-    });
-  }
-
-  TemporaryDirectory directory_;
-  SumoOptions options_;
-  std::string network_ = "crossroads";
-};
-
-const VehicleState* find(const Traffic& traffic, const std::string& id) {
-  const auto found = std::ranges::find(traffic.vehicles(), id, &VehicleState::id);
-  return found == traffic.vehicles().end() ? nullptr : &*found;
-}
-
-const VehicleState& at(const Traffic& traffic, const std::string& id) {
-  const VehicleState* state = find(traffic, id);
-  if (state == nullptr) throw std::runtime_error("vehicle " + id + " is not on the road");
-  return *state;
-}
-
-void run_until(Traffic& traffic, double time) {
-  while (traffic.time() < time - kStep / 2.0) traffic.step();
-}
 
 // Wi_0 runs east at y = -1.6 from x = -300 to -7.2, Eo_0 from there to x = 300.
 TEST_F(SumoTrafficTest, ReportsTheRearAxleOfItsVehicles) {
@@ -342,185 +279,6 @@ TEST_F(SumoTrafficTest, RunsOnThroughAGapInTheDemand) {
   while (traffic->running()) traffic->step();
   EXPECT_GT(traffic->time(), 900.0);
 }
-
-// b waits for the place that a, standing at the start of the lane, does not leave.
-TEST_F(SumoTrafficTest, UnfinishedVehiclesAreInTheTripsToo) {
-  options_.tripinfo_output = directory_ / "tripinfo.xml";
-  const auto traffic = open(vehicle("a", 0, "Wi Eo") + vehicle("b", 5, "Wi No"));
-  traffic->step();
-  traffic->take_over("a");
-  run_until(*traffic, 30.0);
-  EXPECT_THAT(traffic->pending(), ElementsAre("b"));
-  EXPECT_THAT(traffic->route("b"), ElementsAre("Wi", "No"));
-  traffic->close();
-
-  std::vector<Trip> trips = read_trips(options_.tripinfo_output);
-  std::ranges::sort(trips, {}, &Trip::id);
-  ASSERT_THAT(trips, SizeIs(2));
-  EXPECT_TRUE(trips[0].depart.has_value());
-  EXPECT_FALSE(trips[0].arrival.has_value());
-  EXPECT_FALSE(trips[1].depart.has_value());
-  EXPECT_FALSE(trips[1].arrival.has_value());
-  EXPECT_NEAR(trips[1].depart_delay, 25.0, 2.0 * kStep);
-}
-
-TEST_F(SumoTrafficTest, OutputsGetTheirNamesAtTheEnd) {
-  options_.fcd_output = directory_ / "fcd.xml";
-  options_.tripinfo_output = directory_ / "tripinfo.xml";
-  const auto traffic = open(vehicle("a", 0, "Wi Eo"));
-  traffic->step();
-  EXPECT_FALSE(std::filesystem::exists(options_.fcd_output));
-  traffic->close();
-  EXPECT_TRUE(std::filesystem::exists(options_.fcd_output));
-  EXPECT_TRUE(std::filesystem::exists(options_.tripinfo_output));
-  EXPECT_FALSE(std::filesystem::exists(options_.fcd_output + ".part"));
-}
-
-TEST_F(SumoTrafficTest, ARunThatIsGivenUpLeavesNoFile) {
-  options_.fcd_output = directory_ / "fcd.xml";
-  options_.tripinfo_output = directory_ / "tripinfo.xml";
-  open(vehicle("a", 0, "Wi Eo"))->step();
-  for (const auto& entry : std::filesystem::directory_iterator(directory_ / "")) {
-    EXPECT_THAT(entry.path().filename().string(), MatchesRegex("test\\..*"));
-  }
-}
-
-/// Everything a run of 100 s shows, in one line per vehicle and step.
-std::string transcript(const SumoOptions& options) {
-  const auto traffic = open_sumo(options);
-  std::string text;
-  while (traffic->time() < 100.0) {
-    traffic->step();
-    if (find(*traffic, "W-straight.0") != nullptr && traffic->time() < 30.0) {
-      traffic->take_over("W-straight.0");
-      Pose pose = at(*traffic, "W-straight.0").pose;
-      pose.x += 0.7;
-      traffic->place("W-straight.0", pose, 7.0);
-    } else {
-      traffic->hand_back("W-straight.0");
-    }
-    text += std::to_string(traffic->time()) + '\n';
-    for (const VehicleState& v : traffic->vehicles()) {
-      text += v.id + ' ' + v.type + ' ' + v.lane;
-      for (const double x :
-           {v.pose.x, v.pose.y, v.pose.theta, v.speed, v.speed_factor, v.lane_position}) {
-        text += ' ' + std::to_string(x);
-      }
-      text += '\n';
-    }
-  }
-  traffic->close();
-  return text;
-}
-
-TEST(SumoTraffic, ASeparateProcessGivesTheSameFigures) {
-  SumoOptions options;
-  options.configuration = project_file("scenarios/crossroads/crossroads.sumocfg");
-  options.seed = 7;
-  const std::string inside = transcript(options);
-  options.separate_process = true;
-  const std::string outside = transcript(options);
-  EXPECT_GT(inside.size(), 10000U);
-  EXPECT_TRUE(inside == outside);
-  options.seed = 8;
-  EXPECT_FALSE(inside == transcript(options));
-}
-
-/// The only child of this process.
-pid_t child() {
-  pid_t pid = 0;
-  std::ifstream("/proc/self/task/" + std::to_string(getpid()) + "/children") >> pid;
-  return pid;
-}
-
-TEST_F(SumoTrafficTest, TheDeathOfASeparateProcessIsAnErrorOfOurs) {
-  options_.separate_process = true;
-  const auto traffic = open(vehicle("a", 0, "Wi Eo"));
-  traffic->step();
-  ASSERT_GT(child(), 0);
-  kill(child(), SIGKILL);
-  EXPECT_THAT(message_of([&] { traffic->step(); }),
-              MatchesRegex(".*/test\\.sumocfg: SUMO stopped after 0\\.10 s: .*"));
-  EXPECT_THAT(message_of([&] { traffic->step(); }), HasSubstr("SUMO stopped"));
-}
-
-TEST_F(SumoTrafficTest, ASeparateProcessEndsWithTheTraffic) {
-  options_.separate_process = true;
-  pid_t pid = 0;
-  {
-    const auto traffic = open(vehicle("a", 0, "Wi Eo"));
-    traffic->step();
-    pid = child();
-    ASSERT_GT(pid, 0);
-  }
-  EXPECT_NE(kill(pid, 0), 0);
-}
-
-// ---- What SUMO has against a scenario is said in one line, and nowhere else. ----
-
-TEST_F(SumoTrafficTest, AnUnknownEdgeIsNamed) {
-  testing::internal::CaptureStderr();
-  EXPECT_THAT(error_of(vehicle("a", 0, "Wi Atlantis")),
-              MatchesRegex(".*/test\\.sumocfg: SUMO does not start: .*Atlantis.*; correct the "
-                           "scenario or SUMO's options"));
-  EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
-}
-
-TEST_F(SumoTrafficTest, AnUnknownEdgeIsNamedBySeparateProcessesToo) {
-  options_.separate_process = true;
-  testing::internal::CaptureStdout();
-  EXPECT_THAT(error_of(vehicle("a", 0, "Wi Atlantis")),
-              MatchesRegex(".*/test\\.sumocfg: SUMO .*Atlantis.*; correct the .*"));
-  EXPECT_EQ(testing::internal::GetCapturedStdout(), "");
-}
-
-TEST_F(SumoTrafficTest, AnErrorLateInTheRoutesEndsTheRunWithoutFiles) {
-  options_.fcd_output = directory_ / "fcd.xml";
-  testing::internal::CaptureStderr();
-  EXPECT_THAT(error_of(vehicle("a", 0, "Wi Eo") + vehicle("b", 500, "Wi Eo") +
-                           vehicle("c", 900, "Wi Atlantis"),
-                       9000),
-              MatchesRegex(".*/test\\.sumocfg: SUMO stopped after .* s: .*Atlantis.*"));
-  EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
-  EXPECT_FALSE(std::filesystem::exists(options_.fcd_output));
-  EXPECT_FALSE(std::filesystem::exists(options_.fcd_output + ".part"));
-}
-
-TEST_F(SumoTrafficTest, ARouteWithoutConnectionIsNamed) {
-  EXPECT_THAT(error_of(vehicle("a", 0.5, "Wi Wo"), 20),
-              MatchesRegex(".*/test\\.sumocfg: SUMO .*No connection between edge 'Wi' and edge "
-                           "'Wo'.*"));
-}
-
-TEST_F(SumoTrafficTest, BrokenRoutesAreAnError) {
-  EXPECT_THAT(error_of("<vehicle"), MatchesRegex(".*/test\\.sumocfg: SUMO does not start: .*"));
-}
-
-TEST_F(SumoTrafficTest, UnwritableOutputsAreNamedBeforeSumoStarts) {
-  options_.fcd_output = "/nowhere/fcd.xml";
-  EXPECT_THAT(error_of(""), MatchesRegex("/nowhere/fcd\\.xml: cannot be written \\(No such file or "
-                                         "directory\\); choose another directory"));
-  options_.fcd_output = directory_ / "";
-  EXPECT_THAT(error_of(""), MatchesRegex(".*: is a directory; give .*"));
-  options_.fcd_output = directory_ / "12:30.xml";
-  EXPECT_THAT(error_of(""), MatchesRegex(".*/12:30\\.xml: SUMO takes a path with a colon .*"));
-}
-
-TEST_F(SumoTrafficTest, MoreOptionsOfSumoAreGivenOn) {
-  options_.extra = {"--step-length", "0.5"};
-  EXPECT_DOUBLE_EQ(open("")->step_length(), 0.5);
-}
-
-TEST_F(SumoTrafficTest, OptionsThatAreOursAreRefused) {
-  for (const char* option : {"--seed", "--time-to-teleport", "--help", "-n", "--fcd-output=x"}) {
-    options_.extra = {option, "1"};
-    EXPECT_THAT(error_of(""), MatchesRegex("SUMO option -[^=]*: this program sets .*")) << option;
-  }
-  options_.extra = {"--no-such-option", "1"};
-  EXPECT_THAT(error_of(""), HasSubstr("No option with the name 'no-such-option' exists."));
-}
-
-TEST(SumoTraffic, KnowsItsVersion) { EXPECT_THAT(sumo_version(), MatchesRegex("SUMO [0-9.]+.*")); }
 
 }  // namespace
 }  // namespace mvtp
