@@ -35,5 +35,11 @@ TEST(GridDistance, IsInfiniteWhereNoWayLeads) {
   EXPECT_TRUE(std::isinf(GridDistance(grid_over(map), {15.5, 2.5}).at(4.5, 2.5)));
 }
 
+TEST(GridDistance, TheBorderBelongsToTheMap) {
+  const GridDistance distance(grid_over({.width = 40, .height = 30}), {40.0, 30.0});
+  EXPECT_NEAR(distance.at(30.5, 29.5), 9.0, 1e-4);
+  EXPECT_NEAR(distance.at(40.0, 20.5), 9.0, 1e-4);
+}
+
 }  // namespace
 }  // namespace mvtp

@@ -243,6 +243,12 @@ INSTANTIATE_TEST_SUITE_P(
                 "map.bounds: is \"body\"; choose axle or footprint"},
         BadCase{"Anchor", "[30, 5, 0]", "&a [30, 5, 0]",
                 "line 5, column 12: anchors and aliases are not supported; write the value out"},
+        BadCase{"AnchorOfNothing", "[30, 5, 0]", "&a ~",
+                "line 5, column 12: anchors and aliases are not supported; write the value out"},
+        BadCase{
+            "LongText", "30, 5, 0", "30, a23456789b23456789c23456789d23456789e23456789f, 0",
+            "agents[1].start[1]: is \"a23456789b23456789c23456789d23456789e234...\"; give a finite "
+            "number [m]"},
         BadCase{"Tag", "[30, 5, 0]", "!!python/object [30, 5, 0]",
                 "line 5, column 12: the tag \"tag:yaml.org,2002:python/object\" is not supported; "
                 "remove it"},

@@ -29,6 +29,10 @@ class Departures : public testing::Test {
     return motion_.trajectory_after(2, 0, std::vector<Arc>(300, Arc{0.1, 0.0}));
   }
 
+  [[nodiscard]] ArcTrajectory standing(int i, const Pose& pose) const {
+    return {motion_.robot(i).car->vehicle(), pose, {}, scene_.time.macro_step};
+  }
+
   JointScene scene_;
   JointMotion motion_;
 };
@@ -94,6 +98,32 @@ TEST(Clearance, KnowsNothingIfTheTimeRunsOut) {
   const Obstacles obstacles(map, 4.0);
   EXPECT_GT(Clearance(map, obstacles).at(5, 5), 5.0F);
   EXPECT_EQ(Clearance(map, obstacles, Deadline::in(0)).at(5, 5), 0.0F);
+}
+
+TEST_F(Departures, AConflictEndsWithTheRobotThatHasIt) {
+  motion_.place(0, standing(0, {3, 5, 0}));
+  motion_.place(1, standing(1, {4, 5, 0}));
+  EXPECT_TRUE(motion_.in_conflict(0, 1));
+  EXPECT_EQ(motion_.cost(), 1.0);
+  motion_.remove(1);
+  EXPECT_FALSE(motion_.in_conflict(0, 1));
+  EXPECT_THAT(motion_.conflicts(), IsEmpty());
+  EXPECT_EQ(motion_.cost(), 0.0);
+}
+
+TEST_F(Departures, APlanForAllTakesThePlaceOfTheOneBefore) {
+  const ArcTrajectory third = standing(2, {3, 25, 0});
+  motion_.place_all({standing(0, {3, 5, 0}), standing(1, {4, 5, 0}), third});
+  EXPECT_EQ(motion_.conflicts().size(), 1U);
+  motion_.place_all({standing(0, {3, 5, 0}), standing(1, {3, 15, 0}), third});
+  EXPECT_THAT(motion_.conflicts(), IsEmpty());
+}
+
+TEST_F(Departures, ASearchSeesPairsAtTheirWeights) {
+  motion_.place(1, standing(1, {3, 15, 0}));
+  motion_.set_weight(0, 1, 3.0F);
+  EXPECT_EQ(motion_.others(0, 10.0).soft_costs[1], 30.0F);
+  EXPECT_EQ(motion_.others(0, 10.0).soft_costs[2], 10.0F);
 }
 
 }  // namespace

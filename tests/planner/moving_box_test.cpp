@@ -120,6 +120,21 @@ TEST(MovingBox, SweptBoxesContainTheMotion) {
   }
 }
 
+//   Left, right, and straight on: seen along the middle, the first arc bulges beyond both its ends.
+TEST(MovingBox, SweptBoxesContainTheBulgeOfAnArc) {
+  const Vehicle dot{.front = 0.01, .rear = 0.01, .width = 0.02, .min_turning_radius = 2.5};
+  const BoxShape shape = box_shape(dot, 1.0);
+  const std::vector<Arc> arcs = {{1.0, 0.4}, {1.0, -0.2}, {1.0, 0.0}, {1.0, 0.0}};
+  for (int k = 0; k < 32; ++k) {
+    Pose pose{0.0, 0.0, -0.2 + k * 0.2};
+    const BoxPose middle = box_pose(dot, drive(pose, {0.5, 0.4}));
+    std::vector<BoxPose> boxes = {box_pose(dot, pose)};
+    for (const Arc& arc : arcs) boxes.push_back(box_pose(dot, pose = drive(pose, arc)));
+    const SweptBox swept = swept_box(boxes.data(), shape, int(arcs.size()));
+    EXPECT_FALSE(apart(swept, {middle, 1e-4F, 1e-4F})) << k;
+  }
+}
+
 //   Bumper to bumper: a touch is no overlap, three millimetres are one.
 TEST(MovingBox, TouchingIsAllowed) {
   BoxShape shape = box_shape(kCar, kDt);

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -139,6 +140,28 @@ TEST(PlanBySampling, NeedsNoPathToWhereItStands) {
   const auto path = plan_by_sampling({3, 4, kPi}, {3, 4, -kPi}, 3.0, {40, 30}, {}, free);
   ASSERT_TRUE(path);
   EXPECT_TRUE(path->empty());
+}
+
+//   A wall that only the motion across it meets, with a gap at its upper end.
+TEST(PlanBySampling, AsksForArcsAndNotOnlyForPlaces) {
+  const Pose start{10.0, 5.0, 0.0};
+  const Pose goal{30.0, 5.0, 0.0};
+  const ArcCheck free = [](const Pose& from, const Arc& arc) {
+    const Pose to = drive(from, arc);
+    const bool crosses = (from.x < 20.0) != (to.x < 20.0);
+    return std::abs(arc.length) <= kLongestPiece && (!crosses || std::min(from.y, to.y) > 8.0);
+  };
+  const auto path = plan_by_sampling(start, goal, kCar.min_turning_radius, {40, 30}, {}, free);
+  ASSERT_TRUE(path);
+  expect_drives(*path, start, goal, free);
+}
+
+TEST(PlanBySampling, TheGroundBeginsAtItsBorder) {
+  const ArcCheck free = [](const Pose&, const Arc& arc) {
+    return std::abs(arc.length) <= kLongestPiece;
+  };
+  const Pose start{0.5, 0.5, 0.0};
+  EXPECT_TRUE(plan_by_sampling(start, {20, 5, 0}, kCar.min_turning_radius, {40, 30}, {}, free));
 }
 
 }  // namespace

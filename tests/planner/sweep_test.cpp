@@ -263,5 +263,24 @@ TEST(Sweep, MovedToAPoseIsTheSweepFromThere) {
   }
 }
 
+//   Round a circle of 3 m, and back to its begin.
+TEST(Extents, OfAWholeCircleAreThoseOfTheCircle) {
+  constexpr double kRadius = 3.0;
+  const Pose from{10.0, 20.0, 0.8};
+  const Pose middle = compose(from, {0.0, kRadius, 0.0});
+  const Extent extent = axle_extent(from, {2.0 * std::numbers::pi * kRadius, 1.0 / kRadius});
+  EXPECT_NEAR(extent.min_x, middle.x - kRadius, 1e-9);
+  EXPECT_NEAR(extent.min_y, middle.y - kRadius, 1e-9);
+  EXPECT_NEAR(extent.max_x, middle.x + kRadius, 1e-9);
+  EXPECT_NEAR(extent.max_y, middle.y + kRadius, 1e-9);
+}
+
+TEST(Segment, OfNoLengthIsItsPoint) {
+  const OrientedBox box = footprint(kCar, {0.0, 0.0, 0.4});
+  const Point p{6.0, 2.0};
+  EXPECT_EQ(separation(segment(p, p), box), separation(box, OrientedBox{p.x, p.y, 1.0, 0.0}));
+  EXPECT_DOUBLE_EQ(segment({1.0, 2.0}, {1.0, 3.0}).half_length, 0.5);
+}
+
 }  // namespace
 }  // namespace mvtp

@@ -265,5 +265,11 @@ TEST(Validate, TheRearAxleStaysInsideTheMap) {
   EXPECT_NEAR(scene.judge()[0].amount, 0.2, 1e-9);
 }
 
+TEST(Validate, StandingBeyondTheBorderIsOneViolationUntilTheCarIsBack) {
+  Scene scene;
+  scene.add("a", {47.4, 10, 0}, {{0.3, 0}, {0, 0}, {0, 0}, {0.1, 0}});
+  EXPECT_THAT(scene.broken(), ElementsAre(Rule::kBounds));
+}
+
 }  // namespace
 }  // namespace mvtp
