@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "coordinator/coordinator.hpp"
@@ -9,6 +10,7 @@
 namespace mvtp {
 namespace {
 
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kBeforeCrossing = 0.4;  ///< [m] before a line who waits leaves to people there
 constexpr double kLeastShare = 0.5;      ///< of its acceleration, however it comes onto its path
 constexpr double kWholeShare = 0.99;     ///< from here on it uses all of it
@@ -56,7 +58,9 @@ std::vector<EntryLane> entry_lanes(const Corridor& corridor, const Predictor& pr
   };
   for (std::size_t i = 0; i <= last; ++i) {
     const CorridorPiece& piece = corridor.course.pieces[i];
-    enter(piece.lane, i, -std::numeric_limits<double>::infinity());
+    // Inside a junction without conflicts it is a leader still.
+    if (i > 0 && predictor.exit_root(piece.lane).lane == LaneGraph::kNone) continue;
+    enter(piece.lane, i, i == 0 ? -kInfinity : corridor.stations[i]);
     if (piece.target == LaneGraph::kNone) continue;
     enter(piece.target, i, corridor.stations[i] + piece.begin * corridor.scales[i]);
   }

@@ -63,6 +63,62 @@ TEST_P(HandBackBeside, WhoComesOverTouchesNobody) {
   }
 }
 
+/// A road from west to east with a crossroads at its begin and one at its end, where vehicles
+/// turn slowly, and between them a node without conflicts.
+NetworkShape seam_between_crossroads(double seam, double apart) {
+  NetworkShape shape{.name = "seam_between_crossroads"};
+  NetworkMaker maker;
+  maker.node("W", {-150.0, 0.0}, 0.0);
+  maker.node("A", {0.0, 0.0}, 12.0);
+  maker.node("D", {seam, 0.0}, 2.0);
+  maker.node("B", {apart, 0.0}, 12.0);
+  for (const std::string at : {"A", "B"}) {
+    const double x = at == "A" ? 0.0 : apart;
+    maker.node("S" + at, {x, -150.0}, 0.0);
+    maker.node("N" + at, {x, 150.0}, 0.0);
+    maker.one_way("S" + at, at);
+    maker.one_way(at, "N" + at);
+    maker.connect("S" + at + "-" + at + "_0", at + "-N" + at + "_0");
+  }
+  maker.one_way("W", "A");
+  maker.one_way("A", "D");
+  maker.one_way("D", "B");
+  maker.connect("W-A_0", "A-D_0");
+  maker.connect("D-B_0", "B-NB_0");
+  maker.limit_bends(4.0);
+  shape.network = maker.make();
+  return shape;
+}
+
+class HandBackBehind : public testing::TestWithParam<double> {};
+
+/// A car goes on through the next junction and slows down for its turn. The one behind it is handed
+/// back before, its route ends on this road.
+TEST_P(HandBackBehind, WhoIsHandedBackCanFollow) {
+  for (const double seam : {50.0, 70.0, 90.0}) {
+    ClosedLoop run(seam_between_crossroads(seam, 130.0),
+                   {{.id = "ahead",
+                     .depart = 1.0,
+                     .from = "W-A",
+                     .to = "B-NB",
+                     .edges = {"W-A", "A-D", "D-B", "B-NB"},
+                     .at = std::pair(50.0, 13.0)},
+                    {.id = "car",
+                     .depart = 1.0,
+                     .from = "W-A",
+                     .to = "D-B",
+                     .edges = {"W-A", "A-D", "D-B"},
+                     .at = std::pair(50.0 - GetParam(), 13.0)}});
+    run.run_until(120.0);
+    EXPECT_EQ(run.traffic.arrived(), 2) << seam;
+    EXPECT_EQ(run.audit.figures().hard_brakings_after_handback, 0) << seam;
+    EXPECT_EQ(run.broken, std::vector<std::string>{}) << seam;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Distances, HandBackBehind,
+                         testing::Values(13.0, 15.0, 17.0, 20.0, 23.0, 26.0));
+
 INSTANTIATE_TEST_SUITE_P(Offsets, HandBackBeside,
                          testing::Values(-1.0, -0.6, -0.3, 0.0, 0.3, 0.6, 0.9, 1.2, 1.5, 1.8, 2.2,
                                          2.6, 3.0));
