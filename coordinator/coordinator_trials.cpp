@@ -290,8 +290,9 @@ std::vector<Forecast> Coordinator::predict_one(const VehicleState& v,
   std::vector<Forecast> forecasts =
       predictor_.predict(v, query, type_of(v.type).body, intent, time_at_stop(v), grid_,
                          step_ - std::int64_t(std::lround(v.age / grid_.dt)));
-  if (gate_.holds_guest(v.id)) return forecasts;
-  for (Forecast& f : forecasts) f.held.reset();  // it is taken over as soon as it has a plan
+  // Mostly it is taken over as soon as it has a plan.
+  if (gate_.holds_guest(v.id) || is_impatient(v.id)) return forecasts;
+  for (Forecast& f : forecasts) f.held.reset();
   return forecasts;
 }
 

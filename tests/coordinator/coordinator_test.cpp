@@ -173,6 +173,34 @@ TEST(Coordinator, StopsBehindACarThatBreaksDownAfterItsHandBack) {
   EXPECT_EQ(run.traffic.arrived(), 1);  // d; b and c wait behind a
 }
 
+/// A car whose exit is closed by a cyclist waits at its line, turned away by every decision.
+TEST(Coordinator, WhoWasTurnedAwayForLongIsNotExpectedToLeave) {
+  FakeTrip cyclist{"cyclist", 0.0, "E_out", "E_out", "bike"};
+  cyclist.at = std::pair(4.0, 0.0);
+  cyclist.stop = FakeStop{"E_out_0", 6.0, 1000.0};
+  std::vector<FakeTrip> trips = {cyclist, {"waits", 0.0, "W_in", "E_out"}};
+  for (int i = 0; i < 20; ++i) {
+    trips.push_back({"crosses" + std::to_string(i), 3.0 * i, "S_in", "N_out"});
+  }
+  ClosedLoop run(trips);
+  int waits_long = 0;
+  double stands_since = 1e9;
+  while (run.traffic.time() < 60.0) {
+    run.step();
+    const auto car = std::ranges::find(run.traffic.vehicles(), "waits", &VehicleState::id);
+    if (car == run.traffic.vehicles().end() || car->speed > 0.1) continue;
+    stands_since = std::min(stands_since, run.traffic.time());
+    ASSERT_FALSE(run.coordinator.drives("waits"));
+    if (run.traffic.time() < stands_since + 6.0 || run.coordinator.driven().empty()) continue;
+    ++waits_long;
+    const RoadScene scene = run.coordinator.scene();
+    const bool is_held =
+        std::ranges::any_of(scene.forecasts, [](const Forecast& f) { return f.held.has_value(); });
+    ASSERT_TRUE(is_held) << run.traffic.time();
+  }
+  EXPECT_GT(waits_long, 100);
+}
+
 TEST(Coordinator, TheSameSeedGivesTheSameRun) {
   ClosedLoop a(random_trips(500.0, 60.0, 5));
   ClosedLoop b(random_trips(500.0, 60.0, 5));
