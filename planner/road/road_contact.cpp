@@ -214,9 +214,11 @@ RoadPairs::RoadPairs(const RoadScene& scene)
       const RoadVehicle& b = scene.forecasts[f].vehicle;
       const RoadContact& contact = forecasts_.emplace_back(scene, a, b, scene.reaction);
       if (contact.never()) continue;
+      if (!contact.is_ahead(a.now, b.now)) continue;
+      // Who has only a part of it in his path follows it if he can still stop behind it.
       follows_[i * scene.forecasts.size() + f] =
-          contact.is_ahead(a.now, b.now) &&
-          (scene.forecasts[f].yields || drives_ahead(scene, a, b));
+          drives_ahead(scene, a, b) ||
+          (scene.forecasts[f].yields && !contact.touch_braking(a.now, b.now, false));
     }
   }
 }

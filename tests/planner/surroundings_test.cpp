@@ -278,5 +278,52 @@ TEST_F(HeldDriver, WhoComesAcrossDoesNotCountOnHimToLeave) {
 TEST_F(HeldDriver, WhoIsBehindHimWaitsForHim) { EXPECT_TRUE(has_plan(1, 60.0, /*is_held=*/true)); }
 TEST_F(HeldDriver, WhoIsNotHeldLeaves) { EXPECT_TRUE(has_plan(0, 60.0, /*is_held=*/false)); }
 
+//   A vehicle comes over from the next lane into that of a driver.
+class ComesOver : public Crossing {
+ protected:
+  ComesOver() {
+    path_ = library.add(
+        ReferencePath(std::vector<Point>{{-100, -3.2}, {-18, -3.2}, {18, 0.0}, {100, 0.0}}), kCar);
+  }
+
+  /// Do their bodies touch if both brake now as hard as they can?
+  [[nodiscard]] bool touch_braking(const RoadVehicle& a, const RoadVehicle& b) const {
+    const auto at = [](const RoadVehicle& v, double t) {
+      const double braked = std::min(t, v.now.v / kCar.max_decel);
+      return v.now.s + v.now.v * braked - 0.5 * kCar.max_decel * braked * braked;
+    };
+    for (double t = 0.0; t < 4.0; t += 0.05) {
+      if (bodies_touch(a, at(a, t), b, at(b, t))) return true;
+    }
+    return false;
+  }
+
+  int path_ = 0;
+};
+
+TEST_F(ComesOver, WhoCannotStopBehindItDoesNotFollowIt) {
+  int follow = 0;
+  int cannot_stop = 0;
+  for (double s = 80.0; s <= 125.0; s += 1.0) {
+    for (double other = 50.0; other < s; other += 1.0) {
+      for (const double v : {2.0, 6.0, 13.0}) {
+        scene.vehicles.clear();
+        const RoadVehicle driver = add(0, other, v);
+        scene.vehicles.clear();
+        const RoadVehicle vehicle = add(path_, s, 1.0);
+        scene.forecasts = {{.vehicle = driver, .trajectory = {.states = {driver.now}}}};
+        const bool in_lane = drives_ahead(library, {path_, s}, {0, other});
+        const bool follows = RoadPairs(scene).follows(0, 0);
+        follow += follows && !in_lane ? 1 : 0;
+        if (in_lane || !touch_braking(vehicle, driver)) continue;
+        ++cannot_stop;
+        EXPECT_FALSE(follows) << s << ' ' << other << ' ' << v;
+      }
+    }
+  }
+  EXPECT_GT(follow, 100);
+  EXPECT_GT(cannot_stop, 100);
+}
+
 }  // namespace
 }  // namespace mvtp
