@@ -40,6 +40,7 @@ std::vector<RoadStepWorld::Motion> RoadStepWorld::candidates(int i, const State&
   const WaitTest wait(pairs_, v, complete_.entries, options_);
   const std::int64_t then = scene().step + scene().grid.steps_per_decision;
   std::vector<Motion> clear;
+  std::vector<Motion> inside;  // clear, but where nobody is to come to rest
   std::vector<Motion> blocking;
   for (const double a :
        {body.max_accel, 0.5 * body.max_accel, 0.0, -0.5 * body.max_decel, -body.max_decel}) {
@@ -51,9 +52,11 @@ std::vector<RoadStepWorld::Motion> RoadStepWorld::candidates(int i, const State&
     if (a > -body.max_decel && !wait.leaves_passages_free(then, m.to)) continue;
     const double rest = m.to.s + stopping_distance(m.to.v, body.max_decel);
     const bool keeps_clear =
-        wait.can_wait(then, m.to) && (complete_plans_ || is_clear_of_earlier(i, rest));
-    (keeps_clear ? clear : blocking).push_back(m);
+        wait.stands_clear(then, m.to) &&
+        (complete_plans_ ? is_clear_of_those_inside(i, rest) : is_clear_of_earlier(i, rest));
+    (!keeps_clear ? blocking : wait.can_wait(then, m.to) ? clear : inside).push_back(m);
   }
+  clear.insert(clear.end(), inside.begin(), inside.end());
   clear.insert(clear.end(), blocking.begin(), blocking.end());
   return clear;
 }
@@ -68,6 +71,18 @@ bool RoadStepWorld::is_clear_of_earlier(int i, double rest) const {
     if (contact.table().blocks(rest, other.now.s, other.s_end)) return false;
   }
   return true;
+}
+
+/// Does it rest off all that those who are beyond a line, and have lost their plans, have still
+/// before them? Two that creep on stand nose to nose for ever.
+bool RoadStepWorld::is_clear_of_those_inside(int i, double rest) const {
+  return std::ranges::none_of(near(i), [&](int j) {
+    const RoadVehicle& other = vehicle(j);
+    const bool is_beyond = !other.stop_lines.empty() && other.stop_lines.front() < other.now.s;
+    if (!is_beyond || complete_.find(other.key) != nullptr) return false;
+    const ContactView contact = pairs_.between(std::size_t(i), std::size_t(j));
+    return contact.table().blocks(rest, other.now.s, other.s_end);
+  });
 }
 
 RoadStepWorld::Motion RoadStepWorld::safe_stop(int i, const State& state) const {

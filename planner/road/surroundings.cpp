@@ -78,7 +78,11 @@ bool Surroundings::can_wait(std::int64_t k, const InertialState& state) const {
   const bool will_be_closed = std::ranges::any_of(closed_, [&](const ClosedStretch& c) {
     return c.end > k && rest >= c.from && state.s <= c.to;
   });
-  if (will_be_closed) return false;
+  return !will_be_closed && stands_clear(k, state);
+}
+
+bool Surroundings::stands_clear(std::int64_t k, const InertialState& state) const {
+  const double rest = state.s + stopping_distance(state.v, body_.max_decel);
   for (std::size_t o = 0; o < others_.size(); ++o) {
     if (!stretches_[o].overlaps(state.s, rest)) continue;
     const Other& other = others_[o];

@@ -30,6 +30,9 @@ class Surroundings {
   /// Could the vehicle brake from `state` at step k and then stand clear of all planned futures?
   [[nodiscard]] bool can_wait(std::int64_t k, const InertialState& state) const;
 
+  /// The same wherever that is: where it is not allowed to come to rest, too.
+  [[nodiscard]] bool stands_clear(std::int64_t k, const InertialState& state) const;
+
   /// The same with nobody but drivers who do not yield: where it stands they would run into it.
   [[nodiscard]] bool leaves_passages_free(std::int64_t k, const InertialState& state) const;
 

@@ -318,6 +318,10 @@ bool WaitTest::can_wait(std::int64_t k, const InertialState& state) const {
   return impl_->all.can_wait(k, state);
 }
 
+bool WaitTest::stands_clear(std::int64_t k, const InertialState& state) const {
+  return impl_->all.stands_clear(k, state);
+}
+
 bool WaitTest::leaves_passages_free(std::int64_t k, const InertialState& state) const {
   return impl_->forecasts.leaves_passages_free(k, state);
 }

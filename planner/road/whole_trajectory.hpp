@@ -87,6 +87,8 @@ class WaitTest {
 
   /// Could the vehicle brake from `state` at step k and then stand clear of all planned futures?
   [[nodiscard]] bool can_wait(std::int64_t k, const InertialState& state) const;
+  /// The same wherever that is: where it is not allowed to come to rest, too.
+  [[nodiscard]] bool stands_clear(std::int64_t k, const InertialState& state) const;
   /// The same with nobody but drivers who do not yield.
   [[nodiscard]] bool leaves_passages_free(std::int64_t k, const InertialState& state) const;
   /// Is the decision of now, and braking after it, free of contact with all forecasts?

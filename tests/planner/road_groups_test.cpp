@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "planner/road/road_escot.hpp"
+#include "planner/road/road_world.hpp"
 #include "tests/planner/crossing_fixture.hpp"
 
 namespace mvtp {
@@ -144,6 +145,31 @@ TEST_F(WithoutAPlan, NobodyIsPlannedThroughTheBodyOfOneThatBrakes) {
           << i << " and " << j;
     }
   }
+}
+
+//   Two who have lost their plans beyond their lines, where nobody is to come to rest. Were the
+//   first to creep on, the two would stand nose to nose.
+TEST_F(WithoutAPlan, NobodyCreepsOnBeforeOneWhoIsInsideToo) {
+  add(0, 94.5, 1.5);
+  add(1, 94.0, 0.0);
+  for (RoadVehicle& v : scene.vehicles) v.no_waiting = {{80.0, 115.0}};
+  const auto first_choice = [&](double line, bool has_plan) {
+    scene.vehicles[1].stop_lines = {line};
+    const RoadPairs pairs(scene);
+    JointPlan complete;
+    if (has_plan) {
+      complete.entries.push_back(
+          {1, std::make_shared<SpeedProfile>(*plan_vehicle(pairs, scene.vehicles[1], {}, {}))});
+    }
+    const WholeTrajectoryOptions options;
+    return RoadStepWorld(pairs, complete, options)
+        .candidates(0, scene.vehicles[0].now)
+        .front()
+        .acceleration;
+  };
+  EXPECT_LT(first_choice(80.0, /*has_plan=*/false), 0.0);
+  EXPECT_LT(first_choice(80.0, /*has_plan=*/true), 0.0);
+  EXPECT_GT(first_choice(99.0, /*has_plan=*/false), 0.0);  // waits at its line
 }
 
 TEST_F(WithoutAPlan, OthersOfItsGroupKeepTheirPlans) {
