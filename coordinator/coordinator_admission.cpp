@@ -29,21 +29,6 @@ std::vector<double> lines_beside_people(const std::vector<double>& stops) {
   return lines;
 }
 
-/// Between each line and where its tail has left the junction, people cross: nobody waits there.
-std::vector<std::pair<double, double>> inside_junctions(const Corridor& corridor, double length) {
-  constexpr double kRounding = 0.05;  // [m] of where it waits before the line
-  constexpr double kLong = 25.0;      // [m] of junction, where another one follows
-  std::vector<std::pair<double, double>> inside;
-  for (std::size_t i = 0; i < corridor.stops.size(); ++i) {
-    const double line = corridor.stops[i];
-    const bool is_last = i + 1 == corridor.stops.size();
-    const double out = is_last ? corridor.s_exit + length
-                               : std::min(line + kLong + length, corridor.stops[i + 1] - 1.0);
-    inside.emplace_back(line - kBeforeCrossing + kRounding, out);
-  }
-  return inside;
-}
-
 /// The lanes before the first line on which it is a leader of those who leave another junction.
 std::vector<EntryLane> entry_lanes(const Corridor& corridor, const Predictor& predictor,
                                    double length) {
@@ -125,7 +110,7 @@ Driven Coordinator::admit(const Newcomer& newcomer, std::int64_t key) {
   road.min_gap = type.min_gap;
   road.tau = type.tau;
   road.stop_lines = people_ ? lines_beside_people(c.stops) : c.stops;
-  if (heads_) road.no_waiting = inside_junctions(c, type.body.length());
+  if (heads_) road.no_waiting = inside_junctions(c, type.body.length(), kBeforeCrossing);
   road.asks_again = humans_ != nullptr;  // the further they are, the less is uncertain of drivers
   road.entry_lanes = entry_lanes(c, predictor_, type.body.length());
   road.exit_lane = c.exit_lane;

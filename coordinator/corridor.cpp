@@ -365,4 +365,19 @@ std::string CorridorMap::why_not(const ReferencePath& path, const Vehicle& body,
   return {};
 }
 
+std::vector<std::pair<double, double>> inside_junctions(const Corridor& corridor, double length,
+                                                        double before) {
+  constexpr double kRounding = 0.05;  // [m] of where it waits before the line
+  constexpr double kLong = 25.0;      // [m] of junction, where another one follows
+  std::vector<std::pair<double, double>> inside;
+  for (std::size_t i = 0; i < corridor.stops.size(); ++i) {
+    const double line = corridor.stops[i];
+    const bool is_last = i + 1 == corridor.stops.size();
+    const double out = is_last ? corridor.s_exit + length
+                               : std::min(line + kLong + length, corridor.stops[i + 1] - 1.0);
+    inside.emplace_back(line - before + kRounding, out);
+  }
+  return inside;
+}
+
 }  // namespace mvtp

@@ -54,6 +54,11 @@ struct CorridorLimits {
   Reservation reservation = Reservation::kNone;  ///< on coordinated junctions
 };
 
+/// From `before` [m] ahead of each stop line until the tail of a vehicle has left the junction,
+/// from and to [m] of its rear axle: who waits there blocks people, or others at the next green.
+[[nodiscard]] std::vector<std::pair<double, double>> inside_junctions(const Corridor& corridor,
+                                                                      double length, double before);
+
 /// The corridors in use, each made when it is first asked for.
 class CorridorMap {
  public:

@@ -31,21 +31,6 @@ double least_time(double distance, double v, double accel, double limit) {
   return (limit - v) / accel + (distance - speeding_up) / limit;
 }
 
-/// From each stop line until the tail has left the junction: who waits there blocks others at the
-/// next green.
-std::vector<std::pair<double, double>> inside_junctions(const Corridor& corridor, double length) {
-  constexpr double kLong = 25.0;  // [m] of junction, where another one follows
-  std::vector<std::pair<double, double>> inside;
-  for (std::size_t i = 0; i < corridor.stops.size(); ++i) {
-    const double stop = corridor.stops[i];
-    const bool is_last = i + 1 == corridor.stops.size();
-    const double out = is_last ? corridor.s_exit + length
-                               : std::min(stop + kLong + length, corridor.stops[i + 1] - 1.0);
-    inside.emplace_back(stop + kRounding, out);
-  }
-  return inside;
-}
-
 /// Does it let one go, after others?
 bool is_permissive(char light) { return !is_protected(light) && !is_red(light) && light != 'y'; }
 
@@ -267,7 +252,7 @@ void GreenLanes::close(RoadVehicle& vehicle, int corridor, const VehicleType& ty
   }
   vehicle.asks_again |= !vehicle.closed.empty();
   if (!vehicle.closed.empty() && vehicle.no_waiting.empty()) {
-    vehicle.no_waiting = inside_junctions(c, type.body.length());
+    vehicle.no_waiting = inside_junctions(c, type.body.length(), 0.0);
   }
 }
 

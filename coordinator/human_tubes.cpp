@@ -79,8 +79,7 @@ bool HumanDrivers::awaits(const Agent& agent, const Agent& other) const {
 
 /// Inside the junction it goes before those for whom it does not wait, also if they come after all.
 void HumanDrivers::pass_before_who_waits(Agent& agent) const {
-  if (!agent.inside) agent.goes_before.clear();
-  if (!agent.inside || !phases_) return;
+  if (!agent.inside) return agent.goes_before.clear();
   for (const auto& [id, other] : agents_) {
     if (yields_to(agent.links, other.links) && !awaits(agent, other)) agent.goes_before.insert(id);
   }

@@ -1,7 +1,6 @@
 #include "planner/road/known_plans.hpp"
 
 #include <algorithm>
-#include <functional>
 
 namespace mvtp {
 
@@ -40,13 +39,9 @@ KnownPlans::Before KnownPlans::those_met(const RoadVehicle& vehicle,
 }
 
 KnownPlans::Plan KnownPlans::unique(std::int64_t key, SpeedProfile plan) {
-  const auto same = [](const InertialState& a, const InertialState& b) {
-    return a.s == b.s && a.v == b.v;
-  };
   std::vector<Plan>& motions = motions_[key];
-  const auto known = std::ranges::find_if(motions, [&](const Plan& p) {
-    return p->begin == plan.begin && std::ranges::equal(p->states, plan.states, same);
-  });
+  const auto known = std::ranges::find_if(
+      motions, [&](const Plan& p) { return p->begin == plan.begin && p->states == plan.states; });
   if (known != motions.end()) return *known;
   return motions.emplace_back(std::make_shared<SpeedProfile>(std::move(plan)));
 }

@@ -179,9 +179,7 @@ bool drives_ahead(const RoadScene& scene, const RoadVehicle& a, const RoadVehicl
 bool RoadPairs::matters(std::size_t j, std::size_t i) const {
   const RoadVehicle& a = scene_->vehicles[i];
   const RoadVehicle& b = scene_->vehicles[j];
-  const bool same_exit =
-      a.exit_lane >= 0 && (a.exit_lane == b.exit_lane || b.enters(a.exit_lane));
-  return same_exit || !between(i, j).contact->never() ||
+  return a.exits_with(b) || !between(i, j).contact->never() ||
          !scene_->library->reserved(a.path, b.path).empty();
 }
 

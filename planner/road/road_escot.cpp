@@ -35,11 +35,7 @@ Ahead ahead_of(const RoadScene& scene, const RoadVehicle& v) {
 }
 
 bool may_meet(const PathLibrary& library, const Ahead& a, const Ahead& b) {
-  const auto follows = [](const Ahead& behind, const Ahead& before) {
-    return behind.exit_lane >= 0 &&
-           (behind.exit_lane == before.exit_lane || before.vehicle->enters(behind.exit_lane));
-  };
-  return follows(a, b) || follows(b, a) ||
+  return a.vehicle->exits_with(*b.vehicle) || b.vehicle->exits_with(*a.vehicle) ||
          library.contacts(a.path, b.path).reaches(a.from, a.to, b.from, b.to) ||
          library.reserved(a.path, b.path).reaches(a.from, a.to, b.from, b.to);
 }

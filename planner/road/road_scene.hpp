@@ -95,6 +95,10 @@ struct RoadVehicle {
   [[nodiscard]] bool enters(int lane) const {
     return std::ranges::any_of(entry_lanes, [lane](const EntryLane& e) { return e.lane == lane; });
   }
+  /// Does it leave onto a lane on which the other one may be a leader?
+  [[nodiscard]] bool exits_with(const RoadVehicle& other) const {
+    return exit_lane >= 0 && (exit_lane == other.exit_lane || other.enters(exit_lane));
+  }
 };
 
 /// The gap that the driver of a vehicle wants to the one ahead [m]: what he keeps at rest, his

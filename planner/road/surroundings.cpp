@@ -197,9 +197,7 @@ bool Surroundings::leaves_room(std::int64_t k, const InertialState& state) const
 }
 
 void Surroundings::add(Other other) {
-  const int exit = vehicle_.exit_lane;
-  const bool same_exit =
-      exit >= 0 && (exit == other.vehicle->exit_lane || other.vehicle->enters(exit));
+  const bool same_exit = vehicle_.exits_with(*other.vehicle);
   if (other.reserved) {
     const InertialState then = other.trajectory->at(now_);
     const bool idle =

@@ -8,6 +8,15 @@
 namespace mvtp {
 namespace {
 
+/// At a node of the road from west to east: a road from south to north crosses it.
+void add_cross_road(NetworkMaker& maker, const std::string& at, double x) {
+  maker.node("S" + at, {x, -150.0}, 0.0);
+  maker.node("N" + at, {x, 150.0}, 0.0);
+  maker.one_way("S" + at, at);
+  maker.one_way(at, "N" + at);
+  maker.connect("S" + at + "-" + at + "_0", at + "-N" + at + "_0");
+}
+
 /// Two crossroads on a road of two lanes from west to east. At the second one the left lane leads
 /// to the left only.
 NetworkShape left_lane_ends(double apart) {
@@ -17,14 +26,8 @@ NetworkShape left_lane_ends(double apart) {
   maker.node("A", {0.0, 0.0}, 12.0);
   maker.node("B", {apart, 0.0}, 12.0);
   maker.node("E", {apart + 150.0, 0.0}, 0.0);
-  for (const std::string at : {"A", "B"}) {
-    const double x = at == "A" ? 0.0 : apart;
-    maker.node("S" + at, {x, -150.0}, 0.0);
-    maker.node("N" + at, {x, 150.0}, 0.0);
-    maker.one_way("S" + at, at);
-    maker.one_way(at, "N" + at);
-    maker.connect("S" + at + "-" + at + "_0", at + "-N" + at + "_0");
-  }
+  add_cross_road(maker, "A", 0.0);
+  add_cross_road(maker, "B", apart);
   maker.one_way("W", "A", 2);
   maker.one_way("A", "B", 2);
   maker.one_way("B", "E");
@@ -72,14 +75,8 @@ NetworkShape seam_between_crossroads(double seam, double apart) {
   maker.node("A", {0.0, 0.0}, 12.0);
   maker.node("D", {seam, 0.0}, 2.0);
   maker.node("B", {apart, 0.0}, 12.0);
-  for (const std::string at : {"A", "B"}) {
-    const double x = at == "A" ? 0.0 : apart;
-    maker.node("S" + at, {x, -150.0}, 0.0);
-    maker.node("N" + at, {x, 150.0}, 0.0);
-    maker.one_way("S" + at, at);
-    maker.one_way(at, "N" + at);
-    maker.connect("S" + at + "-" + at + "_0", at + "-N" + at + "_0");
-  }
+  add_cross_road(maker, "A", 0.0);
+  add_cross_road(maker, "B", apart);
   maker.one_way("W", "A");
   maker.one_way("A", "D");
   maker.one_way("D", "B");

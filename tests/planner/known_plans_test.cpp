@@ -25,6 +25,15 @@ class KnownPlansTest : public Crossing {
     }
   }
 
+  /// Of the scene as it is.
+  struct Asked {
+    Asked(const RoadScene& scene, const WholeTrajectoryOptions& options)
+        : pairs(scene), cost(pairs, options, 3.0), plans(pairs, cost, options) {}
+    RoadPairs pairs;
+    JointCost cost;
+    KnownPlans plans;
+  };
+
   WholeTrajectoryOptions options;
 };
 
@@ -34,9 +43,7 @@ TEST_F(KnownPlansTest, AreThoseThatAreFoundAnew) {
   int known_before = 0;
   for (int round = 0; round < 20; ++round) {
     fill(draws);
-    const RoadPairs pairs(scene);
-    const JointCost cost(pairs, options, 3.0);
-    KnownPlans plans(pairs, cost, options);
+    Asked asked(scene, options);
     for (int order = 0; order < 30; ++order) {
       std::vector<std::int64_t> keys = KnownPlansTest::keys();
       for (std::size_t i = keys.size(); i > 1; --i) {
@@ -47,9 +54,10 @@ TEST_F(KnownPlansTest, AreThoseThatAreFoundAnew) {
         const double limit = draws.share() < 0.5 ? kAnyCost : 5.0 + 25.0 * draws.share();
         WorkBudget work{1'000'000};
         const auto plan =
-            plans.plan(scene.vehicle(key), before, {.work = &work, .cost = limit});
+            asked.plans.plan(scene.vehicle(key), before, {.work = &work, .cost = limit});
         known_before += int(work.left == 1'000'000);
-        const auto anew = plan_vehicle(pairs, scene.vehicle(key), before, options, {.cost = limit});
+        const auto anew =
+            plan_vehicle(asked.pairs, scene.vehicle(key), before, options, {.cost = limit});
         ASSERT_EQ(plan != nullptr, anew.has_value());
         if (!plan) break;
         ASSERT_EQ(plan->states, anew->states);
@@ -63,22 +71,18 @@ TEST_F(KnownPlansTest, AreThoseThatAreFoundAnew) {
 TEST_F(KnownPlansTest, NothingIsKnownOfASearchThatRanOutOfWork) {
   add(0, 60.0, 8.0);
   add(1, 60.0, 8.0);
-  const RoadPairs pairs(scene);
-  const JointCost cost(pairs, options, 3.0);
-  KnownPlans plans(pairs, cost, options);
+  Asked asked(scene, options);
   WorkBudget little{10};
-  EXPECT_EQ(plans.plan(scene.vehicles[0], {}, {.work = &little}), nullptr);
+  EXPECT_EQ(asked.plans.plan(scene.vehicles[0], {}, {.work = &little}), nullptr);
   WorkBudget enough{1'000'000};
-  EXPECT_NE(plans.plan(scene.vehicles[0], {}, {.work = &enough}), nullptr);
+  EXPECT_NE(asked.plans.plan(scene.vehicles[0], {}, {.work = &enough}), nullptr);
 }
 
 // Another plan for who is met is another question, also if it is at the address of an old one.
 TEST_F(KnownPlansTest, PlansThatAreForgottenAreNotMistaken) {
   add(0, 60.0, 8.0);
   add(1, 60.0, 8.0);
-  const RoadPairs pairs(scene);
-  const JointCost cost(pairs, options, 3.0);
-  KnownPlans plans(pairs, cost, options);
+  Asked asked(scene, options);
   for (double v = 2.0; v < 12.0; v += 0.5) {
     SpeedProfile other{.states = {scene.vehicles[1].now}};
     while (other.states.back().s < 190.0) {
@@ -86,8 +90,8 @@ TEST_F(KnownPlansTest, PlansThatAreForgottenAreNotMistaken) {
     }
     const std::vector<Entry> before = {{1, std::make_shared<SpeedProfile>(other)}};
     WorkBudget work{1'000'000};
-    const auto plan = plans.plan(scene.vehicles[0], before, {.work = &work});
-    const auto anew = plan_vehicle(pairs, scene.vehicles[0], before, options);
+    const auto plan = asked.plans.plan(scene.vehicles[0], before, {.work = &work});
+    const auto anew = plan_vehicle(asked.pairs, scene.vehicles[0], before, options);
     ASSERT_EQ(plan != nullptr, anew.has_value());
     if (!plan) continue;
     EXPECT_EQ(plan->states, anew->states) << v;
