@@ -176,6 +176,7 @@ class HumanDrivers {
   [[nodiscard]] bool may_end(int link) const;
   [[nodiscard]] bool will_stop_at_yellow(const Agent& agent) const;
   [[nodiscard]] bool will_pass_at_yellow(const Agent& agent) const;
+  [[nodiscard]] bool has_stopped_after_all(const Agent& agent) const;
   void take_back_greens();
   void complete_phases();
   [[nodiscard]] bool go_together(const Agent& a, const Agent& b) const;

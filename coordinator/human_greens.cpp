@@ -14,6 +14,9 @@
 namespace mvtp {
 namespace {
 
+constexpr double kRests = 0.1;      ///< [m/s]
+constexpr double kStands = 0.5;     ///< [m/s]
+constexpr double kStopLine = 10.0;  ///< [m] before the end of its lane a driver waits for green
 constexpr double kNear = 160.0;     ///< [m] around a driver in which others matter
 constexpr double kSoon = 4.0;       ///< [s] in which one ahead is over the line if he goes on
 constexpr double kTogether = 1.0;   ///< [s] after the first of its phase that a light follows
@@ -21,8 +24,9 @@ constexpr double kUncertain = 1.0;  ///< [m] by which drivers may judge otherwis
 
 }  // namespace
 
-/// Would it begin to brake for red before the next decision?
+/// Would it begin to brake for red before the next decision, or does it wait at its line?
 bool HumanDrivers::is_due(const Agent& agent) const {
+  if (agent.speed < kStands && agent.to_line < kStopLine) return true;
   const double brakes_at = stopping_distance(agent.speed, agent.driver().max_decel) +
                            agent.driver().road.tau * agent.speed;
   return agent.to_line <= brakes_at + agent.speed * grid_.decision() + agent.driver().road.min_gap;
@@ -311,9 +315,17 @@ bool HumanDrivers::may_end(int link) const {
   return !stays || heads_.is_called_before(link, step_);
 }
 
+/// Has it come to rest before a light that is not green, though nobody expected that it could?
+bool HumanDrivers::has_stopped_after_all(const Agent& agent) const {
+  return !agent.inside && agent.speed < kRests && !is_shown_green(agent);
+}
+
 /// Where the phase is over, from those who can stop; and from those behind a vehicle under control
 /// that waits: it may wait for somebody who would have to wait for them.
 void HumanDrivers::take_back_greens() {
+  for (auto& [id, agent] : agents_) {
+    if (agent.granted && has_stopped_after_all(agent)) agent.granted = false;
+  }
   if (!phases_) return;
   for (auto& [id, agent] : agents_) {
     if (!agent.granted || agent.inside || !will_stop_at_yellow(agent)) continue;

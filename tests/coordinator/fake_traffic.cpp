@@ -71,6 +71,8 @@ VehicleType fake_type(const std::string& id) {
     type.body.max_accel = 1.2;
     type.body.max_decel = 3.0;
     type.vehicle_class = "bicycle";
+  } else if (id == "close") {
+    type.min_gap = 0.5;
   }
   return type;
 }

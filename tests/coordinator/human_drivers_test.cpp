@@ -153,6 +153,39 @@ TEST(HumanDrivers, OneAloneHardlySlowsDown) {
   EXPECT_EQ(run.coordinator.humans()->unplanned_passages(), 0);
 }
 
+// At red he is expected to drive over his line, for he cannot stop; but he brakes for one who
+// stands there, harder than he should be able to, and waits for green as everybody does.
+TEST(HumanDrivers, WhoStoppedAfterAllWaitsForGreen) {
+  const NetworkShape shape = with_signals(crossroads_shape());
+  const double length = shape.network.lanes.at("W-C_0").length;
+  FakeTrip stands{"stands", 0.0, "W-C", "C-S", "bike"};
+  stands.at = std::pair(length - 0.5, 0.0);
+  FakeTrip fast{"fast", 0.4, "W-C", "C-E"};  // right before a decision
+  fast.at = std::pair(length - 13.0, 12.0);
+  FakeTrip across{"across", 0.0, "S-C", "C-N"};  // has green meanwhile
+  across.at = std::pair(length - 45.0, 10.0);
+  ClosedLoop run(shape, {stands, fast, across}, 0.1, share(0.0));
+  run.traffic.freeze("stands");
+  bool could_not_stop = false;
+  bool waits_again = false;
+  while (run.traffic.time() < 10.0) {
+    run.step();
+    const bool passes = run.coordinator.humans()->passes("fast");
+    could_not_stop |= passes;
+    waits_again |= could_not_stop && !passes;
+  }
+  EXPECT_TRUE(could_not_stop);
+  EXPECT_TRUE(waits_again);
+}
+
+// They stand further from their lines than they would from a leader.
+TEST(HumanDrivers, WhoStandAtTheirLinesGetGreen) {
+  const NetworkShape shape = crossroads_with_phases();
+  ClosedLoop run(shape, random_trips(shape, {.types = {"close"}}), 0.1, share(0.0));
+  run.run_until(300.0);
+  EXPECT_EQ(run.traffic.arrived(), run.number_of_trips);
+}
+
 // The car ahead in his lane is his leader; crossing traffic is not.
 TEST(HumanDrivers, MayGetGreenBehindAControlledCarButNotBeforeOne) {
   CoordinatorOptions options = share(1.0);
@@ -194,11 +227,10 @@ TEST(HumanDrivers, TurnLeftBeforeThoseBehindAControlledCarThatWaits) {
     trip.at = std::pair(place, 8.0);
     return trip;
   };
-  std::vector<FakeTrip> trips = {at("first", "W-C", "C-E", "bike", 95.0),
-                                 at("waits", "W-C", "C-E", "car", 75.0),
-                                 at("behind", "W-C", "C-E", "bus", 50.0),
-                                 at("left", "E-C", "C-S", "bus", 50.0),
-                                 at("across", "S-C", "C-N", "bus", 50.0)};
+  std::vector<FakeTrip> trips = {
+      at("first", "W-C", "C-E", "bike", 95.0), at("waits", "W-C", "C-E", "car", 75.0),
+      at("behind", "W-C", "C-E", "bus", 50.0), at("left", "E-C", "C-S", "bus", 50.0),
+      at("across", "S-C", "C-N", "bus", 50.0)};
   trips[0].stop = FakeStop{"C-E_0", 8.0, 60.0};
   ClosedLoop run(crossroads_with_phases(), trips, 0.1, options);
   const HumanDrivers& humans = *run.coordinator.humans();
