@@ -347,10 +347,16 @@ void Coordinator::see_guest(const VehicleState& v, const CourseQuery& query) {
   if (to_line && *to_line <= options_.corridors.takeover) {
     ++guest_sightings_;
     const double lane_end = graph_.lane(query.lane).length - query.position;
-    gate_.see(v, *to_line, is_inside ? 0.0 : std::min(*to_line, lane_end), is_first_on_lane(v),
+    const bool leads_on =
+        is_inside || query.edges.size() < 2 || graph_.leads_to(query.lane, query.edges[1]);
+    gate_.see(v,
+              {.to_line = *to_line,
+               .to_hold = is_inside ? 0.0 : std::min(*to_line, lane_end),
+               .is_first = is_first_on_lane(v),
+               .leads_on = leads_on},
               type_of(v.type).body);
   } else if (is_inside && gate_.passes(v.id)) {
-    gate_.see(v, 0.0, 0.0, true, type_of(v.type).body);
+    gate_.see(v, {}, type_of(v.type).body);
   }
 }
 

@@ -26,8 +26,7 @@ void Gate::begin() {
   for (auto& [id, visitor] : visitors_) visitor.seen = false;
 }
 
-void Gate::see(const VehicleState& v, double to_line, double to_hold, bool is_first,
-               const Vehicle& body) {
+void Gate::see(const VehicleState& v, const Place& place, const Vehicle& body) {
   Visitor& guest = visitors_[v.id];
   const bool came = !guest.guest;
   if (came) guest.asked = decisions_;
@@ -36,21 +35,28 @@ void Gate::see(const VehicleState& v, double to_line, double to_hold, bool is_fi
   guest.pose = v.pose;
   if (!guest.passes) guest.lane = v.lane;
   guest.stands = v.speed < kStands ? guest.stands + 1 : 0;
-  guest.waits = is_first && ((to_line < kNear && v.speed < kCrawl) || v.speed < kStands);
+  const bool crawls = place.to_line < kNear && v.speed < kCrawl;
+  guest.waits = place.leads_on && place.is_first && (crawls || v.speed < kStands);
   const double room = stopping_distance(v.speed, 0.8 * body.max_decel) + kReaction * v.speed;
-  const bool anew = guest.passes && to_line > std::max(kApart, room);
+  const bool anew = guest.passes && place.to_line > std::max(kApart, room);
   // It stands before its line although it may go: somebody blocking its path may be waiting for it.
-  const bool in_vain = guest.passes && guest.stands >= kStuckAfter && to_hold > 0.0;
+  const bool in_vain = guest.passes && guest.stands >= kStuckAfter && place.to_hold > 0.0;
   if (in_vain) guest.asked = decisions_;
   if (!guest.held && (came || anew || in_vain)) {
-    if (to_hold > room) {
+    if (place.to_hold > room) {
       hold(v.id);
     } else {
       let_through(v.id);
     }
   }
-  // Drivers of SUMO change lanes inside junctions, too, onto ground that is not theirs.
-  traffic_.keep_lane(v.id, guest.passes && to_hold <= kInside);
+  guest.enters = place.leads_on && place.to_hold <= kInside;
+  keep_in_lane(v.id, guest);
+}
+
+/// Drivers of SUMO change lanes at their lines and inside junctions, too, onto ground that is not
+/// theirs. Who has to, may.
+void Gate::keep_in_lane(const std::string& id, const Visitor& guest) {
+  traffic_.keep_lane(id, guest.passes && guest.enters);
 }
 
 void Gate::keep(const std::string& id) {
@@ -121,6 +127,7 @@ void Gate::let_through(const std::string& id) {
   visitor.held = false;
   visitor.passes = true;
   visitor.stands = 0;
+  keep_in_lane(id, visitor);
 }
 
 void Gate::release(const std::string& id) {

@@ -12,18 +12,24 @@ namespace mvtp {
 ///
 /// Whoever comes without a plan is held before its stop line. Guests, vehicles that keep their own
 /// drivers, are let through when all vehicles under control have plans around their passage,
-/// whatever signals and right of way say. One that stands before its line nevertheless is held again.
+/// whatever signals and right of way say. One that stands before its line nevertheless is held
+/// again.
 class Gate {
  public:
   explicit Gate(Traffic& traffic) : traffic_(traffic) {}
 
+  /// Where a guest is.
+  struct Place {
+    double to_line = 0.0;  ///< [m] before its stop line; 0: behind it, inside
+    double to_hold = 0.0;  ///< [m] before the place where it can be held: the end of its lane
+    bool is_first = true;  ///< nobody is ahead of it on its lane
+    bool leads_on = true;  ///< its lane leads to the next edge of its route
+  };
+
   /// A decision begins: who is not seen until the end of it has departed.
   void begin();
-  /// A guest, `to_line` [m] before its stop line (0: behind it, inside), and `to_hold` [m] before
-  /// the place where it can be held: the end of its lane.
-  /// @param is_first  nobody is ahead of it on its lane.
-  void see(const VehicleState& vehicle, double to_line, double to_hold, bool is_first,
-           const Vehicle& body);
+  /// A guest.
+  void see(const VehicleState& vehicle, const Place& place, const Vehicle& body);
   /// Somebody who is to be taken over: stays held if it is.
   void keep(const std::string& id);
   void end();
@@ -47,13 +53,15 @@ class Gate {
     bool passes = false;
     bool held = false;
     bool seen = false;
-    bool waits = false;      ///< near its line, the first on its lane
+    bool waits = false;      ///< near its line, the first on a lane that leads on
+    bool enters = false;     ///< at the end of a lane that leads on, or inside
     int stands = 0;          ///< for so many decisions
     std::int64_t asked = 0;  ///< when it was last proposed, or came
     Pose pose;
     std::string lane;  ///< where it was held
   };
 
+  void keep_in_lane(const std::string& id, const Visitor& guest);
   [[nodiscard]] static bool are_apart(const Visitor& a, const Visitor& b);
 
   Traffic& traffic_;

@@ -1,5 +1,6 @@
 #include "coordinator/lane_graph.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace mvtp {
@@ -49,6 +50,10 @@ void LaneGraph::add_link(const Connection& c, int junction) {
   to_[std::size_t(link.to)].push_back(number);
   behind_[std::size_t(edge_of(link.from))] = junction;
   links_.push_back(std::move(link));
+}
+
+bool LaneGraph::leads_to(int l, int edge) const {
+  return std::ranges::any_of(links_from(l), [&](int k) { return edge_of(link(k).to) == edge; });
 }
 
 void LaneGraph::add_crossing(const PedestrianCrossing& crossing, int junction) {

@@ -1,6 +1,8 @@
 #include "traci_bridge/sumo_holds.hpp"
 
 #include <algorithm>
+#include <cstdlib>
+#include <limits>
 
 namespace mvtp::MVTP_SUMO_NAMESPACE {
 namespace {
@@ -9,11 +11,27 @@ constexpr double kHoldGap = 1.0;    // from a held vehicle's front to the end of
 constexpr double kForever = 1.0e6;  // [s]
 constexpr int kStoppedBit = 1;      // of getStopState()
 
+/// The lane of its edge, the nearest to its own, from which its route goes on: there it can wait.
+std::string lane_to_wait_in(const std::string& id) {
+  std::string nearest = api::Vehicle::getLaneID(id);
+  int least = std::numeric_limits<int>::max();
+  const int here = api::Vehicle::getLaneIndex(id);
+  int index = 0;
+  for (const auto& lane : api::Vehicle::getBestLanes(id)) {
+    const int away = std::abs(index++ - here);
+    if (!lane.allowsContinuation || away >= least) continue;
+    least = away;
+    nearest = lane.laneID;
+  }
+  return nearest;
+}
+
 }  // namespace
 
 void SumoHolds::hold(const std::string& id) {
-  const std::string lane = api::Vehicle::getLaneID(id);
-  if (lane.empty() || network_.lanes.at(lane).internal) return;
+  const std::string here_lane = api::Vehicle::getLaneID(id);
+  if (here_lane.empty() || network_.lanes.at(here_lane).internal) return;
+  const std::string lane = lane_to_wait_in(id);
   const double length = network_.lanes.at(lane).length;
   const double here = api::Vehicle::getLanePosition(id);
   const Stop stop{.edge = network_.lanes.at(lane).edge,

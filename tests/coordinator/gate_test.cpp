@@ -45,8 +45,10 @@ class GateTest : public testing::Test {
     const std::vector<std::string> proposed = gate.propose();
     return proposed.empty() ? std::nullopt : std::optional(proposed.front());
   }
-  void see(const std::string& id, double to_line, double speed, bool is_first = true) {
-    gate.see({.id = id, .type = "car", .speed = speed, .lane = id}, to_line, to_line, is_first,
+  void see(const std::string& id, double to_line, double speed, bool is_first = true,
+           bool leads_on = true) {
+    gate.see({.id = id, .type = "car", .speed = speed, .lane = id},
+             {.to_line = to_line, .to_hold = to_line, .is_first = is_first, .leads_on = leads_on},
              car);
   }
 
@@ -144,6 +146,7 @@ TEST_F(GateTest, KeepsWhoPassesInItsLaneInsideTheJunction) {
   decide({"a"});
   EXPECT_THAT(traffic.in_lane, IsEmpty()) << "before the line it may look for a better one";
   gate.let_through("a");
+  EXPECT_THAT(traffic.in_lane, UnorderedElementsAre("a")) << "its passage is planned in this one";
   const auto see_at = [&](double to_line) {
     gate.begin();
     see("a", to_line, 8.0);
@@ -158,6 +161,21 @@ TEST_F(GateTest, KeepsWhoPassesInItsLaneInsideTheJunction) {
   see_at(0.0);
   gate.release("a");
   EXPECT_THAT(traffic.in_lane, IsEmpty());
+}
+
+// It would stand there for good.
+TEST_F(GateTest, LetsChangeLanesWhoseLaneLeadsElsewhere) {
+  const auto see_it = [&](double to_line, bool leads_on) {
+    gate.begin();
+    see("a", to_line, 0.0, true, leads_on);
+    gate.end();
+  };
+  see_it(1.0, false);
+  gate.let_through("a");
+  see_it(1.0, false);
+  EXPECT_THAT(traffic.in_lane, IsEmpty());
+  see_it(1.0, true);
+  EXPECT_THAT(traffic.in_lane, UnorderedElementsAre("a"));
 }
 
 TEST_F(GateTest, ReleasesWhoHasGoneUnheld) {
