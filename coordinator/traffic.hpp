@@ -146,8 +146,8 @@ class Traffic {
                              bool /*complete*/) {}
   /// Makes a vehicle that is not taken over stop before the end of its lane (true), or go on.
   virtual void hold(const std::string& id, bool stop) = 0;
-  /// The driver of a vehicle that is not taken over heeds no signal and no right of way (true), or
-  /// does so again.
+  /// The driver of a vehicle that is not taken over heeds no right of way and not the signal at the
+  /// end of its lane (true), or does so again. Signals that come after it he heeds.
   virtual void let_through(const std::string& /*id*/, bool /*pass*/) {}
   /// Keeps a vehicle that is not taken over from driving faster [m/s]; infinity: no matter.
   virtual void cap_speed(const std::string& /*id*/, double /*speed*/) {}

@@ -5,6 +5,7 @@ namespace {
 
 // Safe speed, acceleration and braking as ever, but no right of way, no signal, no foe inside.
 constexpr int kHeedNobody = 39;
+constexpr int kHeedSignals = 39 + 16;  ///< the same, but signals
 constexpr int kOwnSpeedMode = 31;
 // No lane change but those that avoid a collision, which are none where nobody changes.
 constexpr int kKeepLane = 512;
@@ -14,10 +15,21 @@ constexpr double kSwerve = 1.0;  ///< [s] for which a swerving driver stays on h
 constexpr double kNoLaneChange = 1.0;
 constexpr double kOwnSpeed = -1.0;  // TraCI: the driver's choice again
 
+/// Does its lane end at a signal?
+bool comes_to_signal(const std::string& id) {
+  constexpr double kRounding = 1.0;  // [m]
+  const auto signals = api::Vehicle::getNextTLS(id);
+  const std::string lane = api::Vehicle::getLaneID(id);
+  if (signals.empty() || lane.empty()) return false;
+  const double to_end = api::Lane::getLength(lane) - api::Vehicle::getLanePosition(id);
+  return signals.front().dist <= to_end + kRounding;
+}
+
 }  // namespace
 
 void SumoDrivers::let_through(const std::string& id, bool pass) {
-  api::Vehicle::setSpeedMode(id, pass ? kHeedNobody : kOwnSpeedMode);
+  const int passing = pass && comes_to_signal(id) ? kHeedNobody : kHeedSignals;
+  api::Vehicle::setSpeedMode(id, pass ? passing : kOwnSpeedMode);
 }
 
 void SumoDrivers::rely_on_signal(const std::string& id, const std::vector<std::string>& waiting) {
@@ -65,7 +77,7 @@ void SumoDrivers::cap_speed(const std::string& id, double speed) {
 
 int SumoDrivers::own_speed_mode(const std::string& id) {
   const int mode = api::Vehicle::getSpeedMode(id);
-  return mode == kHeedNobody ? kOwnSpeedMode : mode;
+  return mode == kHeedNobody || mode == kHeedSignals ? kOwnSpeedMode : mode;
 }
 
 int SumoDrivers::take_lane_change_mode(const std::string& id) {

@@ -175,6 +175,37 @@ TEST_F(SumoTrafficTest, AHeldVehicleStopsBeforeTheEndOfItsLaneUntilLetGo) {
   EXPECT_FALSE(traffic->running());
 }
 
+// On the lane that it is on it would wait for ever.
+TEST_F(SumoTrafficTest, AHeldVehicleWaitsInALaneFromWhichItsRouteGoesOn) {
+  network_ = "crossroads2";
+  const auto traffic = open(vehicle("beside", 0, "Wi Eo", "departLane=\"1\"") +
+                            vehicle("a", 0, "Wi No", "departLane=\"0\""));
+  run_until(*traffic, 0.5);
+  ASSERT_EQ(at(*traffic, "a").lane, "Wi_0");
+  traffic->hold("a", true);
+  run_until(*traffic, 30.0);
+  EXPECT_EQ(at(*traffic, "a").lane, "Wi_1");
+  EXPECT_NEAR(at(*traffic, "a").speed, 0.0, 1e-9);
+  traffic->hold("a", false);
+  run_until(*traffic, 40.0);
+  EXPECT_EQ(at(*traffic, "a").lane, "No_1");
+}
+
+TEST_F(SumoTrafficTest, WhoIsLetThroughPassesTheSignalAtTheEndOfItsLaneOnly) {
+  network_ = "crossroads-static";
+  const auto traffic = open(vehicle("a", 0, "Wi Eo", "departPos=\"250\"") +
+                            vehicle("b", 0, "Si No", "departPos=\"100\""));
+  traffic->step();
+  traffic->show("C", 10, Light::kRed);
+  traffic->show("C", 7, Light::kRed);
+  traffic->let_through("a", true);
+  run_until(*traffic, 10.0);
+  EXPECT_EQ(at(*traffic, "a").lane, "Eo_0");
+  traffic->let_through("a", false);
+  run_until(*traffic, 30.0);
+  EXPECT_EQ(at(*traffic, "b").lane, "Si_0");
+}
+
 TEST_F(SumoTrafficTest, AHoldThatIsLiftedInTimeLeavesNoTrace) {
   const auto traffic = open(vehicle("a", 0, "Wi Eo", "departPos=\"150\""));
   run_until(*traffic, 1.0);
