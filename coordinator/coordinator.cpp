@@ -28,7 +28,11 @@ Coordinator::Coordinator(Traffic& traffic, const DrivableArea& area,
       corridors_(graph_, area, options.limits),
       area_(area),
       predictor_(graph_, finder_, corridors_, options.corridors.takeover),
-      gate_(traffic) {
+      gate_(traffic),
+      straddling_(
+          traffic, graph_, [this](const std::string& id) { return drives(id); },
+          [this](const std::string& type) -> const VehicleType& { return type_of(type); },
+          [this](const std::string& id) { return came_from(id); }) {
   grid_.dt = traffic.step_length();
   grid_.steps_per_decision = std::max(1, int(std::lround(options.decision / grid_.dt)));
   if (options.greens) {
@@ -94,6 +98,7 @@ void Coordinator::decide() {
 
 void Coordinator::act() {
   place_all();
+  straddling_.show();
   ++step_;
 }
 

@@ -24,6 +24,7 @@
 #include "coordinator/priority.hpp"
 #include "coordinator/referee.hpp"
 #include "coordinator/signal_heads.hpp"
+#include "coordinator/straddling.hpp"
 #include "planner/road/road_escot.hpp"
 
 namespace mvtp {
@@ -210,6 +211,7 @@ class Coordinator : public Controller {
   void see_guest(const VehicleState& state, const CourseQuery& query);
   [[nodiscard]] bool is_first_on_lane(const VehicleState& v) const;
   void remember_lanes();
+  [[nodiscard]] int came_from(const std::string& id) const;
   [[nodiscard]] bool is_watched(const VehicleState& v);
 
   // The plan to be accepted: coordinator_trials.cpp
@@ -264,6 +266,7 @@ class Coordinator : public Controller {
   const DrivableArea& area_;
   Predictor predictor_;
   Gate gate_;
+  Straddling straddling_;
   std::optional<SignalHeads> heads_;
   std::optional<GreenLanes> greens_;
   std::unique_ptr<HumanDrivers> humans_;

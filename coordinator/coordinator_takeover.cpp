@@ -271,6 +271,12 @@ void Coordinator::remember_lanes() {
   trails_ = std::move(trails);
 }
 
+/// The normal lane that it is on, or was on before.
+int Coordinator::came_from(const std::string& id) const {
+  const auto trail = trails_.find(id);
+  return trail == trails_.end() ? LaneGraph::kNone : trail->second.lane;
+}
+
 /// Is it on a lane that matters to those under control, or its tail still beside one, as it turns
 /// off?
 bool Coordinator::is_watched(const VehicleState& v) {

@@ -1,0 +1,105 @@
+#include "coordinator/straddling.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "tests/coordinator/closed_loop.hpp"
+
+namespace mvtp {
+namespace {
+
+using testing::ElementsAre;
+using testing::IsEmpty;
+using testing::Key;
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+/// A car that appears on a lane, so far from its start, at 10 m/s.
+FakeTrip car(const std::string& id, const std::string& to, int lane, double place) {
+  FakeTrip trip{id, 0.0, "W-C", to};
+  trip.lane = lane;
+  trip.at = std::pair(place, 10.0);
+  return trip;
+}
+
+/// Notes how fast drivers may be.
+class CappedTraffic : public FakeTraffic {
+ public:
+  using FakeTraffic::FakeTraffic;
+  void cap_speed(const std::string& id, double speed) override {
+    caps.erase(id);
+    if (speed < kInfinity) caps[id] = speed;
+  }
+  std::map<std::string, double> caps;
+};
+
+/// Two lanes from west to east: on the right one "behind", at 30 m, and "ahead", at 100 m; on the
+/// left one "left", at 30 m; and "across" is under control.
+class StraddlingTest : public testing::Test {
+ protected:
+  StraddlingTest()
+      : traffic(two_lanes_shape().network,
+                {car("behind", "C-E", 0, 30.0), car("ahead", "C-E", 0, 100.0),
+                 car("left", "C-N", 1, 30.0), car("across", "C-N", 1, 60.0)}),
+        graph(traffic.network()),
+        straddling(
+            traffic, graph, [](const std::string& id) { return id == "across"; },
+            [](const std::string& type) -> const VehicleType& {
+              static const VehicleType kCar = fake_type("car");
+              EXPECT_EQ(type, "car");
+              return kCar;
+            },
+            [](const std::string&) { return LaneGraph::kNone; }) {
+    traffic.insert_now();
+    traffic.take_over("across");
+  }
+  /// Its rear axle so far to the right of the middle of the left lane, its nose on that.
+  void put_aside(double aside) {
+    const VehicleState& v = at("across");
+    const Pose middle = v.pose;
+    const double turned = std::asin(aside / 3.6);
+    const Pose pose = compose(middle, {0.0, -aside, turned});
+    traffic.place("across", pose, 0.0);
+    traffic.step();
+    ASSERT_EQ(at("across").lane, "W-C_1");
+  }
+  const VehicleState& at(const std::string& id) const {
+    return *std::ranges::find(traffic.vehicles(), id, &VehicleState::id);
+  }
+
+  CappedTraffic traffic;
+  LaneGraph graph;
+  Straddling straddling;
+};
+
+TEST_F(StraddlingTest, WhoIsWithinItsLaneConcernsNobodyElse) {
+  put_aside(0.0);
+  straddling.show();
+  EXPECT_THAT(traffic.caps, IsEmpty());
+}
+
+TEST_F(StraddlingTest, DriversBehindATailOnTheirLaneCanStopBehindIt) {
+  put_aside(1.6);
+  straddling.show();
+  ASSERT_THAT(traffic.caps, ElementsAre(Key("behind")));
+  const VehicleType type = fake_type("car");
+  const double v = traffic.caps.at("behind");
+  const double tail = at("across").lane_position - type.body.length();
+  const double gap = tail - at("behind").lane_position - type.min_gap;
+  EXPECT_NEAR(v * type.tau + v * v / (2.0 * type.body.max_decel), gap, 1.5);
+  EXPECT_GT(v, 5.0);
+}
+
+TEST_F(StraddlingTest, TheyDriveAsTheyLikeOnceItHasLeftTheirLane) {
+  put_aside(1.6);
+  straddling.show();
+  traffic.place("across", compose(at("across").pose, {0.0, 1.6, -std::asin(1.6 / 3.6)}), 0.0);
+  traffic.step();
+  straddling.show();
+  EXPECT_THAT(traffic.caps, IsEmpty());
+}
+
+}  // namespace
+}  // namespace mvtp
