@@ -104,6 +104,7 @@ class Backend final : public SumoTraffic {
     hold(id, false);
     rely_on_signal(id, {});
     keep_lane(id, false);
+    cap_speed(id, std::numeric_limits<double>::infinity());
     ask([&] { controlled_.take_over(id, characteristics(id).front); });
   }
 
