@@ -1,7 +1,6 @@
 #include "coordinator/phase_choice.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <tuple>
 #include <utility>
@@ -9,9 +8,6 @@
 namespace mvtp {
 namespace {
 
-constexpr double kDetectorRange = 150.0;  ///< [m] before a line from which vehicles are counted
-constexpr double kAccel = 2.0;            ///< [m/s^2] of a driver who starts
-constexpr double kStands = 0.5;           ///< [m/s]
 constexpr double kLead =
     4.5;  ///< [s] before they are at their lines a phase begins for two who need lights that cross
 constexpr double kGap = 5.0;   ///< [s] in which nobody comes who needs a phase: it ends
@@ -25,16 +21,20 @@ PhaseChoice::PhaseChoice(Traffic& traffic, const LaneGraph& graph, const SignalH
     : traffic_(traffic),
       graph_(graph),
       heads_(heads),
-      is_controlled_(std::move(is_controlled)),
       phases_(traffic, graph, heads),
       choices_(phases_.signals().size()),
       lanes_(phases_.signals().size()) {
+  std::vector<int> all;
   for (int k = 0; k < graph.links(); ++k) {
     const int signal = phases_.signal_of(k);
     if (signal == LaneGraph::kNone) continue;
     std::vector<int>& lanes = lanes_[std::size_t(signal)];
-    if (std::ranges::count(lanes, graph.link(k).from) == 0) lanes.push_back(graph.link(k).from);
+    const int from = graph.link(k).from;
+    if (std::ranges::count(lanes, from) > 0) continue;
+    lanes.push_back(from);
+    all.push_back(from);
   }
+  detector_.emplace(traffic, graph, heads, std::move(is_controlled), all);
 }
 
 /// The phase that is on at the signal of a connection; nullptr: each light goes alone.
@@ -76,11 +76,12 @@ bool PhaseChoice::go_together(int link, int other) const {
 }
 
 void PhaseChoice::decide() {
+  detector_->look();
   for (std::size_t s = 0; s < choices_.size(); ++s) decide(int(s));
 }
 
 void PhaseChoice::decide(int signal) {
-  const Queues queues = queues_of(signal);
+  const Queues queues = detector_->queues(lanes_[std::size_t(signal)]);
   if (choices_[std::size_t(signal)].alone) {
     start(signal, queues);
   } else {
@@ -161,60 +162,6 @@ void PhaseChoice::go_on(int signal, const Queues& queues) {
   const bool too_long = now - choice.since > heads_.timing().most_green && comes(false, 0.0);
   if (best == choice.phase || !(at_once < later || too_long)) return;
   choice = {.phase = best, .since = now, .alone = false};
-}
-
-Queues PhaseChoice::queues_of(int signal) const {
-  Queues queues;
-  for (const int lane : lanes_[std::size_t(signal)]) queues.push_back(queue_on(lane));
-  return queues;
-}
-
-/// Those on a lane, the first first, up to the last who needs a green: a vehicle under control does
-/// when it stands.
-std::vector<QueuedVehicle> PhaseChoice::queue_on(int lane) const {
-  std::vector<const VehicleState*> there;
-  const Lane& l = graph_.lane(lane);
-  for (const VehicleState& v : traffic_.vehicles()) {
-    if (v.lane == l.id && v.lane_position > l.length - kDetectorRange && !v.halted_by_stop) {
-      there.push_back(&v);
-    }
-  }
-  std::ranges::sort(there, std::ranges::greater{}, &VehicleState::lane_position);
-  std::vector<QueuedVehicle> queue;
-  std::size_t needed = 0;
-  for (const VehicleState* v : there) {
-    const int link = link_of(*v, lane);
-    if (link == LaneGraph::kNone) break;  // it changes lanes first
-    const bool stands = v->speed < kStands;
-    queue.push_back({.link = link,
-                     .arrival = arrival(*v, lane),
-                     .stands = stands,
-                     .needs_green = !is_controlled_(v->id)});
-    if (stands || queue.back().needs_green) needed = queue.size();
-  }
-  queue.resize(needed);
-  return queue;
-}
-
-int PhaseChoice::link_of(const VehicleState& v, int lane) const {
-  const std::span<const std::string> route = traffic_.route_edges(v.id);
-  for (const int k : graph_.links_from(lane)) {
-    const bool leads_on =
-        route.size() > 1 && graph_.lane(graph_.link(k).to).edge == route[1] && heads_.owns(k);
-    if (leads_on) return k;
-  }
-  return LaneGraph::kNone;
-}
-
-/// [s] until it is at its line if it speeds up as it can.
-double PhaseChoice::arrival(const VehicleState& v, int lane) const {
-  const Lane& l = graph_.lane(lane);
-  const double to_line = std::max(0.0, l.length - v.lane_position);
-  const double most = std::max(v.speed, l.speed_limit * v.speed_factor);
-  const double to_speed_up = (most * most - v.speed * v.speed) / (2.0 * kAccel);
-  if (to_line < to_speed_up)
-    return (std::sqrt(v.speed * v.speed + 2.0 * kAccel * to_line) - v.speed) / kAccel;
-  return (most - v.speed) / kAccel + (to_line - to_speed_up) / most;
 }
 
 /// [s] of yellow, the longest of its lanes.

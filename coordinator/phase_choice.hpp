@@ -1,11 +1,11 @@
 #pragma once
 
-#include <functional>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
 
-#include "coordinator/queue_model.hpp"
+#include "coordinator/queue_detector.hpp"
 #include "coordinator/signal_phases.hpp"
 
 namespace mvtp {
@@ -16,8 +16,7 @@ namespace mvtp {
 /// went on [rolling horizon, as in OPAC and SURTRAC], and ends when nobody comes who needs it.
 class PhaseChoice {
  public:
-  /// Is this vehicle under control? It needs no green, but those behind it do.
-  using IsControlled = std::function<bool(const std::string&)>;
+  using IsControlled = QueueDetector::IsControlled;
 
   PhaseChoice(Traffic& traffic, const LaneGraph& graph, const SignalHeads& heads,
               IsControlled is_controlled);
@@ -49,10 +48,6 @@ class PhaseChoice {
   [[nodiscard]] const GreenPhase* present(int link) const;
   [[nodiscard]] bool is_contested(const Queues& queues) const;
   [[nodiscard]] double can_begin(int signal, const GreenPhase& phase) const;
-  [[nodiscard]] Queues queues_of(int signal) const;
-  [[nodiscard]] std::vector<QueuedVehicle> queue_on(int lane) const;
-  [[nodiscard]] int link_of(const VehicleState& vehicle, int lane) const;
-  [[nodiscard]] double arrival(const VehicleState& vehicle, int lane) const;
   [[nodiscard]] QueuePhases model_of(int signal, const Choice& choice) const;
   [[nodiscard]] double yellow_time(int signal) const;
   [[nodiscard]] double change_time(int signal) const;
@@ -60,10 +55,10 @@ class PhaseChoice {
   Traffic& traffic_;
   const LaneGraph& graph_;
   const SignalHeads& heads_;
-  IsControlled is_controlled_;
   SignalPhases phases_;
   std::vector<Choice> choices_;          ///< by signal
   std::vector<std::vector<int>> lanes_;  ///< that come to it, by signal
+  std::optional<QueueDetector> detector_;
 };
 
 }  // namespace mvtp
