@@ -2,7 +2,8 @@
 """Builds the site of the docs and follows its links: site_test.py ROOT COMMANDS.md WORK_FOLDER
 
 Every link and picture must lead to a file, and every anchor to a heading, on the site and, where a
-page of the project has the link, in the repository too. The drawings must be what drawings.py draws.
+page of the project has the link, in the repository too. Every page of docs/ must be in the
+navigation. The drawings must be what drawings.py draws.
 """
 
 import html.parser
@@ -58,6 +59,15 @@ def broken_links_of_repository(root):
                 yield f"{page.relative_to(root)}: {link}: no such file in the repository"
 
 
+def missing_in_the_navigation(root, site):
+    links = {urllib.parse.unquote(link) for link in Anchors(site / "index.html").links}
+    for page in (root / "docs").rglob("*.md"):
+        path = page.relative_to(root)
+        built = path.parent / "index.html" if page.name == "README.md" else path.with_suffix(".html")
+        if str(built) not in links:
+            yield f"{path}: is not in the navigation of the site"
+
+
 def blocks_that_are_none(root):
     """MkDocs takes no block of code that is indented, and no test runs its commands."""
     for page in root.rglob("*.md"):
@@ -80,7 +90,8 @@ def main():
     shutil.rmtree(work, ignore_errors=True)
     subprocess.run([root / "tools/docs.sh", reference, work], check=True)
     faults = [*broken_links_of_site(work / "site"), *broken_links_of_repository(root),
-              *blocks_that_are_none(root), *stale_drawings(root, work)]
+              *missing_in_the_navigation(root, work / "site"), *blocks_that_are_none(root),
+              *stale_drawings(root, work)]
     print("\n".join(sorted(faults)))
     sys.exit(1 if faults else 0)
 

@@ -23,9 +23,10 @@ def on_config(config):
 
 
 def on_files(files, config):
-    """Pages directly in docs/ that the navigation does not name come last under "How to"."""
+    """Pages that the navigation does not name come last in the section of their folder."""
     named = set(_pages(config["nav"]))
-    how_to = next(entry["How to"] for entry in config["nav"] if "How to" in entry)
-    how_to += sorted(file.src_uri for file in files.documentation_pages()
-                     if re.fullmatch(r"docs/[^/]*\.md", file.src_uri) and file.src_uri not in named)
+    for section, folder in (("How to", "docs"), ("Experiments", "docs/experiments")):
+        entries = next(entry[section] for entry in config["nav"] if section in entry)
+        entries += sorted(file.src_uri for file in files.documentation_pages()
+                          if re.fullmatch(rf"{folder}/[^/]*\.md", file.src_uri) and file.src_uri not in named)
     return files
