@@ -140,8 +140,7 @@ class Traffic {
   /// Does the traffic want to be told plans ahead of time? Then
   [[nodiscard]] virtual bool wants_plans() const { return false; }
   /// where a taken-over vehicle is now, and where it will be placed in each of the next steps.
-  /// @param complete  behind the end of the plan the car-following model goes on; else it stays
-  /// there.
+  /// Behind the end of a complete plan the car-following model goes on; else it stays there.
   virtual void announce_plan(const std::string& /*id*/, std::vector<PlannedPose> /*poses*/,
                              bool /*complete*/) {}
   /// Makes a vehicle that is not taken over stop before the end of its lane (true), or go on.

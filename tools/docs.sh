@@ -15,5 +15,10 @@ folder=$(realpath -m "$2")
 export MVTP_DOCS_PAGES=$folder/pages MVTP_DOCS_SITE=$folder/site
 
 tools/docs/stage.py --reference "$1" -o "$MVTP_DOCS_PAGES"
+{
+  cat tools/docs/Doxyfile
+  echo "INPUT = $(sed -n 's/^  [a-z_]*\.hpp *\([^ ]*\).*/\1/p' cmake/PublicHeaders.cmake | tr '\n' ' ')"
+  echo "OUTPUT_DIRECTORY = $MVTP_DOCS_PAGES/docs/reference"
+} | doxygen -
 mkdocs build --strict --clean
 echo "Open $MVTP_DOCS_SITE/index.html in a browser." >&2

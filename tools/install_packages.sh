@@ -13,7 +13,7 @@ packages=(
   pybind11-dev python3-dev python3-numpy python3-pytest
   libsystemd-dev dbus-daemon
   sumo sumo-tools
-  zsh fish libxml2-utils mkdocs-material parallel
+  zsh fish libxml2-utils mkdocs-material doxygen parallel
   chromium-headless-shell librsvg2-bin
   "$@"
 )

@@ -50,28 +50,23 @@ def stage_page(page, text, folder):
     write(folder / page, LINK.sub(link, text))
 
 
-def opening_comment(header):
-    """What the first documented thing of a header says of itself, up to the end of a paragraph."""
-    lines = []
-    for line in header.read_text(encoding="utf-8").splitlines():
-        if line.startswith("///"):
-            lines.append(line.removeprefix("///").strip())
-        elif lines:
-            break
-    paragraph = lines[:lines.index("")] if "" in lines else lines
-    return " ".join(paragraph).replace("|", "\\|").replace("<", "&lt;")
+def api_page(header):
+    """Doxygen's page of a header; it doubles each underscore in the name of a file."""
+    name = pathlib.PurePath(header).name.replace("_", "__").replace(".", "_8")
+    return f"api/{name}.html"
 
 
 def library_page():
-    """The public headers, as cmake/PublicHeaders.cmake names and groups them."""
-    page = ["# The library's headers", "",
+    """The public headers, as cmake/PublicHeaders.cmake names, groups and describes them."""
+    page = ["# The library", "",
             "`find_package(mvtp)` gives `mvtp::planner` and `mvtp::coordinator`; two programs that use them are in",
-            "[examples](../examples/README.md). Each header says what its functions take, give and throw.", ""]
+            "[examples](../examples/README.md). [All classes](api/annotated.html) and",
+            "[all functions](api/namespacemembers_func.html), made by Doxygen from the headers, say what they take, give and throw.", ""]
     for line in (ROOT / "cmake/PublicHeaders.cmake").read_text(encoding="utf-8").splitlines():
         if heading := re.fullmatch(r"  # (.*)", line):
-            page += ["", f"## {heading[1].capitalize()}", "", "| include | what it is |", "|---|---|"]
-        elif entry := re.fullmatch(r"  (\S+\.hpp)\s+(\S+)", line):
-            page.append(f"| [`<mvtp/{entry[1]}>`](../../{entry[2]}) | {opening_comment(ROOT / entry[2])} |")
+            page += ["", f"## {heading[1].capitalize()}", "", "| include | what it has |", "|---|---|"]
+        elif entry := re.fullmatch(r"  (\S+\.hpp)\s+(\S+)\s*#?(.*)", line):
+            page.append(f"| [`<mvtp/{entry[1]}>`]({api_page(entry[2])}) | {entry[3].strip()} |")
     return "\n".join(page) + "\n"
 
 
