@@ -54,6 +54,10 @@ TEST(Comparison, ShowsARunThatFailed) {
   EXPECT_EQ(j["controls"][0]["delay_mean_s"]["mean"], 2.5);
   EXPECT_TRUE(j["controls"][0]["delay_mean_s"]["sd"].is_null());
   EXPECT_TRUE(succeeded(good));
+  good.status = "end reached";
+  good.figures["simulated_s"] = 120.0;  // wherever the scenario begins
+  EXPECT_THAT(comparison_table({&good, 1}),
+              HasSubstr("coordinated, seed 1: end reached after 120 s\n"));
   EXPECT_FALSE(succeeded(bad));
 }
 

@@ -282,7 +282,7 @@ std::string comparison_table(std::span<const ComparedRun> runs) {
     if (!run.failure.empty()) {
       text += fmt::format("FAILED: {}, seed {}: {}\n", run.control, run.seed, run.failure);
     } else if (run.status != "finished") {
-      text += fmt::format("{}, seed {}: {} at t = {:.0f} s\n", run.control, run.seed, run.status,
+      text += fmt::format("{}, seed {}: {} after {:.0f} s\n", run.control, run.seed, run.status,
                           run.figures.at("simulated_s"));
     }
   }

@@ -270,7 +270,7 @@ class SumoRun::Impl {
     }
     if (!report_.left_to_sumo.empty()) {
       const LeftToTraffic& first = report_.left_to_sumo.front();
-      say(fmt::format("note: {} turns are left to SUMO, see left_to_sumo in {}; first: {}: {}",
+      say(fmt::format("note: turns left to SUMO: {}, see left_to_sumo in {}; first: {}: {}",
                       report_.left_to_sumo.size(), folder_.path("summary.json"), first.what,
                       first.why));
     }
