@@ -1,4 +1,6 @@
+#include <algorithm>
 #include <cstddef>
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <memory>
@@ -25,6 +27,8 @@
 
 namespace mvtp {
 namespace {
+
+namespace fs = std::filesystem;
 
 struct ViewOptions {
   ViewRequest request;
@@ -105,7 +109,15 @@ int make_video(const ViewOptions& options) {
   return kDone;
 }
 
-int view(const ViewOptions& options) {
+/// A folder of a run stands for the page in it.
+std::string page_in(const std::string& file) {
+  const fs::path page = fs::path(file) / "view.html";
+  std::error_code ignored;
+  return fs::exists(page, ignored) ? page.string() : file;
+}
+
+int view(ViewOptions options) {
+  std::ranges::transform(options.request.files, options.request.files.begin(), page_in);
   check_names(options);
   if (!options.video.empty()) return make_video(options);
   write_text_file(options.output, output_of(options));
@@ -147,11 +159,12 @@ Action declare_view(CLI::App& app) {
   app.footer(
       "Several files play side by side and in step, e.g. two plans of one instance:\n"
       "  mvtp view escot.yaml pbcr.yaml --instance cross.yaml\n"
-      "or two runs, from the pages that `mvtp coordinate` wrote:\n"
-      "  mvtp view light/view.html coordinated/view.html --label light --label coordinated\n"
+      "or two runs, from the pages in the folders that `mvtp coordinate` wrote:\n"
+      "  mvtp view light coordinated --label light --label coordinated\n"
       "A video of two minutes in twelve seconds:\n"
-      "  mvtp view out/view.html --video out.webm --from 60 --to 180 --speed 10");
-  app.add_option("files", request.files, "Plans, instances alone, or pages of replays (*.html)")
+      "  mvtp view out --video out.webm --from 60 --to 180 --speed 10");
+  app.add_option("files", request.files,
+                 "Plans, instances alone, or pages of replays (*.html) or folders with one")
       ->required()
       ->type_name("FILE");
   app.add_option("-i,--instance", request.instances,

@@ -117,5 +117,18 @@ TEST_F(View, DrawsAMoment) {
   EXPECT_EQ(shell("ls").out, "i.yaml\nm.png\nm.svg\np.yaml\n");
 }
 
+TEST_F(View, TakesTheFolderOfARunForThePageInIt) {
+  (void)directory_.file("i.yaml",
+                        "agents:\n  - {start: [5, 5, 0], goal: [9, 5, 0]}\n"
+                        "map: {dimensions: [20, 20]}\n");
+  ASSERT_EQ(shell("mkdir run").exit_code, 0);
+  expect_refused("view run -o both.html", "run: is a directory; give a file");
+  ASSERT_EQ(run("view i.yaml -o run/view.html").exit_code, 0);
+  ASSERT_EQ(run("view run/view.html -o page.html").exit_code, 0);
+  ASSERT_EQ(run("view run -o folder.html").exit_code, 0);
+  EXPECT_EQ(content_of(directory_.path("folder.html")), content_of(directory_.path("page.html")));
+  expect_refused("view run -o run/view.html", "run/view.html: is an input too.*");
+}
+
 }  // namespace
 }  // namespace mvtp
