@@ -23,4 +23,5 @@ xy = plan.poses[:, :, :2]  # (n_robots, n_steps, 2)
 driven = np.linalg.norm(np.diff(xy, axis=1), axis=2).sum(axis=1)
 between = np.linalg.norm(xy[:, None] - xy[None, :], axis=3)[~np.eye(len(plan), dtype=bool)]
 print(f"longest path {driven.max():.1f} m; two rear axles came within {between.min():.1f} m")
-plan.save("plan.yaml")  # mvtp view plan.yaml -o view.html
+instance.save("instance.yaml")
+plan.save("plan.yaml")  # mvtp view plan.yaml -i instance.yaml -o view.html

@@ -28,3 +28,5 @@ def test_example(script, arguments, output, tmp_path):
     done = subprocess.run(words, capture_output=True, text=True, cwd=tmp_path, timeout=120)
     assert done.returncode == 0, done.stderr
     assert re.search(output, done.stdout), done.stdout
+    if command := re.search(r"# mvtp (.*)", (EXAMPLES / script).read_text(encoding="utf-8")):
+        subprocess.run([os.environ["MVTP_PROGRAM"], *command[1].split()], cwd=tmp_path, check=True)
