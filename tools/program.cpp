@@ -33,24 +33,6 @@ const CLI::App& chosen_command(const CLI::App& app) {
   return chosen.empty() ? app : chosen_command(*chosen.front());
 }
 
-/// "--fly was not expected; did you mean --dry? ", of the first word that the command does not know;
-/// empty if there is none.
-std::string stray_word(const CLI::App& command) {
-  std::vector<std::string> rest = command.remaining();
-  std::erase(rest, "--");
-  if (rest.empty()) return {};
-  std::vector<std::string> known;
-  for (const CLI::Option* option : command.get_options()) {
-    for (const std::string& name : option->get_lnames()) known.push_back("--" + name);
-    for (const std::string& name : option->get_snames()) known.push_back("-" + name);
-  }
-  for (const CLI::App* below : command.get_subcommands([](const CLI::App*) { return true; })) {
-    known.push_back(below->get_name());
-  }
-  const std::string word = rest.front().substr(0, rest.front().find('='));
-  return fmt::format("{} was not expected; {}", word, did_you_mean(word, known));
-}
-
 /// Help and version are exceptions in CLI11's eyes, and no errors in ours.
 int finish_parsing(const CLI::App& app, const CLI::ParseError& error) {
   if (dynamic_cast<const CLI::CallForVersion*>(&error) != nullptr) {
@@ -65,8 +47,8 @@ int finish_parsing(const CLI::App& app, const CLI::ParseError& error) {
   const std::string command = chosen.empty() ? "" : " " + chosen.front()->get_name();
   std::string problem = stray_word(chosen_command(app));
   if (problem.empty()) problem = std::string(error.what()) + "; ";
-  print_error(fmt::format("{}{}see mvtp{} --help",
-                          command.empty() ? "" : command.substr(1) + ": ", problem, command));
+  print_error(fmt::format("{}{}see mvtp{} --help", command.empty() ? "" : command.substr(1) + ": ",
+                          problem, command));
   return kBadInput;
 }
 
@@ -76,9 +58,9 @@ const Command& find(std::span<const Command> commands, std::string_view name) {
   if (found == commands.end()) {
     std::vector<std::string> names;
     for (const Command& command : commands) names.emplace_back(command.name);
-    throw InputError(std::string(name), "is no command of mvtp; " +
-                                            did_you_mean(std::string(name), names) +
-                                            "see mvtp --help");
+    throw InputError(
+        std::string(name),
+        "is no command of mvtp; " + did_you_mean(std::string(name), names) + "see mvtp --help");
   }
   return *found;
 }

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cctype>
 #include <numeric>
@@ -54,6 +55,22 @@ std::string suggestion(const std::string& name, std::span<const std::string> nam
   text += fmt::format("there {} {}", names.size() == 1 ? "is" : "are", fmt::join(some, ", "));
   if (some.size() < names.size()) text += fmt::format(", ... ({} in all)", names.size());
   return text;
+}
+
+std::string stray_word(const CLI::App& command) {
+  std::vector<std::string> rest = command.remaining();
+  std::erase(rest, "--");
+  if (rest.empty()) return {};
+  std::vector<std::string> known;
+  for (const CLI::Option* option : command.get_options()) {
+    for (const std::string& name : option->get_lnames()) known.push_back("--" + name);
+    for (const std::string& name : option->get_snames()) known.push_back("-" + name);
+  }
+  for (const CLI::App* below : command.get_subcommands([](const CLI::App*) { return true; })) {
+    known.push_back(below->get_name());
+  }
+  const std::string word = rest.front().substr(0, rest.front().find('='));
+  return fmt::format("{} was not expected; {}", word, did_you_mean(word, known));
 }
 
 }  // namespace mvtp

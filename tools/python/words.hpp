@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "planner/problem/input_error.hpp"
+#include "tools/suggest.hpp"
 
 namespace mvtp {
 
@@ -21,7 +22,9 @@ void parse_words(const std::string& command, std::vector<std::string> words,
   try {
     app.parse(std::move(words));
   } catch (const CLI::ParseError& error) {
-    throw InputError(command, error.what() + ("; see mvtp " + command + " --help"));
+    std::string problem = stray_word(app);
+    if (problem.empty()) problem = std::string(error.what()) + "; ";
+    throw InputError(command, problem + "see mvtp " + command + " --help");
   }
 }
 

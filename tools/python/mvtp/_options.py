@@ -4,11 +4,13 @@ import os
 
 from ._planner import InputError
 
+_MAY_BE_NONE = ("end", "run_time_limit")
+
 
 def words(options):
     """zone_radius=60 becomes "--zone-radius=60", True a flag, and a list a word for each entry.
 
-    None and False are left out; `sumo`, options for SUMO itself, goes behind "--".
+    False is left out, and None where it is allowed; `sumo`, options for SUMO itself, goes behind "--".
     """
     options = dict(options)
     sumo = [str(word) for word in options.pop("sumo", None) or ()]
@@ -19,7 +21,9 @@ def words(options):
             result.append(option)
         elif isinstance(value, (list, tuple)):
             result += [f"{option}={_text(entry)}" for entry in value]
-        elif value is not None and value is not False:
+        elif value is None:
+            require(name in _MAY_BE_NONE, name, "is None; leave it out, or give a value")
+        elif value is not False:
             result.append(f"{option}={_text(value)}")
     return result + (["--", *sumo] if sumo else [])
 
