@@ -51,6 +51,26 @@ def test_bad_input_gets_the_line_of_the_command(function, command, crossroads):
         assert printed.stderr == f"mvtp: {caught.value}\n"
 
 
+def test_bad_input_costs_nobody_his_results(crossroads, tmp_path):
+    def refuse(line, **options):
+        with pytest.raises(mvtp.InputError, match=line):
+            mvtp.coordinate(crossroads, **options)
+
+    mvtp.coordinate(crossroads, output_dir="out", end=1, no_view=True)
+    before = (tmp_path / "out" / "summary.json").read_bytes()
+    refuse("did you mean --controller", output_dir="out", contoller="fcfs")
+    assert (tmp_path / "out" / "summary.json").read_bytes() == before
+    refuse("cannot make this folder", output_dir=tmp_path / "out" / "summary.json")
+
+
+def test_a_run_that_fails_passes_off_no_other_results(crossroads, tmp_path, monkeypatch):
+    mvtp.coordinate(crossroads, output_dir="out", end=1, no_view=True)
+    monkeypatch.setattr("mvtp._program._program", lambda: "/bin/false")
+    with pytest.raises(mvtp.RunError, match="ended without a word") as caught:
+        mvtp.coordinate(crossroads, output_dir="out")
+    assert caught.value.run is None
+
+
 def test_a_crash_is_an_exception_with_what_was_simulated_before(crossroads):
     def kill(share, note):
         if share >= 0.7:  # after the first checkpoint

@@ -52,14 +52,14 @@ def coordinate(configuration, *, output_dir="out", progress=None, **options):
     Raises InputError for bad input, RunError if the run broke off, and Interrupted on Ctrl-C, with a
     Run of what was simulated by then.
     """
+    summary = _Fresh(output_dir, "summary.json")
     ended = _run("coordinate", configuration, output_dir, progress, options)
-    summary = _read_json(Path(output_dir) / "summary.json")
     run = None
-    if summary is not None:
-        run = Run(Path(output_dir), summary, ended.code == 0, ended.notes)
+    if (figures := summary.read()) is not None:
+        run = Run(Path(output_dir), figures, ended.code == 0, ended.notes)
     if ended.code == _INTERRUPTED:
         raise Interrupted(run)
-    if run is None or summary["status"] == "failed":
+    if run is None or figures["status"] == "failed":
         raise RunError(ended.message, run)
     return run
 
@@ -70,11 +70,11 @@ def compare(configuration, *, output_dir="compare", progress=None, **options):
     options: those of the command, with underscores: controllers=["actuated", "escot"], seeds="1-5",
     jobs=2, ... The rest is as in coordinate().
     """
+    results = _Fresh(output_dir, "compare.json")
     ended = _run("compare", configuration, output_dir, progress, options)
     folder = Path(output_dir)
-    figures = _read_json(folder / "compare.json")
     comparison = None
-    if figures is not None:
+    if (figures := results.read()) is not None:
         with open(folder / "compare.csv", newline="", encoding="utf-8") as file:
             runs = list(csv.DictReader(file))
         comparison = Comparison(folder, figures, runs, ended.output, ended.code == 0, ended.notes)
@@ -107,8 +107,6 @@ def _program():
 def _run(command, configuration, output_dir, progress, options):
     arguments = [_program(), command, f"--configuration={os.fspath(configuration)}"]
     arguments += words({"output_dir": output_dir, **options})
-    for name in ("summary.json", "compare.json"):  # a run that fails passes off no other's
-        (Path(output_dir) / name).unlink(missing_ok=True)
     process = subprocess.Popen(
         arguments,
         stdin=subprocess.DEVNULL,
@@ -152,8 +150,22 @@ def _listen(process, progress):
     return _Ended(process.wait(), output, notes, message)
 
 
-def _read_json(path):
-    try:
-        return json.loads(path.read_text(encoding="utf-8"))
-    except FileNotFoundError:
-        return None
+class _Fresh:
+    """A file of results: a run that fails passes off no other's, and bad input costs nobody his."""
+
+    def __init__(self, output_dir, name):
+        self._path = Path(output_dir) / name
+        self._before = self._stamp()
+
+    def _stamp(self):
+        try:
+            found = self._path.stat()
+        except OSError:
+            return None
+        return found.st_ino, found.st_mtime_ns
+
+    def read(self):
+        """What has been written since; None: nothing."""
+        if self._stamp() in (None, self._before):
+            return None
+        return json.loads(self._path.read_text(encoding="utf-8"))
