@@ -137,13 +137,17 @@ void bind_looking(Door& traffic) {
           "types", [](const TrafficDoor& d) { return d.open().types(); },
           "Ids of the vehicle types of the scenario.")
       .def(
-          "type", [](const TrafficDoor& d, const std::string& id) { return d.open().type(id); },
+          "type",
+          [](const TrafficDoor& d, const std::string& id) { return d.with_type(id).type(id); },
           "id"_a, "The vehicle type with this id.")
       .def(
           "pending", [](const TrafficDoor& d) { return d.open().pending(); },
           "Ids of the vehicles that wait to enter the network.")
       .def(
-          "route", [](const TrafficDoor& d, const std::string& id) { return d.open().route(id); },
+          "route",
+          [](const TrafficDoor& d, const std::string& id) {
+            return d.with_vehicle_or_pending(id).route(id);
+          },
           "id"_a, "The edges of the vehicle's route from where it is on.")
       .def(
           "is_taken_over",
@@ -152,7 +156,7 @@ void bind_looking(Door& traffic) {
       .def(
           "signal_phases",
           [](const TrafficDoor& d, const std::string& signal) {
-            return d.open().signal_phases(signal);
+            return d.with_signal(signal).signal_phases(signal);
           },
           "signal"_a, "The phases of the program that the signal came with.")
       .def("vehicles", &vehicles_of, "All vehicles on the road after the last step: Vehicles.")
@@ -162,56 +166,67 @@ void bind_looking(Door& traffic) {
 void bind_driving(Door& traffic) {
   traffic
       .def(
-          "take_over", [](TrafficDoor& d, const std::string& id) { d.open().take_over(id); },
-          "id"_a,
+          "take_over",
+          [](TrafficDoor& d, const std::string& id) { d.with_vehicle(id).take_over(id); }, "id"_a,
           "From now on the vehicle goes only where place() puts it, once before every step.")
       .def(
-          "hand_back", [](TrafficDoor& d, const std::string& id) { d.open().hand_back(id); },
-          "id"_a, "SUMO's car-following model goes on from the vehicle's pose and speed.")
+          "hand_back",
+          [](TrafficDoor& d, const std::string& id) { d.with_vehicle(id).hand_back(id); }, "id"_a,
+          "SUMO's car-following model goes on from the vehicle's pose and speed.")
       .def(
           "place",
           [](TrafficDoor& d, const std::string& id, const std::array<double, 3>& pose,
              double speed) {
-            d.open().place(id, {pose[0], pose[1], pose[2]}, speed);
+            d.with_vehicle(id).place(id, {pose[0], pose[1], pose[2]}, speed);
           },
           "id"_a, "pose"_a, "speed"_a,
           "Where a vehicle that is taken over is after the next step: x [m], y [m], yaw [rad] of\n"
           "the rear axle, and its speed [m/s].")
       .def(
-          "hold", [](TrafficDoor& d, const std::string& id, bool stop) { d.open().hold(id, stop); },
+          "hold",
+          [](TrafficDoor& d, const std::string& id, bool stop) {
+            d.with_vehicle(id).hold(id, stop);
+          },
           "id"_a, "stop"_a,
           "Makes a vehicle that is not controlled stop before the end of its lane, or go on.")
       .def(
           "let_through",
-          [](TrafficDoor& d, const std::string& id, bool pass) { d.open().let_through(id, pass); },
+          [](TrafficDoor& d, const std::string& id, bool pass) {
+            d.with_vehicle(id).let_through(id, pass);
+          },
           "id"_a, "go"_a, "The driver heeds no signal and no right of way, or does so again.")
       .def(
           "cap_speed",
           [](TrafficDoor& d, const std::string& id, std::optional<double> speed) {
-            d.open().cap_speed(id, speed.value_or(std::numeric_limits<double>::infinity()));
+            d.with_vehicle(id).cap_speed(id,
+                                         speed.value_or(std::numeric_limits<double>::infinity()));
           },
           "id"_a, "speed"_a,
           "Keeps a vehicle that is not controlled from driving faster [m/s]; None: no longer.")
       .def(
           "keep_lane",
-          [](TrafficDoor& d, const std::string& id, bool keep) { d.open().keep_lane(id, keep); },
+          [](TrafficDoor& d, const std::string& id, bool keep) {
+            d.with_vehicle(id).keep_lane(id, keep);
+          },
           "id"_a, "keep"_a, "Keeps a vehicle that is not controlled in its lane, or no longer.")
       .def(
           "limit_speed",
           [](TrafficDoor& d, const std::string& lane, double speed) {
-            d.open().limit_speed(lane, speed);
+            d.with_lane(lane).limit_speed(lane, speed);
           },
           "lane"_a, "speed"_a, "Lowers the limit of a lane for every driver [m/s].")
       .def(
           "show",
           [](TrafficDoor& d, const std::string& signal, const std::string& lights) {
-            d.open().show_all(signal, lights);
+            d.with_signal(signal).show_all(signal, lights);
           },
           "signal"_a, "lights"_a,
           "What the signal shows from the next step on: a letter for each light, as in SUMO.")
       .def(
           "free_signal",
-          [](TrafficDoor& d, const std::string& signal) { d.open().free_signal(signal); },
+          [](TrafficDoor& d, const std::string& signal) {
+            d.with_signal(signal).free_signal(signal);
+          },
           "signal"_a, "The signal runs its own program again.");
 }
 

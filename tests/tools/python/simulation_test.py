@@ -211,6 +211,28 @@ def test_bad_options_get_the_line_of_the_command(options, line, crossroads):
     assert "\n" not in str(caught.value)
 
 
+def test_who_and_what_is_not_there_is_bad_input(with_light):
+    with mvtp.Simulation(with_light, controller=None, end=40) as simulation:
+        simulation.advance(10)
+        traffic = simulation.traffic
+        for use in (
+            lambda: traffic.take_over("x"),
+            lambda: traffic.hand_back("x"),
+            lambda: traffic.place("x", [0, 0, 0], 1),
+            lambda: traffic.cap_speed("x", 1),
+            lambda: traffic.route("x"),
+            lambda: traffic.type("x"),
+            lambda: traffic.limit_speed("x", 1),
+            lambda: traffic.show("x", "r"),
+        ):
+            with pytest.raises(mvtp.InputError, match=r"^(vehicle|type|lane|signal) x: is not "):
+                use()
+        for seconds in (0, -5, float("nan"), float("inf")):
+            with pytest.raises(mvtp.InputError, match="seconds: is .*; give a finite number > 0"):
+                simulation.advance(seconds)
+        assert simulation.time == pytest.approx(10.0)
+
+
 def test_a_missing_scenario_is_bad_input():
     with pytest.raises(mvtp.InputError, match=r"missing\.sumocfg: "):
         mvtp.Simulation("missing.sumocfg")

@@ -114,7 +114,8 @@ class Simulation:
             raise
 
     def advance(self, seconds):
-        """Steps for so long [s, simulated]. False once the run has ended."""
+        """Steps for so long [s, simulated], at least once. False once the run has ended."""
+        require(0 < seconds < math.inf, "seconds", f"is {seconds}; give a finite number > 0")
         for _ in range(max(1, math.floor(seconds / self._step_length + 0.5))):
             if not self.step():
                 return False
