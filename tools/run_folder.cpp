@@ -5,6 +5,7 @@
 #include <sys/file.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstdlib>
@@ -29,20 +30,23 @@ constexpr std::array kFiles = {"summary.json", "vehicles.csv", "replans.csv",   
                                "view.html",    "visits.csv",   "occupancy.csv", "lot.svg",
                                "fcd.xml",      "tripinfo.xml", "sumo.log"};
 
-std::string part_of(const std::string& name) { return name + ".part"; }
+constexpr const char* kPart = ".part";
+
+std::string part_of(const std::string& name) { return name + kPart; }
 
 bool is_picture_of_a_lot(const std::string& name) {
-  return name.starts_with("lot") && (name.ends_with(".svg") || name.ends_with(".svg.part"));
+  return name.starts_with("lot") && name.ends_with(".svg");
 }
 
-void remove_old_results(const fs::path& folder) {
+/// @param suffix  of the names: that of unfinished files, or none
+void remove_files(const fs::path& folder, const std::string& suffix) {
   std::error_code ignored;
-  for (const std::string name : kFiles) {
-    fs::remove(folder / name, ignored);
-    fs::remove(folder / part_of(name), ignored);
-  }
+  for (const std::string name : kFiles) fs::remove(folder / (name + suffix), ignored);
   for (const fs::directory_entry& entry : fs::directory_iterator(folder, ignored)) {
-    if (is_picture_of_a_lot(entry.path().filename())) fs::remove(entry.path(), ignored);
+    std::string name = entry.path().filename();
+    if (!name.ends_with(suffix)) continue;
+    name.erase(name.size() - suffix.size());
+    if (is_picture_of_a_lot(name)) fs::remove(entry.path(), ignored);
   }
 }
 
@@ -92,7 +96,7 @@ RunFolder::RunFolder(const std::string& folder, const std::string& option)
     if (lock_ >= 0) ::close(lock_);
     throw InputError(folder, fmt::format("{}; choose another {}", why, option));
   }
-  remove_old_results(folder_);
+  remove_files(folder_, kPart);
 }
 
 RunFolder::~RunFolder() {
@@ -123,8 +127,11 @@ void RunFolder::write(const std::string& name, std::string_view content) {
   }
 }
 
+void RunFolder::remove_old_results() { remove_files(folder_, ""); }
+
 void RunFolder::discard() {
-  remove_old_results(folder_);
+  remove_old_results();
+  remove_files(folder_, kPart);
   parts_.clear();
 }
 
@@ -137,12 +144,20 @@ void RunFolder::commit() {
   parts_.clear();
 }
 
-bool complete_crashed_run(const fs::path& folder, const std::string& message) {
+void finish_parts(const fs::path& folder) {
   std::error_code error;
   for (const char* name : {"fcd.xml", "tripinfo.xml"}) {
     const fs::path part = folder / part_of(name);
     if (fs::exists(part, error)) close_xml(part);
   }
+  for (const std::string name : kFiles) {
+    if (fs::exists(folder / part_of(name), error)) {
+      fs::rename(folder / part_of(name), folder / name, error);
+    }
+  }
+}
+
+bool complete_crashed_run(const fs::path& folder, const std::string& message) {
   const std::string reason = failed_assertion(folder / part_of("sumo.log"));
   const fs::path summary = folder / part_of(kSummary);
   Json figures = Json::parse(std::ifstream(summary), nullptr, /*allow_exceptions=*/false);
@@ -155,11 +170,11 @@ bool complete_crashed_run(const fs::path& folder, const std::string& message) {
     }
     write_text_file(summary, patched.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
   }
-  for (const std::string name : kFiles) {
-    if (fs::exists(folder / part_of(name), error)) {
-      fs::rename(folder / part_of(name), folder / name, error);
-    }
-  }
+  std::error_code error;
+  const bool unfinished = std::ranges::any_of(
+      kFiles, [&](const std::string& name) { return fs::exists(folder / part_of(name), error); });
+  if (unfinished) remove_files(folder, "");  // what has its name already is of an earlier run
+  finish_parts(folder);
   return found;
 }
 

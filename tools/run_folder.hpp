@@ -12,7 +12,7 @@ namespace mvtp {
 /// While it is open, no other run can open it; a process that dies leaves it open to others.
 class RunFolder {
  public:
-  /// Makes the folder, and removes the results of an earlier run.
+  /// Makes the folder, and removes what an earlier run has not finished.
   /// @param option  the option that names it, for messages.
   /// @throws InputError if that is impossible, or another run has it open.
   RunFolder(const std::string& folder, const std::string& option);
@@ -24,6 +24,8 @@ class RunFolder {
   [[nodiscard]] std::string path(const std::string& name) const {
     return (folder_ / name).string();
   }
+  /// Removes the results of an earlier run: this one's input is good.
+  void remove_old_results();
   /// NAME.part, for somebody else to write before commit().
   [[nodiscard]] std::string part(const std::string& name);
   /// Leaves a file out.
@@ -42,8 +44,12 @@ class RunFolder {
   std::set<std::string> parts_;
 };
 
-/// Completes what a run left in its folder that has died: the last checkpoint gets its name, with
-/// the status "failed" and this message, and SUMO's files end after their last whole element.
+/// Gives the files their names that a run left unfinished; SUMO's end after their last whole
+/// element.
+void finish_parts(const std::filesystem::path& folder);
+
+/// Completes what a run left in its folder that has died: finish_parts(), and the last checkpoint
+/// has the status "failed" and this message. Results of an earlier run are removed.
 /// @return whether there was a checkpoint.
 bool complete_crashed_run(const std::filesystem::path& folder, const std::string& message);
 

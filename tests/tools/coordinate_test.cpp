@@ -113,6 +113,13 @@ TEST_F(Coordinate, BrokenScenariosAreOneLine) {
   expect_no_files_but(10);
 }
 
+TEST_F(Coordinate, BadInputCostsNobodyHisResults) {
+  ASSERT_EQ(shell("mkdir out; echo old >out/summary.json").exit_code, 0);
+  expect_refused("coordinate -c missing.sumocfg", "missing.sumocfg: no such file; give [^\n]*");
+  expect_refused("coordinate -c '" + kQuiet + "' --junction nowhere", "--junction nowhere: .*");
+  EXPECT_EQ(content_of(directory_.path("out/summary.json")), "old\n");
+}
+
 TEST_F(Coordinate, WrongOptionsAreOneLine) {
   const std::string run = "coordinate -c '" + kQuiet + "' ";
   const std::string help = "; see mvtp coordinate --help";
@@ -351,7 +358,8 @@ TEST_F(Coordinate, AnInterruptedRunLeavesCompleteFiles) {
   expect_no_files_but(7);
 }
 
-//   A terminal, and `timeout`, signal the whole process group: the one that simulates hears it twice.
+//   A terminal, and `timeout`, signal the whole process group: the one that simulates hears it
+//   twice.
 TEST_F(Coordinate, ASignalToTheWholeGroupIsOneWishToEnd) {
   const Outcome outcome = during_a_run("kill -TERM $sumo $pid");
   EXPECT_EQ(outcome.exit_code, 130) << outcome.err;

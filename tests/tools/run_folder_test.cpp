@@ -52,7 +52,10 @@ TEST(RunFolder, OldResultsAreGoneBeforeTheRun) {
     (void)directory.file(name, "old");
   }
   (void)directory.file("notes.txt", "mine");
-  const RunFolder folder(directory.path(""), "--output-dir");
+  RunFolder folder(directory.path(""), "--output-dir");
+  EXPECT_FALSE(fs::exists(directory.path("tripinfo.xml.part")));
+  EXPECT_EQ(directory.size(), 5) << "whether the input of the run is good is not known yet";
+  folder.remove_old_results();
   EXPECT_EQ(directory.size(), 1);
   EXPECT_TRUE(fs::exists(directory.path("notes.txt")));
 }
@@ -98,6 +101,11 @@ TEST(RunFolder, ACrashBeforeTheFirstCheckpointLeavesNoSummary) {
   const TemporaryDirectory directory;
   EXPECT_FALSE(complete_crashed_run(directory.path(""), "the simulation crashed"));
   EXPECT_EQ(directory.size(), 0);
+  (void)directory.file("summary.json", "of another run");
+  (void)directory.file("sumo.log.part", "Assertion\n");
+  EXPECT_FALSE(complete_crashed_run(directory.path(""), "the simulation crashed"));
+  EXPECT_FALSE(fs::exists(directory.path("summary.json")));
+  EXPECT_EQ(content_of(directory.path("sumo.log")), "Assertion\n");
 }
 
 }  // namespace

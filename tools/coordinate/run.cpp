@@ -78,6 +78,7 @@ class SumoRun::Impl {
       recorder_ = std::make_unique<RunRecorder>(options_, *traffic_, junctions_, lots_,
                                                 drivers_.coordinator(), report_);
     }
+    folder_.remove_old_results();
     for (const std::string& note : scenario_.notes) say("note: " + note);
     for (const std::string& note : notes_on(*traffic_)) say("note: " + note);
     if (options_.quiet) return;
@@ -264,7 +265,7 @@ class SumoRun::Impl {
     folder_.write("events.csv", events_csv(report_));
     if (recorder_) write_page();
     folder_.commit();
-    if (cut_off_) (void)complete_crashed_run(options_.output_dir, report_.message);
+    if (cut_off_) finish_parts(options_.output_dir);
     for (const std::string& note : copy_outputs(scenario_, options_.configuration)) {
       say("note: " + note);
     }
