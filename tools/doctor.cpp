@@ -63,7 +63,7 @@ std::vector<Need> examine() {
           {"sumo-gui", find_program("sumo-gui").has_value(), !kRequired, "coordinate --gui",
            "install sumo"},
           {"netconvert", find_program("netconvert").has_value(), !kRequired,
-           "making networks (networks/make.sh)", "install sumo"},
+           "making networks (networks/make.sh), roads of export --to openscenario", "install sumo"},
           {"SUMO's data in " + sumo_home(), fs::is_directory(fs::path(sumo_home()) / "data"),
            !kRequired, "scenarios that use them, e.g. scenarios/rilsa",
            "install sumo-tools or set SUMO_HOME"},

@@ -260,6 +260,8 @@ TEST_F(Program, DoctorNamesWhatIsMissing) {
   const Outcome bare = shell(std::string("PATH= '") + MVTP_PROGRAM + "' doctor");
   EXPECT_EQ(bare.exit_code, 0);
   EXPECT_THAT(bare.out, HasSubstr("absent   sumo-gui: without it not: coordinate --gui; install"));
+  EXPECT_THAT(bare.out,
+              HasSubstr("(networks/make.sh), roads of export --to openscenario; install"));
 }
 
 //   The program alone, without what belongs to it.
