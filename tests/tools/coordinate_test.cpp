@@ -135,6 +135,7 @@ TEST_F(Coordinate, WrongOptionsAreOneLine) {
       run + "--max-lateral-accel 1e-9",
       "coordinate: --max-lateral-accel: is \"1e-9\"; give a number from 0.1 to 100, or 0" + help);
   expect_refused(run + "--seed -1", "coordinate: --seed: is \"-1\"; [^\n]*");
+  expect_refused(run + "--break-down v@-5", "--break-down v@-5: is for parking lots, [^\n]*");
   expect_refused(run + "--end nan", "coordinate: --end: is \"nan\"; [^\n]*");
   for (const char* controller : {"escot", "sumo"}) {
     expect_refused(run + "--junction nowhere --controller " + controller,

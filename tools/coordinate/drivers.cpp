@@ -146,6 +146,10 @@ Drivers::Drivers(const CoordinateOptions& options, Traffic& traffic, const Driva
     throw InputError("--controller " + options.controller,
                      "is for parking lots, and the scenario has none; choose escot or sumo");
   }
+  if (!options.breakdowns.empty() && lots.empty()) {
+    throw InputError("--break-down " + options.breakdowns.front(),
+                     "is for parking lots, and the scenario has none; leave it out");
+  }
   check_types(options, traffic);
   if (!options.dump_instances.empty()) {
     if (!kind.drives || junctions.empty()) {
