@@ -57,7 +57,7 @@ std::string tracks(int width, int height) {
   const std::string picture = element(
       0xE0, number(0xB0, std::uint64_t(width)) + number(0xBA, std::uint64_t(height)) + colour);
   return element(kTracks, element(0xAE, number(0xD7, 1) + number(0x73C5, 1) + number(0x83, 1) +
-                                            element(0x86, "V_VP8") + picture));
+                                            element(0x86, "V_VP9") + picture));
 }
 
 /// Pictures from a key frame on.

@@ -13,7 +13,7 @@ struct EncodedFrame {
   std::string data;
 };
 
-/// A WebM file (Matroska) with one track of VP8 in the colours that Chromium gives a canvas, with
+/// A WebM file (Matroska) with one track of VP9 in the colours that Chromium gives a canvas, with
 /// an index of its key frames to jump to.
 /// @param frames    in the order of time; the first is a key frame.
 /// @param width     [pixels]
