@@ -1,12 +1,14 @@
 #include <fmt/format.h>
 #include <sys/wait.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <memory>
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "planner/problem/input_error.hpp"
 #include "planner/problem/text_file.hpp"
@@ -15,6 +17,7 @@
 #include "tools/commands.hpp"
 #include "tools/option_types.hpp"
 #include "tools/output_folder.hpp"
+#include "tools/report/run_figures.hpp"
 #include "tools/report/summary.hpp"
 #include "tools/report/sweep_figures.hpp"
 #include "tools/sibling.hpp"
@@ -26,9 +29,10 @@ namespace {
 namespace fs = std::filesystem;
 
 struct ReportCommand {
-  std::string results;
+  std::vector<std::string> results;  ///< a table, or folders of runs
   std::string folder;
   std::optional<double> time_limit;
+  TimeSpaceRequest time_space;
   std::string python = "/usr/bin/python3";
 };
 
@@ -79,27 +83,51 @@ bool is_sweep(const std::string& file) {
   return !line.empty() && sweep_header().starts_with(line);
 }
 
-int report_sweep(const ReportCommand& command) {
-  const std::vector<SweepRow> rows = read_sweep(command.results);
-  if (rows.empty()) throw InputError(command.results, "has no rows; let mvtp sweep run first");
+/// Writes the tables and the numbers, and draws these.
+int write_report(const ReportCommand& command, const std::string& tables,
+                 const std::string& figures) {
   make_output_folder(command.folder, "--output-dir");
   const auto path = [&](const char* name) { return (fs::path(command.folder) / name).string(); };
-  write_text_file(path("tables.md"), sweep_to_markdown(rows));
-  write_text_file(path("figures.json"), sweep_to_json(rows));
+  write_text_file(path("tables.md"), tables);
+  write_text_file(path("figures.json"), figures);
   return draw_figures(command);
 }
 
-int report(const ReportCommand& command) {
-  if (is_sweep(command.results)) return report_sweep(command);
-  const std::vector<ResultRow> rows = read_results(command.results);
-  if (rows.empty()) throw InputError(command.results, "has no rows; let mvtp bench run first");
-  make_output_folder(command.folder, "--output-dir");
+int report_sweep(const ReportCommand& command) {
+  const std::string& file = command.results.front();
+  const std::vector<SweepRow> rows = read_sweep(file);
+  if (rows.empty()) throw InputError(file, "has no rows; let mvtp sweep run first");
+  return write_report(command, sweep_to_markdown(rows), sweep_to_json(rows));
+}
 
+int report_bench(const ReportCommand& command) {
+  const std::string& file = command.results.front();
+  const std::vector<ResultRow> rows = read_results(file);
+  if (rows.empty()) throw InputError(file, "has no rows; let mvtp bench run first");
   const std::vector<SuiteSummary> suites = summarise(rows, command.time_limit);
-  const auto path = [&](const char* name) { return (fs::path(command.folder) / name).string(); };
-  write_text_file(path("tables.md"), to_markdown(suites, command.time_limit));
-  write_text_file(path("figures.json"), to_json(suites, command.time_limit));
-  return draw_figures(command);
+  return write_report(command, to_markdown(suites, command.time_limit),
+                      to_json(suites, command.time_limit));
+}
+
+int report_runs(const ReportCommand& command) {
+  const std::vector<ReportedRun> runs = read_runs(command.results);
+  std::vector<SweepRow> rows;
+  for (const ReportedRun& run : runs) rows.push_back(run.row);
+  if (std::ranges::none_of(runs, [](const ReportedRun& run) { return run.replay.has_value(); })) {
+    throw InputError(runs.front().page(),
+                     "is missing, which the time-space diagram needs; run without --no-view");
+  }
+  return write_report(command, sweep_to_markdown(rows), runs_to_json(runs, command.time_space));
+}
+
+int report(const ReportCommand& command) {
+  if (fs::is_directory(command.results.front())) return report_runs(command);
+  if (command.results.size() > 1) {
+    throw InputError(command.results[1],
+                     "is one too many: give one table, or the folders of runs; tables are joined "
+                     "by mvtp bench merge and mvtp sweep merge");
+  }
+  return is_sweep(command.results.front()) ? report_sweep(command) : report_bench(command);
 }
 
 }  // namespace
@@ -107,19 +135,40 @@ int report(const ReportCommand& command) {
 Action declare_report(CLI::App& app) {
   const auto command = std::make_shared<ReportCommand>();
   app.footer(
-      "Writes NAME.svg and NAME.png for each suite (\"results\" for instances of others), with a\n"
-      "column for each map; tables.md; and figures.json, the numbers that were drawn. Maps and\n"
-      "numbers of robots are read from the names of the instances. Of a sweep: delay over demand "
-      "and\n"
-      "over penetration, arrivals by the minute.");
-  app.add_option("RESULTS", command->results, "What mvtp bench or mvtp sweep wrote (CSV)")
+      "Of a table of mvtp bench: NAME.svg and NAME.png for each suite (\"results\" for instances "
+      "of\n"
+      "others), with a column for each map. Maps and numbers of robots are read from the names of\n"
+      "the instances. Of one of mvtp sweep: delay over demand and over penetration, arrivals by "
+      "the\n"
+      "minute. Of the folders of runs of mvtp coordinate, or of mvtp compare: the time-space "
+      "diagram\n"
+      "of a movement, a panel for each run that has its replay; arrivals by the minute. Always:\n"
+      "tables.md, and figures.json, the numbers that were drawn.");
+  app.add_option("RESULTS", command->results,
+                 "What mvtp bench or mvtp sweep wrote (CSV), or folders of runs")
       ->required()
-      ->type_name("FILE")
+      ->type_name("FILE|DIR")
       ->group("Input");
-  app.add_option("--time-limit", command->time_limit,
-                 "Run time of runs without success, as in the paper [s] [what they took]")
+  app.add_option(
+         "--time-limit", command->time_limit,
+         "Of a bench: run time of runs without success, as in the paper [s] [what they took]")
       ->type_name("S")
       ->check(positive_number)
+      ->group("Input");
+  app.add_option(
+         "--movement", command->time_space.movement,
+         "Of runs: first and last edge of the routes whose vehicles the time-space diagram\n"
+         "shows, in quotes, as in vehicles.csv [that of most vehicles]")
+      ->type_name("FROM>TO")
+      ->group("Input");
+  app.add_option("--begin", command->time_space.begin,
+                 "Of runs: the time at which that diagram begins [s] [the begin of the first run]")
+      ->type_name("S")
+      ->check(number_between(0.0, 1e9))
+      ->group("Input");
+  app.add_option("--end", command->time_space.end, "The time at which it ends [s] [300 s later]")
+      ->type_name("S")
+      ->check(number_between(0.0, 1e9))
       ->group("Input");
   app.add_option("-o,--output-dir", command->folder, "Folder of the report; made if missing")
       ->required()

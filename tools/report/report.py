@@ -1,4 +1,5 @@
-"""Draws the figures of `mvtp report`: success rate, makespan and runtime over the number of robots.
+"""Draws the figures of `mvtp report`: success rate, makespan and runtime over the number of robots;
+delay over demand and penetration, arrivals by the minute, and the time-space diagram of a movement.
 
 Usage: report.py FIGURES.json DIR, which `mvtp report` does. Writes DIR/NAME.svg and DIR/NAME.png for
 each figure, the same bytes for the same numbers. Exits with 3 if matplotlib is missing, with 4 if a
@@ -17,6 +18,8 @@ try:
     from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormatter
 except ImportError:
     sys.exit(3)
+
+from time_space import draw_time_space
 
 # Okabe and Ito's colours, told apart by all eyes, with markers and dashes that also tell in grey.
 STYLES = {
@@ -258,7 +261,12 @@ def main():
         {"svg.hashsalt": "mvtp", "font.size": 9, "axes.linewidth": 0.8, "font.family": "DejaVu Sans"}
     )
     for figure in document["figures"]:
-        canvas = draw_sweep(figure) if "sweep" in document else draw(figure, document["time_limit"])
+        if "movement" in figure:
+            canvas = draw_time_space(figure)
+        elif "x" in figure:
+            canvas = draw_sweep(figure)
+        else:
+            canvas = draw(figure, document["time_limit"])
         save(canvas, os.path.join(sys.argv[2], figure["name"]))
         pyplot.close(canvas)
 

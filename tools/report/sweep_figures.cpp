@@ -4,18 +4,18 @@
 
 #include <algorithm>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <set>
 #include <tuple>
 #include <vector>
 
 #include "tools/mean.hpp"
+#include "tools/report/arrivals.hpp"
 
 namespace mvtp {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using Json = ReportJson;
 
 /// Rows that differ in their seeds only.
 using CellKey = std::tuple<std::string, double, double, std::string>;  // the order of the table
@@ -168,24 +168,6 @@ Json delay_over_penetration(std::span<const SweepRow> rows) {
           {"panels", std::move(panels)}};
 }
 
-/// Means over the seeds, each minute over those runs that lasted as long.
-Json arrivals_line(const std::string& label, std::span<const SweepRow> rows) {
-  Json line = {{"label", label}, {"x", Json::array()}, {"y", Json::array()}, {"sd", Json::array()}};
-  std::size_t minutes = 0;
-  for (const SweepRow& row : rows) minutes = std::max(minutes, row.arrivals.size());
-  for (std::size_t m = 0; m < minutes; ++m) {
-    std::vector<double> there;
-    for (const SweepRow& row : rows) {
-      if (m < row.arrivals.size()) there.push_back(row.arrivals[m]);
-    }
-    const MeanAndDeviation arrivals = mean_and_deviation(there);
-    line["x"].push_back(double(m) + 0.5);
-    line["y"].push_back(arrivals.mean);
-    line["sd"].push_back(arrivals.deviation.value_or(0.0));
-  }
-  return line;
-}
-
 /// Of controllers that drive, at their largest penetration.
 Json arrivals_by_minute(std::span<const SweepRow> rows) {
   Json panels = Json::array();
@@ -206,10 +188,7 @@ Json arrivals_by_minute(std::span<const SweepRow> rows) {
                         {"lines", std::move(lines)}});
     }
   }
-  return {{"name", "arrivals-by-minute"},
-          {"x", "Time [min]"},
-          {"y", "Arrivals [1/min]"},
-          {"panels", std::move(panels)}};
+  return arrivals_figure(std::move(panels));
 }
 
 }  // namespace

@@ -247,17 +247,29 @@ ReplayFrames frames_of(const Replay& replay, const std::string& where) {
   });
 }
 
-std::vector<std::string> lights_at(const Replay& replay, double time, const std::string& where) {
-  return read<std::vector<std::string>>(replay, where, [&](const Json& header) {
-    std::vector<std::string> lights;
-    for (const Json& signal : header.at("signals")) {
-      lights.emplace_back();
-      for (const Json& shown : signal.at("shown")) {
-        if (shown.at(0).get<double>() <= time + 1e-9) lights.back() = shown.at(1);
+std::vector<ReplaySignal> signals_of(const Replay& replay, const std::string& where) {
+  return read<std::vector<ReplaySignal>>(replay, where, [](const Json& header) {
+    std::vector<ReplaySignal> signals;
+    for (const Json& json : header.at("signals")) {
+      ReplaySignal& signal = signals.emplace_back();
+      signal.id = json.at("id").get<std::string>();
+      for (const Json& shown : json.at("shown")) {
+        signal.shown.emplace_back(shown.at(0).get<double>(), shown.at(1).get<std::string>());
       }
     }
-    return lights;
+    return signals;
   });
+}
+
+std::vector<std::string> lights_at(const Replay& replay, double time, const std::string& where) {
+  std::vector<std::string> lights;
+  for (const ReplaySignal& signal : signals_of(replay, where)) {
+    lights.emplace_back();
+    for (const auto& [since, letters] : signal.shown) {
+      if (since <= time + 1e-9) lights.back() = letters;
+    }
+  }
+  return lights;
 }
 
 std::vector<ReplayVehicleState> states_at(const ReplayFrames& frames, double time) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "tools/view/replay.hpp"
@@ -22,6 +23,14 @@ struct ReplayFrames {
 };
 /// @throws InputError if the frames are damaged.
 [[nodiscard]] ReplayFrames frames_of(const Replay& replay, const std::string& where);
+
+/// A signal and what it shows from when on [s]: a letter for each of its lights.
+struct ReplaySignal {
+  std::string id;
+  std::vector<std::pair<double, std::string>> shown;
+};
+/// @throws InputError if the header lacks something.
+[[nodiscard]] std::vector<ReplaySignal> signals_of(const Replay& replay, const std::string& where);
 
 /// What each signal shows at a moment, a letter for each light; empty before it is known.
 /// @throws InputError if the header lacks something.

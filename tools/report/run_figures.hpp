@@ -1,0 +1,17 @@
+#pragma once
+
+#include <span>
+#include <string>
+
+#include "tools/report/run_folders.hpp"
+#include "tools/report/time_space.hpp"
+
+namespace mvtp {
+
+/// What report.py draws of runs: arrivals by the minute, and the time-space diagram of a movement
+/// where runs have a replay.
+/// @throws InputError as time_space_of()
+[[nodiscard]] std::string runs_to_json(std::span<const ReportedRun> runs,
+                                       const TimeSpaceRequest& request);
+
+}  // namespace mvtp
