@@ -100,6 +100,25 @@ INSTANTIATE_TEST_SUITE_P(All, ShippedScenario,
                                          "scenarios/crossroads/crossroads2-800.actuated.sumocfg",
                                          "scenarios/rilsa/rilsa.sumocfg"));
 
+class ShippedLayout : public testing::TestWithParam<const char*> {};
+
+TEST_P(ShippedLayout, LastsTenMinutesUnderEachOfItsControls) {
+  const std::string name = std::string("scenarios/layouts/") + GetParam();
+  const bool has_lights = name.find("roundabout") == std::string::npos;
+  for (const char* kind : {"", ".static", ".actuated"}) {
+    if (*kind != '\0' && !has_lights) continue;
+    const Configuration c = read_configuration(project_file(name + kind + ".sumocfg"));
+    EXPECT_THAT(c.route_files, SizeIs(1));
+    EXPECT_DOUBLE_EQ(c.step_length, 0.1);
+    EXPECT_EQ(c.end, 600.0);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(All, ShippedLayout,
+                         testing::Values("four-arm-200", "four-arm-360", "four-arm-600",
+                                         "four-arm-800", "four-arm2-720", "t-junction-468",
+                                         "roundabout-360"));
+
 /// Leaves SUMO_HOME as it was to the tests behind it.
 class SetSumoHome : public testing::Test {
  protected:
