@@ -142,8 +142,9 @@ Action declare_report(CLI::App& app) {
       "the\n"
       "minute. Of the folders of runs of mvtp coordinate, or of mvtp compare: the time-space "
       "diagram\n"
-      "of a movement, a panel for each run that has its replay; arrivals by the minute. Always:\n"
-      "tables.md, and figures.json, the numbers that were drawn.");
+      "of a movement, a panel for each run that has its replay; arrivals by the minute;\n"
+      "distributions of post-encroachment times and times to collision. Always: tables.md, and\n"
+      "figures.json, the numbers that were drawn.");
   app.add_option("RESULTS", command->results,
                  "What mvtp bench or mvtp sweep wrote (CSV), or folders of runs")
       ->required()

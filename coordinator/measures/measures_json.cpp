@@ -32,7 +32,8 @@ Json emissions_json(const RunReport& report) {
 Json conflict_json(const ConflictFigures& figures) {
   return {{"min", std::isfinite(figures.least) ? Json(figures.least) : Json()},
           {"below_1s", figures.below_1s},
-          {"pairs", figures.pairs}};
+          {"pairs", figures.pairs},
+          {"by_half_second", figures.counts}};
 }
 
 /// Delays of the vehicles that departed, by what `name` says of each.

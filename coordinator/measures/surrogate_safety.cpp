@@ -129,10 +129,16 @@ void SurrogateSafety::look_ahead(std::span<const Observation> vehicles) {
 void SurrogateSafety::note(double seconds, const Pair& pair, std::map<Pair, double>& known,
                            ConflictFigures& figures) {
   if (seconds > kMost) return;
+  const auto count = [&figures](double least) -> std::int64_t& {
+    const auto bin = static_cast<std::size_t>(least / ConflictFigures::kBin);
+    return figures.counts[std::min(bin, figures.counts.size() - 1)];
+  };
   const auto [found, is_new] = known.try_emplace(pair, seconds);
   if (is_new) ++figures.pairs;
   const bool was_counted = !is_new && found->second < kLimit;
+  if (!is_new) --count(found->second);
   found->second = std::min(found->second, seconds);
+  ++count(found->second);
   if (found->second < kLimit && !was_counted) ++figures.below_1s;
   figures.least = std::min(figures.least, seconds);
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <limits>
 #include <map>
@@ -18,9 +19,14 @@ namespace mvtp {
 
 /// A surrogate measure of safety over a run.
 struct ConflictFigures {
+  static constexpr double kBin = 0.5;  ///< [s]
+
   double least = std::numeric_limits<double>::infinity();  ///< [s]
   std::int64_t below_1s = 0;                               ///< pairs of vehicles
   std::int64_t pairs = 0;                                  ///< that had such a time at all
+  /// The distribution: pairs whose least time is from i to i + 1 bins, up to
+  /// SurrogateSafety::kMost.
+  std::array<std::int64_t, 10> counts{};
 };
 
 /// When two boxes that go on evenly, without turning, begin to overlap [s]; 0 if they do now,

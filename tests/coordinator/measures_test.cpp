@@ -121,7 +121,24 @@ TEST(PostEncroachment, IsTheTimeBetweenTailAndFront) {
     EXPECT_EQ(pet.pairs, 1);
     EXPECT_NEAR(pet.least, gap - 0.15, 0.11) << gap;
     EXPECT_EQ(pet.below_1s, gap < 1.0 ? 1 : 0) << gap;
+    EXPECT_EQ(pet.counts[std::size_t(pet.least / ConflictFigures::kBin)], 1) << gap;
   }
+}
+
+//   While two come nearer their time is another one at each look; the shortest counts.
+TEST(TimeToCollisionOfARun, EachPairIsInItsDistributionOnce) {
+  const RoadNetwork network = square_junction();
+  SurrogateSafety safety(network, 0.1);
+  Scene scene;
+  for (int k = 0; k < 20; ++k) {
+    scene.put("a", k, 100.0, 0.0, 10.0);    // its front is at k + 3
+    scene.put("b", 41.0, 100.0, 0.0, 0.0);  // its tail is at 40
+    scene.step([&](double time, auto vehicles, auto) { safety.observe(time, vehicles); });
+  }
+  const ConflictFigures& ttc = safety.to_collision();
+  EXPECT_GT(ttc.least, 1.5);
+  EXPECT_EQ(ttc.counts[std::size_t(ttc.least / ConflictFigures::kBin)], 1);
+  EXPECT_EQ(std::accumulate(ttc.counts.begin(), ttc.counts.end(), std::int64_t{0}), ttc.pairs);
 }
 
 TEST(PostEncroachment, WhoFollowsOrComesLateIsNoEncounter) {

@@ -32,8 +32,8 @@ TEST_F(ReportOfRuns, DrawsTheSignalBesideTheCoordinatedRun) {
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
   EXPECT_THAT(outcome.out + outcome.err, IsEmpty());
   EXPECT_EQ(shell("ls a").out,
-            "arrivals-by-minute.png\narrivals-by-minute.svg\nfigures.json\ntables.md\n"
-            "time-space.png\ntime-space.svg\n");
+            "arrivals-by-minute.png\narrivals-by-minute.svg\nencounters.png\nencounters.svg\n"
+            "figures.json\ntables.md\ntime-space.png\ntime-space.svg\n");
   EXPECT_THAT(content_of(directory_.path("a/time-space.svg")), HasSubstr("</svg>"));
 
   const json diagram = figures("a")[1];
@@ -57,6 +57,18 @@ TEST_F(ReportOfRuns, DrawsTheSignalBesideTheCoordinatedRun) {
   ASSERT_EQ(arrivals.size(), 2U);  // means over the seeds
   EXPECT_EQ(arrivals[0]["label"], "escot");
   EXPECT_THAT(content_of(directory_.path("a/tables.md")), HasSubstr("| static | 2/2 |"));
+
+  const json encounters = figures("a")[2]["panels"][0]["lines"];
+  ASSERT_EQ(encounters.size(), 2U);
+  EXPECT_EQ(encounters[0]["x"].size(), 10U);
+  double pairs = 0.0;
+  for (const double mean : encounters[0]["y"]) pairs += mean;
+  double summed = 0.0;
+  for (const char* seed : {"1", "2"}) {
+    const std::string file = std::string("runs/escot-") + seed + "/summary.json";
+    summed += json::parse(content_of(directory_.path(file)))["pet_s"]["pairs"].get<double>();
+  }
+  EXPECT_NEAR(pairs, summed / 2.0, 1e-9);
 
   EXPECT_EQ(run("report runs -o b --movement 'Ei>Wo' --begin 10 --end 35").exit_code, 0);
   EXPECT_EQ(shell("diff -r a b").exit_code, 0);

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <vector>
 
+#include "tools/mean.hpp"
 #include "tools/report/arrivals.hpp"
 
 namespace mvtp {
@@ -68,13 +69,21 @@ Json to_json(const TimeSpaceDiagram& diagram) {
           {"panels", std::move(panels)}};
 }
 
-Json arrivals_of(std::span<const ReportedRun> runs) {
+std::vector<std::string> labels_of(std::span<const ReportedRun> runs) {
   std::vector<std::string> labels;
   for (const ReportedRun& run : runs) {
     if (std::ranges::find(labels, run.label) == labels.end()) labels.push_back(run.label);
   }
+  return labels;
+}
+
+void add_panel(const std::string& title, Json lines, Json& panels) {
+  if (!lines.empty()) panels.push_back({{"title", title}, {"lines", std::move(lines)}});
+}
+
+Json arrivals_of(std::span<const ReportedRun> runs) {
   Json lines = Json::array();
-  for (const std::string& label : labels) {
+  for (const std::string& label : labels_of(runs)) {
     std::vector<SweepRow> own;
     for (const ReportedRun& run : runs) {
       if (run.label == label) own.push_back(run.row);
@@ -82,8 +91,42 @@ Json arrivals_of(std::span<const ReportedRun> runs) {
     if (Json line = arrivals_line(label, own); !line["x"].empty()) lines.push_back(line);
   }
   Json panels = Json::array();
-  if (!lines.empty()) panels.push_back({{"title", ""}, {"lines", std::move(lines)}});
+  add_panel("", std::move(lines), panels);
   return arrivals_figure(std::move(panels));
+}
+
+/// A line for each label, over its runs.
+Json distribution_lines(std::span<const ReportedRun> runs,
+                        std::vector<double> ReportedRun::*counts) {
+  Json lines = Json::array();
+  for (const std::string& label : labels_of(runs)) {
+    Json line = {
+        {"label", label}, {"x", Json::array()}, {"y", Json::array()}, {"sd", Json::array()}};
+    for (std::size_t bin = 0;; ++bin) {
+      std::vector<double> there;
+      for (const ReportedRun& run : runs) {
+        if (run.label == label && bin < (run.*counts).size()) there.push_back((run.*counts)[bin]);
+      }
+      if (there.empty()) break;
+      const MeanAndDeviation pairs = mean_and_deviation(there);
+      line["x"].push_back(0.5 * double(bin) + 0.25);
+      line["y"].push_back(pairs.mean);
+      line["sd"].push_back(pairs.deviation.value_or(0.0));
+    }
+    if (!line["x"].empty()) lines.push_back(std::move(line));
+  }
+  return lines;
+}
+
+Json encounters_of(std::span<const ReportedRun> runs) {
+  Json panels = Json::array();
+  add_panel("Post-encroachment time", distribution_lines(runs, &ReportedRun::post_encroachment),
+            panels);
+  add_panel("Time to collision", distribution_lines(runs, &ReportedRun::to_collision), panels);
+  return {{"name", "encounters"},
+          {"x", "Shortest time [s]"},
+          {"y", "Pairs of vehicles per half second"},
+          {"panels", std::move(panels)}};
 }
 
 }  // namespace
@@ -102,6 +145,9 @@ std::string runs_to_json(std::span<const ReportedRun> runs, const TimeSpaceReque
     figures.push_back(std::move(arrivals));
   }
   if (!replays.empty()) figures.push_back(to_json(time_space_of(replays, request)));
+  if (Json encounters = encounters_of(runs); !encounters["panels"].empty()) {
+    figures.push_back(std::move(encounters));
+  }
   return Json{{"figures", std::move(figures)}}.dump(1) + '\n';
 }
 

@@ -8,8 +8,8 @@
 
 namespace mvtp {
 
-/// What report.py draws of runs: arrivals by the minute, and the time-space diagram of a movement
-/// where runs have a replay.
+/// What report.py draws of runs: arrivals by the minute, the time-space diagram of a movement where
+/// runs have a replay, and the distributions of encounters.
 /// @throws InputError as time_space_of()
 [[nodiscard]] std::string runs_to_json(std::span<const ReportedRun> runs,
                                        const TimeSpaceRequest& request);

@@ -49,9 +49,12 @@ std::string control_of(const std::string& folder, const SweepRow& row) {
   return compared ? name.substr(0, name.size() - seed.size()) : row.controller;
 }
 
-void read_identity(const std::string& text, const std::string& where, SweepRow& row) {
+void read_identity(const std::string& text, const std::string& where, ReportedRun& run) {
+  SweepRow& row = run.row;
   try {
     const auto summary = nlohmann::json::parse(text);
+    run.post_encroachment = summary.at("pet_s").value("by_half_second", std::vector<double>());
+    run.to_collision = summary.at("ttc_s").value("by_half_second", std::vector<double>());
     row.controller = summary.at("controller").get<std::string>();
     row.penetration = summary.at("penetration").get<double>();
     row.seed = summary.at("seed").get<std::uint64_t>();
@@ -62,10 +65,11 @@ void read_identity(const std::string& text, const std::string& where, SweepRow& 
 }
 
 ReportedRun read_run(const std::string& folder) {
-  ReportedRun run{folder, "", {}, std::nullopt};
+  ReportedRun run;
+  run.folder = folder;
   const std::string summary = (fs::path(folder) / "summary.json").string();
   const std::string text = read_text_file(summary, kMaxSummaryBytes);
-  read_identity(text, summary, run.row);
+  read_identity(text, summary, run);
   read_sweep_figures(text, summary, run.row);
   run.label = control_of(folder, run.row);
   if (fs::exists(run.page())) {
