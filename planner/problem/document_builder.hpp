@@ -62,7 +62,6 @@ class DocumentBuilder {
   [[nodiscard]] Document finish() {
     if (pending_.empty()) throw InputError(document_.name_, "is empty; give a YAML or JSON file");
     document_.root_ = place(0).begin;
-    document_.records_[document_.root_].parent = document_.root_;
     return std::move(document_);
   }
 
