@@ -47,7 +47,7 @@ std::optional<SoftResult> SoftHybridAstar::search(const SoftProblem& problem,
     if (!waits_in_its_cell(top) && cell_of(at.x, at.y, at.theta, top.macro_step).f < top.f)
       continue;
     ++expansions_;
-    if (shoots(n, top)) try_analytic_expansion(node);
+    if (tries_analytic_expansion(n, top)) try_analytic_expansion(node);
     if (n % kLookAtClock == kLookAtClock - 1 && deadline.expired()) break;
     expand(node);
   }

@@ -107,8 +107,8 @@ class SoftHybridAstar {
     float f;
     unsigned stamp;
   };
-  /// How far the driving of an analytic expansion has got.
-  struct Ride {
+  /// How far an analytic expansion has been propagated.
+  struct PropagatedState {
     Frame at;
     double theta;
     int macro_step;
@@ -147,15 +147,16 @@ class SoftHybridAstar {
   /// Valid until the next call. @return where the best node of a place and time is kept
   [[nodiscard]] Cell& cell_of(double x, double y, double theta, int macro_step);
   [[nodiscard]] double cost_of_reversals(int direction, std::span<const Arc> arcs) const;
-  [[nodiscard]] bool shoots(int expansion, const Node& node) const;
+  [[nodiscard]] bool tries_analytic_expansion(int expansion, const Node& node) const;
   void expand(int node);
   void try_primitive(int node, int a);
   void try_analytic_expansion(int node);
   [[nodiscard]] double follow(const Pose& start, int macro_step, std::span<const Arc> arcs,
                               double most);
-  [[nodiscard]] bool ride_primitive(Ride& ride, const MotionPrimitives::Primitive& primitive);
-  [[nodiscard]] bool ride_piece(Ride& ride, const Arc& piece, int time_steps);
-  void end_macro_step(Ride& ride);
+  [[nodiscard]] bool propagate_primitive(PropagatedState& state,
+                                         const MotionPrimitives::Primitive& primitive);
+  [[nodiscard]] bool propagate_arc(PropagatedState& state, const Arc& arc, int time_steps);
+  void end_macro_step(PropagatedState& state);
   /// The path behind an analytic expansion, the tail included; valid until the next call.
   [[nodiscard]] std::span<const Arc> to_the_end(const ReedsSheppPath& analytic_expansion);
   [[nodiscard]] bool waits_in_its_cell(const Node& node) const;

@@ -13,7 +13,7 @@ namespace mvtp {
 namespace {
 
 constexpr int kExpansionEvery = 6;  ///< far from the goal one node in so many is tried analytically
-constexpr double kExpansionRange = 3.0;  ///< within so many turning radii every node shoots
+constexpr double kExpansionRange = 3.0;  ///< within so many turning radii every node is tried
 constexpr double kNoSoftCost = 1e-3;     ///< [s]: such costs are summed up in single precision
 constexpr double kRounding = 1e-9;       ///< of a step: no step of its own for so little
 
@@ -26,7 +26,7 @@ int duration(std::span<const Arc> arcs, double step) {
 
 }  // namespace
 
-bool SoftHybridAstar::shoots(int expansion, const Node& node) const {
+bool SoftHybridAstar::tries_analytic_expansion(int expansion, const Node& node) const {
   const Vehicle& vehicle = problem_->car->vehicle();
   const double h = to_go(node.at.x, node.at.y, heading(node.turns));
   const bool close =
@@ -84,73 +84,74 @@ double SoftHybridAstar::follow(const Pose& start, int macro_step, std::span<cons
   const MotionPrimitives& car = *problem_->car;
   const int whole = car.time().macro_step;
   const double step = car.step_length();
-  Ride ride{Frame(start), start.theta, macro_step};
+  PropagatedState state{Frame(start), start.theta, macro_step};
   for (const Arc& arc : arcs) {
     const MotionPrimitives::Primitive* primitive = car.beginning_of(arc);
     for (double left = std::abs(arc.length); left > kRounding * step;) {
       double driven = whole * step;
       bool free = false;
-      if (primitive != nullptr && ride.time_steps == 0 && left >= driven) {
-        free = ride_primitive(ride, *primitive);
+      if (primitive != nullptr && state.time_steps == 0 && left >= driven) {
+        free = propagate_primitive(state, *primitive);
       } else {
         const int time_steps =
-            std::min(whole - ride.time_steps, int(std::ceil(left / step - kRounding)));
+            std::min(whole - state.time_steps, int(std::ceil(left / step - kRounding)));
         driven = std::min(left, time_steps * step);
-        free = ride_piece(ride, {std::copysign(driven, arc.length), arc.curvature}, time_steps);
+        free = propagate_arc(state, {std::copysign(driven, arc.length), arc.curvature}, time_steps);
       }
       if (!free) return std::numeric_limits<double>::infinity();
-      if (ride.soft_cost >= most) return ride.soft_cost;
+      if (state.soft_cost >= most) return state.soft_cost;
       left -= driven;
     }
   }
-  if (ride.time_steps > 0) end_macro_step(ride);
-  return ride.soft_cost;
+  if (state.time_steps > 0) end_macro_step(state);
+  return state.soft_cost;
 }
 
 /// For a macro step, from its beginning on. @return false if the map is blocking
-bool SoftHybridAstar::ride_primitive(Ride& ride, const MotionPrimitives::Primitive& primitive) {
+bool SoftHybridAstar::propagate_primitive(PropagatedState& state,
+                                          const MotionPrimitives::Primitive& primitive) {
   const MotionPrimitives& car = *problem_->car;
-  const BoxPose halfway = moved(primitive.boxes[std::size_t(car.time().macro_step / 2)], ride.at);
-  if (!car.is_free({ride.at.x, ride.at.y, ride.theta}, primitive.arc, halfway)) return false;
-  update_neighbours(ride.macro_step, halfway, primitive.radius);
-  ride.soft_cost += double(soft_cost_of_primitive(ride.macro_step, ride.at, halfway, primitive));
-  ride.at = ride.at.then(primitive.end);
-  ride.theta += primitive.arc.length * primitive.arc.curvature;
-  ++ride.macro_step;
+  const BoxPose halfway = moved(primitive.boxes[std::size_t(car.time().macro_step / 2)], state.at);
+  if (!car.is_free({state.at.x, state.at.y, state.theta}, primitive.arc, halfway)) return false;
+  update_neighbours(state.macro_step, halfway, primitive.radius);
+  state.soft_cost += double(soft_cost_of_primitive(state.macro_step, state.at, halfway, primitive));
+  state.at = state.at.then(primitive.end);
+  state.theta += primitive.arc.length * primitive.arc.curvature;
+  ++state.macro_step;
   return true;
 }
 
 /// For so many time steps, all but the last at full speed, at most to the end of the macro step.
 /// @return false if the map is blocking
-bool SoftHybridAstar::ride_piece(Ride& ride, const Arc& piece, int time_steps) {
+bool SoftHybridAstar::propagate_arc(PropagatedState& state, const Arc& arc, int time_steps) {
   const MotionPrimitives& car = *problem_->car;
   const double ahead = car.ahead();
-  const Frame middle = ride.at.then(arc_end({piece.length / 2, piece.curvature}));
-  if (!car.is_free({ride.at.x, ride.at.y, ride.theta}, piece, box_pose(middle, ahead))) {
+  const Frame middle = state.at.then(arc_end({arc.length / 2, arc.curvature}));
+  if (!car.is_free({state.at.x, state.at.y, state.theta}, arc, box_pose(middle, ahead))) {
     return false;
   }
-  if (ride.time_steps == 0) boxes_[0] = box_pose(ride.at, ahead);
-  const Frame end = ride.at.then(arc_end(piece));
-  const Frame step = arc_end({std::copysign(car.step_length(), piece.length), piece.curvature});
+  if (state.time_steps == 0) boxes_[0] = box_pose(state.at, ahead);
+  const Frame end = state.at.then(arc_end(arc));
+  const Frame step = arc_end({std::copysign(car.step_length(), arc.length), arc.curvature});
   for (int k = 1; k <= time_steps; ++k) {
-    ride.at = k < time_steps ? ride.at.then(step) : end;
-    boxes_[std::size_t(++ride.time_steps)] = box_pose(ride.at, ahead);
+    state.at = k < time_steps ? state.at.then(step) : end;
+    boxes_[std::size_t(++state.time_steps)] = box_pose(state.at, ahead);
   }
-  ride.theta += piece.length * piece.curvature;
-  if (ride.time_steps == car.time().macro_step) end_macro_step(ride);
+  state.theta += arc.length * arc.curvature;
+  if (state.time_steps == car.time().macro_step) end_macro_step(state);
   return true;
 }
 
 /// Adds the soft-collision cost of what was driven of a macro step and of resting for the
 /// remainder.
-void SoftHybridAstar::end_macro_step(Ride& ride) {
-  const auto driven = boxes_.begin() + ride.time_steps;
+void SoftHybridAstar::end_macro_step(PropagatedState& state) {
+  const auto driven = boxes_.begin() + state.time_steps;
   std::fill(driven, boxes_.end(), *driven);
   const MotionPrimitives& car = *problem_->car;
-  ride.soft_cost +=
-      double(soft_cost(ride.macro_step, boxes_.data(), car.shape().travel, car.reach()));
-  ++ride.macro_step;
-  ride.time_steps = 0;
+  state.soft_cost +=
+      double(soft_cost(state.macro_step, boxes_.data(), car.shape().travel, car.reach()));
+  ++state.macro_step;
+  state.time_steps = 0;
 }
 
 SoftResult SoftHybridAstar::path() {

@@ -100,7 +100,8 @@ class Search {
       if (nodes_[std::size_t(n)].f >= clear_goal_ || !closed_.insert(key(nodes_[std::size_t(n)]))) {
         continue;
       }
-      if (expansions % kExpansionEvery == 0 || nodes_[std::size_t(n)].h < kExpansionRange) shoot(n);
+      if (expansions % kExpansionEvery == 0 || nodes_[std::size_t(n)].h < kExpansionRange)
+        try_analytic_expansion(n);
       expand(n);
       ++expansions;
     }
@@ -203,7 +204,7 @@ class Search {
   }
 
   /// Adds the end of the Reeds-Shepp path from n to the goal, if it is free.
-  void shoot(int n) {
+  void try_analytic_expansion(int n) {
     const Node& from = nodes_[std::size_t(n)];
     const double earliest = from.t + from.h / car_.step_length();
     if (earliest + kMaxPieces < goal_free_from_ || from.f >= clear_goal_) return;
