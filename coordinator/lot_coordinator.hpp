@@ -126,7 +126,7 @@ class LotCoordinator : public Controller {
     bool taken_over = false;
     double stay = 0.0;          ///< [s]
     double until = -1.0;        ///< [s] simulated
-    std::int64_t asked = -1;    ///< the decision in which it last asked for a way, and
+    std::int64_t asked = -1;    ///< the decision in which it last asked for a path, and
     int failures = 0;           ///< in a row
     std::int64_t next_try = 0;  ///< from which on it may ask again
   };

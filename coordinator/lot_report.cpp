@@ -16,7 +16,7 @@ using Json = nlohmann::ordered_json;
 /// Of all who made one of the two ways.
 struct Travel {
   std::vector<double> took;   ///< [s] those not at the end counted up to now
-  std::vector<double> alone;  ///< [s] of those who got a way
+  std::vector<double> alone;  ///< [s] of those who got a path
   int unfinished = 0;
 };
 

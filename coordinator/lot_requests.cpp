@@ -1,4 +1,4 @@
-// Vehicles that ask for a way on a lot: who does, to which places, past whom.
+// Vehicles that ask for a path on a lot: who does, to which places, past whom.
 
 #include <fmt/format.h>
 
@@ -75,7 +75,7 @@ std::vector<std::string> LotCoordinator::those_who_ask() const {
   return ids;
 }
 
-/// Those who stand on the lot and ask for a way (true), or do not.
+/// Those who stand on the lot and ask for a path (true), or do not.
 std::vector<StandingCar> LotCoordinator::standing(bool asking, const std::string& except) const {
   std::vector<StandingCar> result;
   for (const auto& [id, guest] : guests_) {
@@ -86,7 +86,7 @@ std::vector<StandingCar> LotCoordinator::standing(bool asking, const std::string
   return result;
 }
 
-/// Those who stand and must not be touched beside what is solid: who asks for a way; where nobody
+/// Those who stand and must not be touched beside what is solid: who asks for a path; where nobody
 /// has a plan, which would keep off them, all.
 std::vector<StandingCar> LotCoordinator::in_place(const std::string& except) const {
   std::vector<StandingCar> result = standing(true, except);
@@ -144,7 +144,7 @@ std::vector<int> LotCoordinator::slots_for(const Guest& guest) {
   }
   std::ranges::stable_sort(offers, {}, &SlotOffer::distance);
   if (options_.policy) options_.policy(offers);
-  // Who found no way to the first ones tries the next ones.
+  // Who found no path to the first ones tries the next ones.
   std::vector<int> slots;
   const std::size_t count = std::min(offers.size(), std::size_t(options_.slots_tried));
   for (std::size_t k = 0; k < count; ++k) {

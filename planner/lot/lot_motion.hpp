@@ -86,7 +86,7 @@ class LotMotion {
 
   /// The car brakes to rest and stays there: it broke down, or has no path any more.
   void stop_permanently(std::int64_t key);
-  /// Strands those who would wait for ever. @return their keys
+  /// Stops those permanently who would wait for ever. @return their keys
   std::vector<std::int64_t> stop_the_blocked_permanently();
 
   /// Everyone drives for `dt` [s].

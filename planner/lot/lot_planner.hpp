@@ -23,7 +23,7 @@ struct StandingCar {
   Vehicle body;
 };
 
-/// A car that asks for a way.
+/// A car that asks for a path.
 struct LotRequest {
   std::int64_t key = 0;
   Vehicle body;
@@ -71,11 +71,11 @@ class LotPlanner {
   LotPlanner(const LotPlanner&) = delete;
   LotPlanner& operator=(const LotPlanner&) = delete;
 
-  /// Who stands on the lot from now on, cars that ask for a way left out.
+  /// Who stands on the lot from now on, cars that ask for a path left out.
   void set_standing(std::vector<StandingCar> standing);
 
-  /// Finds a way for one more car, and puts it on it.
-  /// @param waiting  others that ask for a way, and stand where they are until they have one
+  /// Finds a path for one more car, and puts it on it.
+  /// @param waiting  others that ask for a path, and stand where they are until they have one
   /// @return nullopt if there is none now; nothing has changed then
   [[nodiscard]] std::optional<LotAdmission> admit(LotMotion& motion, const LotRequest& request,
                                                   std::span<const StandingCar> waiting);

@@ -10,7 +10,7 @@ namespace {
 constexpr double kAnySoftCost = 1.0;  ///< [s] per macro step: the searches are hard
 constexpr int kMoreAlone = 8;         ///< times the expansions of a thorough search alone,
 constexpr int kMoreAmongOthers = 4;   ///< and among others
-constexpr int kLatest = 200;          ///< time steps that a way alone may begin later
+constexpr int kLatest = 200;          ///< time steps that a path alone may begin later
 constexpr double kTail = 12.0;        ///< [m] before a slot that are driven as if alone
 
 SoftOptions soft_options(const LotPlannerOptions& options) {
@@ -200,7 +200,7 @@ std::optional<SoftResult> LotPlanner::ReplanningSession::search_alone_backwards(
   return path;
 }
 
-/// The last metres of a way: a search among others need only find the rest.
+/// The last metres of a path: a search among others need only find the rest.
 std::vector<Arc> LotPlanner::ReplanningSession::tail(const ArcTrajectory& alone) const {
   ArcPath path(alone.start());
   path.append(alone.steps());

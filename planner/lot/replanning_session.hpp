@@ -28,7 +28,7 @@ class LotPlanner::ReplanningSession {
 
   /// The robot's path as if nobody else moved.
   [[nodiscard]] std::optional<ArcTrajectory> alone(int robot, Effort effort);
-  /// The robot, absent so far, gets a way that touches nobody present.
+  /// The robot, absent so far, gets a path that touches nobody present.
   /// @param alone  its path as if nobody else moved
   [[nodiscard]] bool plan(int robot, const ArcTrajectory& alone, Effort effort);
   /// The same, quickly if possible.
@@ -38,7 +38,7 @@ class LotPlanner::ReplanningSession {
   [[nodiscard]] const ArcTrajectory& trajectory(int robot) const {
     return joint_->trajectory(robot);
   }
-  /// The cars under way that stand blocking a robot that moves like this.
+  /// The robots that block one that moves like this.
   [[nodiscard]] std::vector<int> blockers_of(int robot, const ArcTrajectory& trajectory);
 
   /// Must the car's path stay as it is? In an entry lane somebody follows; shortly before the end
