@@ -26,7 +26,7 @@ class ConfigurationReader {
   explicit ConfigurationReader(const std::string& path)
       : path_(path), file_(path, "a SUMO configuration, *.sumocfg") {}
 
-  Configuration read() {
+  SumoConfiguration read() {
     read_options(file_.root());
     if (configuration_.net_file.empty()) {
       file_.fail(file_.root(),
@@ -131,14 +131,14 @@ class ConfigurationReader {
 
   std::string path_;
   XmlFile file_;
-  Configuration configuration_;
+  SumoConfiguration configuration_;
 };
 
 }  // namespace
 
-Configuration read_configuration(const std::string& path) {
+SumoConfiguration read_configuration(const std::string& path) {
   set_sumo_home();
-  const Configuration configuration = ConfigurationReader(path).read();
+  const SumoConfiguration configuration = ConfigurationReader(path).read();
   if (!(configuration.step_length >= 0.001)) {  // SUMO's clock counts milliseconds
     throw InputError(path, "step-length: " + std::to_string(configuration.step_length) +
                                " s is below 0.001 s; give e.g. 0.1");

@@ -9,7 +9,7 @@ namespace mvtp {
 
 /// What a SUMO configuration (*.sumocfg) says about its inputs and its time; paths as found from
 /// the working directory, environment variables replaced.
-struct Configuration {
+struct SumoConfiguration {
   std::string net_file;
   std::vector<std::string> route_files;
   std::vector<std::string> additional_files;
@@ -22,7 +22,7 @@ struct Configuration {
 /// Reads a configuration, and checks that every file it names is there.
 ///
 /// Throws InputError otherwise: SUMO itself would only say so much later, and less clearly.
-[[nodiscard]] Configuration read_configuration(const std::string& path);
+[[nodiscard]] SumoConfiguration read_configuration(const std::string& path);
 
 /// Sets the environment variable SUMO_HOME to where SUMO is installed, unless it is set already:
 /// SUMO finds its schemas by it, and a configuration may name files of SUMO by it.

@@ -75,7 +75,7 @@ std::vector<std::string> arguments_of(const SumoOptions& options) {
 }
 
 /// What goes before the name of every output file; SUMO's word TIME is the time of day.
-std::string output_prefix(const Configuration& configuration) {
+std::string output_prefix(const SumoConfiguration& configuration) {
   const auto given = configuration.others.find("output-prefix");
   if (given == configuration.others.end()) return "";
   std::string prefix = given->second;
@@ -91,7 +91,7 @@ std::string output_prefix(const Configuration& configuration) {
 }
 
 /// Options of a scenario with which SUMO would wait for other programs, or is no microscopic one.
-void check_configuration(const SumoOptions& options, const Configuration& configuration) {
+void check_configuration(const SumoOptions& options, const SumoConfiguration& configuration) {
   const auto refuse_unless = [&](const char* option, std::initializer_list<const char*> harmless,
                                  const char* why) {
     const auto given = configuration.others.find(option);
@@ -112,8 +112,9 @@ void require_display() {
     const char* value = std::getenv(variable);
     if (value != nullptr && *value != '\0') return;
   }
-  throw InputError("--gui", "there is no display (DISPLAY is not set); run it on a desktop, or leave "
-                            "--gui out");
+  throw InputError("--gui",
+                   "there is no display (DISPLAY is not set); run it on a desktop, or leave "
+                   "--gui out");
 }
 
 /// What only the one who starts SUMO can say.
@@ -131,7 +132,7 @@ void check_remote(const SumoOptions& options) {
 }  // namespace
 
 std::unique_ptr<SumoTraffic> open_sumo(const SumoOptions& options) {
-  const Configuration configuration = read_configuration(options.configuration);
+  const SumoConfiguration configuration = read_configuration(options.configuration);
   SumoLaunch launch{.configuration = options.configuration,
                     .arguments = arguments_of(options),
                     .network = read_network(configuration.net_file),

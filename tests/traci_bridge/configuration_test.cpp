@@ -25,7 +25,7 @@ class ReadConfiguration : public testing::Test {
     for (const char* name : {"net.xml", "a.xml", "b.xml"}) directory_.write(name, "<x/>");
   }
 
-  Configuration read(const std::string& content) {
+  SumoConfiguration read(const std::string& content) {
     return read_configuration(directory_.write("test.sumocfg", content));
   }
   std::string error_of(const std::string& content) {
@@ -36,7 +36,7 @@ class ReadConfiguration : public testing::Test {
 };
 
 TEST_F(ReadConfiguration, FilesAreFoundBesideTheConfiguration) {
-  const Configuration c = read(R"(<configuration>
+  const SumoConfiguration c = read(R"(<configuration>
     <input><net-file value="net.xml"/><route-files value="a.xml, b.xml"/>
            <additional-files value=""/></input>
     <time><begin value="30"/><end value="1:00:05"/><step-length value="0.1"/></time>
@@ -51,7 +51,7 @@ TEST_F(ReadConfiguration, FilesAreFoundBesideTheConfiguration) {
 }
 
 TEST_F(ReadConfiguration, FlatFilesAndSynonymsAreReadAsSumoDoes) {
-  const Configuration c = read(R"(<c><net v="net.xml"/><r>a.xml</r><end value="-1"/></c>)");
+  const SumoConfiguration c = read(R"(<c><net v="net.xml"/><r>a.xml</r><end value="-1"/></c>)");
 
   EXPECT_EQ(c.net_file, directory_ / "net.xml");
   EXPECT_THAT(c.route_files, ElementsAre(directory_ / "a.xml"));
@@ -88,7 +88,7 @@ TEST_F(ReadConfiguration, BadValuesAreNamed) {
 class ShippedScenario : public testing::TestWithParam<const char*> {};
 
 TEST_P(ShippedScenario, NamesFilesThatAreThere) {
-  const Configuration c = read_configuration(project_file(GetParam()));
+  const SumoConfiguration c = read_configuration(project_file(GetParam()));
   EXPECT_THAT(c.route_files, SizeIs(1));
   EXPECT_DOUBLE_EQ(c.step_length, 0.1);
   EXPECT_EQ(c.end, std::nullopt);

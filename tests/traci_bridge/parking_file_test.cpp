@@ -18,7 +18,7 @@ using testing::ElementsAre;
 using testing::SizeIs;
 
 std::vector<ParkingLot> shipped(const std::string& name) {
-  const Configuration configuration =
+  const SumoConfiguration configuration =
       read_configuration(project_file("scenarios/parking/" + name + ".sumocfg"));
   return read_parking_lots(configuration.additional_files, read_network(configuration.net_file));
 }

@@ -57,7 +57,7 @@ class SumoParkingTest : public testing::TestWithParam<bool> {
   }
 
   [[nodiscard]] ParkingLot lot() const {
-    const Configuration configuration = read_configuration(options_.configuration);
+    const SumoConfiguration configuration = read_configuration(options_.configuration);
     return read_parking_lots(configuration.additional_files, read_network(configuration.net_file))
         .front();
   }

@@ -56,14 +56,14 @@ std::string own_control(const CompareOptions& options) {
 }
 
 bool has_parking_lot(const CompareOptions& options) {
-  const Configuration configuration = read_configuration(options.run.configuration);
+  const SumoConfiguration configuration = read_configuration(options.run.configuration);
   const RoadNetwork network = read_network(configuration.net_file);
   return !read_parking_lots(configuration.additional_files, network).empty();
 }
 
 /// Those that are named; else the twins that lie beside the scenario, the scenario's own control,
-/// and coordinated; on a parking lot, where SUMO's drivers know no manoeuvres, simpler controllers of
-/// ours and ours.
+/// and coordinated; on a parking lot, where SUMO's drivers know no manoeuvres, simpler planners and
+/// ESCoT.
 std::vector<Control> controls_of(const CompareOptions& options) {
   if (!options.controllers.empty())
     return named_controls(options.run.configuration, options.controllers);

@@ -39,7 +39,7 @@ std::optional<std::string> given(const CoordinateOptions& options, std::string_v
   return value;
 }
 
-std::string setting(const Configuration& configuration, const char* name) {
+std::string setting(const SumoConfiguration& configuration, const char* name) {
   const auto found = configuration.others.find(name);
   return found == configuration.others.end() ? "" : found->second;
 }
@@ -81,7 +81,7 @@ void choose_end(const CoordinateOptions& options, Scenario& scenario) {
 }
 
 void note_settings(Scenario& scenario) {
-  const Configuration& c = scenario.configuration;
+  const SumoConfiguration& c = scenario.configuration;
   const auto note = [&](const std::string& text) { scenario.notes.push_back(text); };
   if (const auto after = number(setting(c, "time-to-teleport")); after && *after > 0.0) {
     note(fmt::format("time-to-teleport {}: nobody is teleported here; a jam shows in the delays",
@@ -152,7 +152,7 @@ SumoAddress address_of(const CoordinateOptions& options) {
 
 }  // namespace
 
-Demand scan_demand(const Configuration& configuration) {
+Demand scan_demand(const SumoConfiguration& configuration) {
   Demand demand;
   for (const auto* files : {&configuration.route_files, &configuration.additional_files}) {
     for (const std::string& path : *files) {

@@ -17,11 +17,11 @@ struct Demand {
   bool people = false;
   bool rerouters = false;
 };
-[[nodiscard]] Demand scan_demand(const Configuration& configuration);
+[[nodiscard]] Demand scan_demand(const SumoConfiguration& configuration);
 
 /// A SUMO scenario about to be run.
 struct Scenario {
-  Configuration configuration;
+  SumoConfiguration configuration;
   SumoOptions sumo;
   std::optional<double> end;  ///< [s] simulated; none: until the last vehicle has arrived
   Demand demand;
