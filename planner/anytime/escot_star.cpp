@@ -192,7 +192,7 @@ void Searcher::improve() {
     const int limit = lowest + int(part * (best - 1 - lowest));
     bool unreachable = false;
     motion_.place_all(best_.trajectories);
-    if (repair_.lower(
+    if (repair_.tighten(
             limit, stagnation_limit << doublings, kLateExpansions << doublings,
             [this] { return interrupted(); }, unreachable)) {
       keep();

@@ -126,8 +126,8 @@ void Repair::try_one() {
   }
 }
 
-bool Repair::lower(int limit, std::int64_t stagnation_limit, int expansions,
-                   const Interrupt& interrupt, bool& unreachable) {
+bool Repair::tighten(int limit, std::int64_t stagnation_limit, int expansions,
+                     const Interrupt& interrupt, bool& unreachable) {
   limit_ = limit;
   unreachable = false;
   std::vector<int> late;

@@ -82,8 +82,8 @@ class Repair {
   /// be absent or in conflict.
   /// @param expansions   of the search for each robot that would be late
   /// @param unreachable  set if a robot has no path in that time at all, as far as searched
-  [[nodiscard]] bool lower(int limit, std::int64_t stagnation_limit, int expansions,
-                           const Interrupt& interrupt, bool& unreachable);
+  [[nodiscard]] bool tighten(int limit, std::int64_t stagnation_limit, int expansions,
+                             const Interrupt& interrupt, bool& unreachable);
   /// Robot i arrives earlier, if it can without any conflict. @pre no conflicts
   bool shorten(int i, int expansions);
 

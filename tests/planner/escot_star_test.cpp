@@ -180,7 +180,7 @@ TEST_F(StarParts, RepairEndsWithoutConflictsOrSaysSo) {
   EXPECT_TRUE(find_violations(instance, plan_of(motion), CollisionRule::kContinuous).empty());
 }
 
-TEST_F(StarParts, LoweringKeepsToTheLimit) {
+TEST_F(StarParts, TighteningKeepsToTheLimit) {
   JointMotion motion(robots, time);
   Repair repair(motion, alone, {}, 1, never);
   motion.place_all(alone);
@@ -188,7 +188,7 @@ TEST_F(StarParts, LoweringKeepsToTheLimit) {
   const int limit = (motion.makespan() + int(planning_problem.lower_bound() / time.dt)) / 2;
   ASSERT_LT(limit, motion.makespan());
   bool unreachable = false;
-  ASSERT_TRUE(repair.lower(
+  ASSERT_TRUE(repair.tighten(
       limit, 200'000, 5000, [] { return false; }, unreachable));
   EXPECT_LE(motion.makespan(), limit);
   EXPECT_FALSE(unreachable);
