@@ -4,7 +4,7 @@
 #include <limits>
 
 #include "coordinator/coordinator.hpp"
-#include "planner/road/whole_trajectory.hpp"
+#include "planner/road/profile_planner.hpp"
 
 namespace mvtp {
 

@@ -20,7 +20,7 @@ bool Coordinator::touches_guests(const Trial& trial) {
     const std::vector<Forecast> passages = predict_one(*state, trial.guests);
     for (const JointPlan::Entry& e : trial.decision.plan.entries) {
       const bool is_hit = std::ranges::any_of(passages, [&](const Forecast& passage) {
-        return touches_passage(corridors_.library(), trial.paths.at(e.key), *e.trajectory, passage,
+        return touches_passage(corridors_.library(), trial.paths.at(e.key), *e.profile, passage,
                                step_);
       });
       if (is_hit) blocking_guests_.insert(e.key);
@@ -57,12 +57,11 @@ bool Coordinator::is_clear_of(const std::vector<std::string>& guests, const Tria
   for (const JointPlan::Entry& e : trial.decision.plan.entries) {
     const auto path = trial.paths.find(e.key);
     if (path == trial.paths.end()) continue;
-    if (humans_ && humans_->may_meet(guests, path->second, *e.trajectory)) return false;
+    if (humans_ && humans_->may_meet(guests, path->second, *e.profile)) return false;
     const bool meets_people = std::ranges::any_of(people, [&](const People::Expected& person) {
       const Forecast& f = person.forecast;
       return may_meet(corridors_.library().contacts(path->second, f.vehicle.path),
-                      {*e.trajectory, *e.trajectory}, kWhole, {f.trajectory, *f.latest}, kWhole,
-                      step_);
+                      {*e.profile, *e.profile}, kWhole, {f.earliest, *f.latest}, kWhole, step_);
     });
     if (meets_people) return false;
   }
@@ -81,7 +80,7 @@ bool Coordinator::may_meet_people(const std::vector<std::string>& guests) {
     for (Forecast& f : predict_one(v, guests)) passing.emplace_back(is_new(v.id), std::move(f));
   }
   const auto tube = [](const Forecast& f) {
-    return TubeView(f.trajectory, f.latest ? *f.latest : f.trajectory);
+    return TubeView(f.earliest, f.latest ? *f.latest : f.earliest);
   };
   constexpr double kWhole = SpeedProfile::kDeparted / 2.0;
   return std::ranges::any_of(people_->expect(guests), [&](const People::Expected& person) {

@@ -77,11 +77,11 @@ void Coordinator::brake_for(const VehicleState& v) {
   now.forecasts = predict_one(v, {});
   look_ahead(now.forecasts);
   prepare_tables(now);
-  for (const std::int64_t key : who_must_brake(now, plan_, options_.escot.crossing.trajectory)) {
+  for (const std::int64_t key : who_must_brake(now, plan_, options_.escot.crossing.profile)) {
     const RoadVehicle& braking = now.vehicle(key);
     const double b = now.body(braking).max_decel;
     const auto entry = std::ranges::find(plan_.entries, key, &JointPlan::Entry::key);
-    entry->trajectory = std::make_shared<SpeedProfile>(stop_after(now, braking.now, -b, b));
+    entry->profile = std::make_shared<SpeedProfile>(stop_after(now, braking.now, -b, b));
   }
   commit({});
 }

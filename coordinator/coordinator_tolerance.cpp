@@ -68,8 +68,8 @@ void Coordinator::commit(const std::map<std::string, Driven>& arrivals) {
   if (lead == 0) return;
   for (const auto& [id, driven] : driven_) {
     const auto entry = std::ranges::find(plan_.entries, driven.key, &JointPlan::Entry::key);
-    if (entry->trajectory->begin <= step_) continue;
-    auto whole = std::make_shared<SpeedProfile>(*entry->trajectory);
+    if (entry->profile->begin <= step_) continue;
+    auto whole = std::make_shared<SpeedProfile>(*entry->profile);
     const bool arrives = arrivals.contains(id) && !driven.committed.empty();
     std::vector<InertialState> states = driven.committed;
     if (!arrives) {
@@ -80,11 +80,11 @@ void Coordinator::commit(const std::map<std::string, Driven>& arrivals) {
     states.insert(states.end(), whole->states.begin(), whole->states.end());
     whole->states = std::move(states);
     whole->begin = step_;
-    entry->trajectory = std::move(whole);
+    entry->profile = std::move(whole);
   }
   for (auto& [id, driven] : driven_) driven.committed.clear();
   executed_.clear();
-  for (const JointPlan::Entry& e : plan_.entries) executed_.emplace(e.key, e.trajectory);
+  for (const JointPlan::Entry& e : plan_.entries) executed_.emplace(e.key, e.profile);
 }
 
 /// Tells the traffic the plans that are new.
@@ -93,14 +93,14 @@ void Coordinator::announce_plans() {
   for (const auto& [id, driven] : driven_) {
     const auto entry = std::ranges::find(plan_.entries, driven.key, &JointPlan::Entry::key);
     const auto known = announced_.find(id);
-    announced.emplace(id, entry->trajectory);
-    if (known != announced_.end() && known->second == entry->trajectory) continue;
+    announced.emplace(id, entry->profile);
+    if (known != announced_.end() && known->second == entry->profile) continue;
     std::vector<PlannedPose> poses;
-    for (std::int64_t k = step_; k < entry->trajectory->end(); ++k) {
-      poses.push_back(planned_pose(driven, entry->trajectory->at(k)));
+    for (std::int64_t k = step_; k < entry->profile->end(); ++k) {
+      poses.push_back(planned_pose(driven, entry->profile->at(k)));
     }
-    if (poses.empty()) poses.push_back(planned_pose(driven, entry->trajectory->states.back()));
-    traffic_.announce_plan(id, std::move(poses), entry->trajectory->complete);
+    if (poses.empty()) poses.push_back(planned_pose(driven, entry->profile->states.back()));
+    traffic_.announce_plan(id, std::move(poses), entry->profile->complete);
   }
   announced_ = std::move(announced);
 }
@@ -146,8 +146,8 @@ void Coordinator::give_up_the_lost() {
 /// Forecasts begin when what they rest on was seen; what they are compared with begins later.
 void Coordinator::look_ahead(std::vector<Forecast>& forecasts) const {
   std::erase_if(forecasts, [&](Forecast& f) {
-    if (f.trajectory.begin >= effective_step()) return false;
-    InertialState then = f.trajectory.at(effective_step());
+    if (f.earliest.begin >= effective_step()) return false;
+    InertialState then = f.earliest.at(effective_step());
     if (then.s >= SpeedProfile::kDeparted && f.latest) then = f.latest->at(effective_step());
     f.vehicle.now = then;
     return then.s >= SpeedProfile::kDeparted;

@@ -204,8 +204,7 @@ Coordinator::Trial Coordinator::plan_trial(const std::map<std::string, Driven>& 
   // The plans that vehicles follow to the end of their corridors.
   JointPlan incumbent = plan_;
   std::erase_if(incumbent.entries, [&](const auto& e) {
-    return !e.trajectory->complete || arriving.contains(e.key) ||
-           std::ranges::count(upset, e.key) > 0;
+    return !e.profile->complete || arriving.contains(e.key) || std::ranges::count(upset, e.key) > 0;
   });
   trial.decision = decide_on_road(now, incumbent, without_plan(now, incumbent, upset), escot());
   left_without_plan_ = trial.decision.stepped > 0;

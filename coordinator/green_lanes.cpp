@@ -6,7 +6,7 @@
 #include <limits>
 #include <ranges>
 
-#include "planner/road/whole_trajectory.hpp"
+#include "planner/road/profile_planner.hpp"
 
 namespace mvtp {
 namespace {
@@ -154,7 +154,7 @@ std::vector<Forecast> GreenLanes::expect(const VehicleState& v, const CourseQuer
 /// One who stops there, until those across his path have passed.
 Forecast GreenLanes::waits_at(const RoadVehicle& road, double stop, std::int64_t step) const {
   Forecast forecast{.vehicle = road,
-                    .trajectory = predict_leader(road, std::nullopt, grid_, step),
+                    .earliest = predict_leader(road, std::nullopt, grid_, step),
                     .latest = std::nullopt};
   SpeedProfile held = predict_leader(road, StopLine{stop}, grid_, step);
   const auto rest = std::ranges::find(held.states, 0.0, &InertialState::v);

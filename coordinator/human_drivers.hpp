@@ -134,7 +134,7 @@ class HumanDrivers {
   };
 
   [[nodiscard]] static TubeView tube_of(const Movement& movement) {
-    return {movement.forecast.trajectory, *movement.forecast.latest};
+    return {movement.forecast.earliest, *movement.forecast.latest};
   }
   [[nodiscard]] std::vector<int> links_of(const CourseQuery& query) const;
   [[nodiscard]] std::vector<int> links_to(int lane, int edge) const;

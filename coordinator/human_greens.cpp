@@ -8,8 +8,8 @@
 #include "coordinator/human_drivers.hpp"
 #include "coordinator/phase_choice.hpp"
 #include "planner/motion/inertial_car.hpp"
+#include "planner/road/profile_planner.hpp"
 #include "planner/road/road_contact.hpp"
-#include "planner/road/whole_trajectory.hpp"
 
 namespace mvtp {
 namespace {
@@ -127,7 +127,7 @@ bool HumanDrivers::may_meet(const Agent& a, const Agent& b) const {
 bool HumanDrivers::can_stop_after(const Agent& agent, double seconds) const {
   const auto steps = std::int64_t(std::ceil(seconds / grid_.dt));
   return std::ranges::all_of(agent.movements, [&](const Movement& movement) {
-    const InertialState then = movement.forecast.trajectory.at(step_ + steps);
+    const InertialState then = movement.forecast.earliest.at(step_ + steps);
     return then.s + stopping_distance(then.v, movement.driver.max_decel) + then.v * grid_.dt <
            movement.driver.line;
   });

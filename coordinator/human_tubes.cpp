@@ -6,7 +6,7 @@
 
 #include "coordinator/human_drivers.hpp"
 #include "coordinator/phase_choice.hpp"
-#include "planner/road/whole_trajectory.hpp"
+#include "planner/road/profile_planner.hpp"
 
 namespace mvtp {
 namespace {
@@ -117,7 +117,7 @@ void HumanDrivers::predict(Agent& agent) {
     agent.expected = {std::min(least, station(tube.latest, next)),
                       std::max(most, station(tube.earliest, next))};
     w.forecast = {.vehicle = w.driver.road,
-                  .trajectory = std::move(tube.earliest),
+                  .earliest = std::move(tube.earliest),
                   .latest = std::move(tube.latest),
                   .yields = false,
                   .relies = true,
@@ -130,8 +130,8 @@ void HumanDrivers::predict(Agent& agent) {
 const SpeedProfile& HumanDrivers::fastest(const Agent& agent) const {
   const std::int64_t then = step_ + std::int64_t(kWhile / grid_.dt);
   const auto best = std::ranges::max_element(
-      agent.movements, {}, [&](const Movement& w) { return station(w.forecast.trajectory, then); });
-  return best->forecast.trajectory;
+      agent.movements, {}, [&](const Movement& w) { return station(w.forecast.earliest, then); });
+  return best->forecast.earliest;
 }
 
 /// and the one that comes least far.
@@ -216,7 +216,7 @@ ExpectedGround::Reach HumanDrivers::reach_of(const Agent& agent, const Movement&
   const double here = path.project({where.x, where.y}, at_decision, at_decision + kAround);
   const double driven = here - at_decision;
   if (!agent.granted) return {0.0, std::max(0.0, movement.driver.line - here)};
-  const double most = std::max(0.0, station(movement.forecast.trajectory, then) - driven);
+  const double most = std::max(0.0, station(movement.forecast.earliest, then) - driven);
   return {std::clamp(station(*movement.forecast.latest, then) - driven, 0.0, most), most};
 }
 

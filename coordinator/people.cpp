@@ -238,15 +238,15 @@ SpeedProfile People::walk(double from, std::int64_t wait, double speed, double t
 Forecast People::forecast_on(int path, const Person& person, SpeedProfile earliest,
                              SpeedProfile latest) const {
   Forecast forecast{.vehicle = {},
-                    .trajectory = std::move(earliest),
+                    .earliest = std::move(earliest),
                     .latest = std::move(latest),
                     .yields = false,
                     .relies = true,
                     .slack_before = int(steps(kSlack)),
                     .slack_behind = int(steps(kSlack))};
   forecast.vehicle.path = path;
-  forecast.vehicle.now = {forecast.trajectory.states.front().s, person.speed};
-  forecast.vehicle.s_end = forecast.trajectory.states.back().s;
+  forecast.vehicle.now = {forecast.earliest.states.front().s, person.speed};
+  forecast.vehicle.s_end = forecast.earliest.states.back().s;
   return forecast;
 }
 

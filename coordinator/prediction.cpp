@@ -181,15 +181,15 @@ std::vector<Forecast> Predictor::predict(const VehicleState& v, const CourseQuer
   if (!placed) return {};
   const RoadVehicle& road = placed->road;
   const double s = road.now.s;
-  Forecast forecast{.vehicle = road, .trajectory = {}, .latest = std::nullopt};
+  Forecast forecast{.vehicle = road, .earliest = {}, .latest = std::nullopt};
   if (stands > 0.0) {
-    forecast.trajectory = predict_stop(road, stands, grid, step);
+    forecast.earliest = predict_stop(road, stands, grid, step);
     return {forecast};
   }
   if (is_unknown) {
     constexpr double kStanding = 0.1;  // [m/s]
     forecast.latest = predict_breakdown(road, body.max_decel, grid, step);
-    forecast.trajectory =
+    forecast.earliest =
         v.speed < kStanding ? *forecast.latest : predict_passage(road, body.max_accel, grid, step);
     if (v.speed < kStanding) forecast.latest.reset();
     forecast.yields = false;
@@ -202,7 +202,7 @@ std::vector<Forecast> Predictor::predict(const VehicleState& v, const CourseQuer
   if (intent == Intent::kPasses && !ends_before_line && (at_line || is_inside)) {
     // How quickly it goes nobody knows: it may speed up as it can, or slow down to a crawl, and
     // wait where its lane ends.
-    forecast.trajectory = predict_passage(road, body.max_accel, grid, step);
+    forecast.earliest = predict_passage(road, body.max_accel, grid, step);
     forecast.latest = predict_crawl(road, stop, grid, step);
     forecast.yields = false;
     return {forecast};
@@ -215,8 +215,8 @@ std::vector<Forecast> Predictor::predict(const VehicleState& v, const CourseQuer
     const double line = s + (is_held ? std::min(*to_line, to_end) : *to_line);
     if (!stop || line < stop->s - kSame) stop = StopLine{line, body.max_decel};
   }
-  forecast.trajectory = predict_leader(road, stop, grid, step);
-  if (is_held) forecast.held = held_at_line(forecast.trajectory, grid);
+  forecast.earliest = predict_leader(road, stop, grid, step);
+  if (is_held) forecast.held = held_at_line(forecast.earliest, grid);
   return {forecast};
 }
 

@@ -81,7 +81,7 @@ Drive drive_of(const RoadScene& scene, const JointPlan& plan, std::size_t entry,
   const ReferencePath& path = scene.library->path(v.path);
   const Vehicle& body = *drive.body;
   for (std::int64_t k = from; k <= from + kSlice; ++k) {
-    const InertialState state = plan.entries[entry].trajectory->at(k);
+    const InertialState state = plan.entries[entry].profile->at(k);
     if (state.s >= SpeedProfile::kDeparted) break;
     drive.places.push_back(place_of(path.at(state.s), body));
     for (const Point& p : drive.places.back().corners) {
@@ -99,8 +99,8 @@ class Referee {
   Referee(const RoadScene& scene, const JointPlan& plan, const JointPlan& judged)
       : scene_(scene), plan_(plan) {
     for (const JointPlan::Entry& e : plan.entries) {
-      end_ = std::max(end_, e.trajectory->end());
-      kept_.push_back(judged.find(e.key) == e.trajectory.get());
+      end_ = std::max(end_, e.profile->end());
+      kept_.push_back(judged.find(e.key) == e.profile.get());
     }
   }
 
@@ -198,11 +198,11 @@ bool touches_passage(const PathLibrary& library, int path, const SpeedProfile& p
                      const Forecast& passage, std::int64_t step) {
   constexpr double kApart = 0.5;  // [m] between two places of the driver that are looked at
   const ContactTable& contacts = library.contacts(path, passage.vehicle.path);
-  const SpeedProfile& latest = passage.latest ? *passage.latest : passage.trajectory;
+  const SpeedProfile& latest = passage.latest ? *passage.latest : passage.earliest;
   for (std::int64_t k = step; k < latest.end(); ++k) {
     const double s = plan.at(k).s;
     if (s >= SpeedProfile::kDeparted) return false;
-    const double last = std::min(passage.trajectory.at(k).s, passage.vehicle.s_end);
+    const double last = std::min(passage.earliest.at(k).s, passage.vehicle.s_end);
     const double first = std::min(latest.at(k).s, last);
     if (!contacts.meets(s, s, first, last)) continue;
     const Pose own = library.path(path).at(s);

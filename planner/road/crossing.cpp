@@ -30,8 +30,8 @@ class CrossingPlanner {
       : pairs_(pairs),
         orders_(pairs),
         neighbourhoods_(pairs),
-        cost_(pairs, options.trajectory, options.headway_weight),
-        plans_(pairs, cost_, options.trajectory),
+        cost_(pairs, options.profile, options.headway_weight),
+        plans_(pairs, cost_, options.profile),
         scene_(pairs.scene()),
         options_(options),
         draws_(seed),
@@ -58,7 +58,7 @@ class CrossingPlanner {
 
   /// A plan for every vehicle: those without an incumbent around all incumbents, as long as these
   /// fit; else in order, where a vehicle that finds none moves to the front, which is priority
-  /// inheritance on whole trajectories.
+  /// inheritance on complete speed profiles.
   CrossingResult complete(const Order& keys, const JointPlan& incumbent) {
     Order order;
     for (const Entry& e : incumbent.entries) {
@@ -147,9 +147,9 @@ class CrossingPlanner {
   void restore_headways(std::vector<Entry>& entries) {
     for (std::size_t i = 0; i < entries.size(); ++i) {
       const RoadVehicle& v = scene_.vehicle(entries[i].key);
-      if (leaves_room(pairs_, v, *entries[i].trajectory, entries, options_.trajectory)) continue;
+      if (leaves_room(pairs_, v, *entries[i].profile, entries, options_.profile)) continue;
       const KnownPlans::Plan t = plan_at_least(v, entries);
-      if (t) entries[i].trajectory = t;
+      if (t) entries[i].profile = t;
     }
   }
 
@@ -230,8 +230,8 @@ class CrossingPlanner {
       bodies.push_back({v.key, std::make_shared<SpeedProfile>(stop_after(scene_, v.now, -b, b))});
       const std::span<const Entry> body(&bodies.back(), 1);
       std::erase_if(planned, [&](const Entry& e) {
-        const bool fits = fits_beside(pairs_, scene_.vehicle(e.key), *e.trajectory, body,
-                                      options_.trajectory, &work_);
+        const bool fits =
+            fits_beside(pairs_, scene_.vehicle(e.key), *e.profile, body, options_.profile, &work_);
         if (!fits) open.push_back(e.key);
         return !fits;
       });
@@ -246,8 +246,8 @@ class CrossingPlanner {
                                  std::span<const Entry> before) {
     const auto old = std::ranges::find(incumbent.entries, key, &Entry::key);
     const bool fits =
-        old != incumbent.entries.end() && still_fits(pairs_, scene_.vehicle(key), *old->trajectory,
-                                                     before, options_.trajectory, &work_);
+        old != incumbent.entries.end() &&
+        still_fits(pairs_, scene_.vehicle(key), *old->profile, before, options_.profile, &work_);
     return fits ? &*old : nullptr;
   }
 

@@ -3,12 +3,12 @@
 #include <cstdint>
 #include <vector>
 
-#include "planner/road/whole_trajectory.hpp"
+#include "planner/road/profile_planner.hpp"
 
 namespace mvtp {
 
 struct CrossingOptions {
-  WholeTrajectoryOptions trajectory;
+  ProfileOptions profile;
   int tries = 30;  ///< orders tried per call; 0: first come, first served
   /// More than so many vehicles are not planned anew in another order, but a few at a time, around
   /// all others.
@@ -20,12 +20,12 @@ struct CrossingOptions {
 };
 
 struct CrossingResult {
-  JointPlan plan;                       ///< complete trajectories of all but `unplanned`
+  JointPlan plan;                       ///< complete speed profiles of all but `unplanned`
   std::vector<std::int64_t> unplanned;  ///< they brake; `plan` keeps clear of them
   double cost = 0.0;                    ///< [s] of `plan`
 };
 
-/// GetOptTraj [ESCoT, Alg. 2 l. 15] on roads: complete trajectories for a group of vehicles,
+/// GetOptTraj [ESCoT, Alg. 2 l. 15] on roads: complete speed profiles for a group of vehicles,
 /// planned one after another in an order of priority, which is searched.
 ///
 /// @param keys  the group; newcomers (without an incumbent) come after the others, as given here.

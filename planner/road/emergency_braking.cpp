@@ -21,7 +21,7 @@ bool may_go_on(const Surroundings& around, const RoadScene& scene, const RoadVeh
 }  // namespace
 
 std::vector<std::int64_t> who_must_brake(const RoadScene& scene, const JointPlan& plan,
-                                         const WholeTrajectoryOptions& options) {
+                                         const ProfileOptions& options) {
   const RoadPairs pairs(scene);
   std::vector<std::int64_t> braking;
   std::vector<JointPlan::Entry> bodies;

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "planner/road/whole_trajectory.hpp"
+#include "planner/road/profile_planner.hpp"
 
 namespace mvtp {
 
@@ -15,6 +15,6 @@ namespace mvtp {
 /// @return keys, ascending.
 [[nodiscard]] std::vector<std::int64_t> who_must_brake(const RoadScene& scene,
                                                        const JointPlan& plan,
-                                                       const WholeTrajectoryOptions& options);
+                                                       const ProfileOptions& options);
 
 }  // namespace mvtp

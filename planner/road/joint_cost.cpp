@@ -7,8 +7,8 @@ namespace mvtp {
 
 double JointCost::until_handback(const JointPlan::Entry& e) const {
   const RoadVehicle& v = scene_.vehicle(e.key);
-  const std::int64_t k = std::max(scene_.step, arrival_step(*e.trajectory, v.s_handback));
-  const double speed = k < e.trajectory->end() ? e.trajectory->at(k).v : v.cruise_speed;
+  const std::int64_t k = std::max(scene_.step, arrival_step(*e.profile, v.s_handback));
+  const double speed = k < e.profile->end() ? e.profile->at(k).v : v.cruise_speed;
   const double missing = std::max(0.0, v.cruise_speed - speed);
   return v.weight * (double(k - scene_.step) * scene_.grid.dt +
                      missing * missing / (2.0 * scene_.body(v).max_accel * v.cruise_speed));
@@ -34,9 +34,9 @@ double JointCost::alone(std::int64_t key) {
 double JointCost::of(const Entries& entries) const {
   std::vector<OnExit> all;
   for (const JointPlan::Entry& e : entries) {
-    all.push_back({&scene_.vehicle(e.key), e.trajectory.get()});
+    all.push_back({&scene_.vehicle(e.key), e.profile.get()});
   }
-  for (const Forecast& f : scene_.forecasts) all.push_back({&f.vehicle, &f.trajectory});
+  for (const Forecast& f : scene_.forecasts) all.push_back({&f.vehicle, &f.earliest});
   double cost = 0.0;
   for (std::size_t i = 0; i < entries.size(); ++i) {
     cost += until_handback(entries[i]) + headway_weight_ * missing_headway(all[i], all);
@@ -48,14 +48,14 @@ double JointCost::of(const Entries& entries) const {
 double JointCost::missing_headway(const OnExit& own, const std::vector<OnExit>& all) const {
   const RoadVehicle& v = *own.vehicle;
   if (v.exit_lane < 0) return 0.0;
-  const std::int64_t k = arrival_step(*own.trajectory, v.s_handback);
-  if (k >= own.trajectory->end()) return 0.0;
-  const InertialState state = own.trajectory->at(k);
+  const std::int64_t k = arrival_step(*own.profile, v.s_handback);
+  if (k >= own.profile->end()) return 0.0;
+  const InertialState state = own.profile->at(k);
   double missing = 0.0;
-  for (const auto& [vehicle, trajectory] : all) {
+  for (const auto& [vehicle, profile] : all) {
     const RoadVehicle& o = *vehicle;
     if (o.exit_lane != v.exit_lane) continue;
-    const InertialState ahead = trajectory->at(k);
+    const InertialState ahead = profile->at(k);
     const double gap = (ahead.s - o.s_exit_lane) - (state.s - v.s_exit_lane);
     if (gap <= 0.0 || ahead.s >= SpeedProfile::kDeparted) continue;
     const double wanted =

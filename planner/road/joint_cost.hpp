@@ -4,7 +4,7 @@
 #include <map>
 #include <vector>
 
-#include "planner/road/whole_trajectory.hpp"
+#include "planner/road/profile_planner.hpp"
 
 namespace mvtp {
 
@@ -16,7 +16,7 @@ class JointCost {
   using Entries = std::vector<JointPlan::Entry>;
 
   /// @param headway_weight  [s/s] cost of a headway that is missing at hand-back
-  JointCost(const RoadPairs& pairs, const WholeTrajectoryOptions& options, double headway_weight)
+  JointCost(const RoadPairs& pairs, const ProfileOptions& options, double headway_weight)
       : pairs_(pairs), scene_(pairs.scene()), options_(options), headway_weight_(headway_weight) {}
 
   /// Of all of them [s].
@@ -34,13 +34,13 @@ class JointCost {
  private:
   struct OnExit {
     const RoadVehicle* vehicle;
-    const SpeedProfile* trajectory;
+    const SpeedProfile* profile;
   };
   [[nodiscard]] double missing_headway(const OnExit& own, const std::vector<OnExit>& all) const;
 
   const RoadPairs& pairs_;
   const RoadScene& scene_;
-  const WholeTrajectoryOptions& options_;
+  const ProfileOptions& options_;
   double headway_weight_;
   std::map<std::int64_t, double> alone_;
 };

@@ -32,7 +32,7 @@ KnownPlans::Before KnownPlans::those_met(const RoadVehicle& vehicle,
   const std::size_t self = pairs_.index(vehicle.key);
   for (const JointPlan::Entry& e : before) {
     if (e.key == vehicle.key || !pairs_.matters(pairs_.index(e.key), self)) continue;
-    met.push_back(e.trajectory);
+    met.push_back(e.profile);
   }
   std::ranges::sort(met);
   return met;

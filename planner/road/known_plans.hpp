@@ -21,7 +21,7 @@ class KnownPlans {
   using Plan = std::shared_ptr<const SpeedProfile>;
 
   /// All must outlive this.
-  KnownPlans(const RoadPairs& pairs, const JointCost& cost, const WholeTrajectoryOptions& options)
+  KnownPlans(const RoadPairs& pairs, const JointCost& cost, const ProfileOptions& options)
       : pairs_(pairs), cost_(cost), options_(options) {}
 
   /// As plan_vehicle(); nullptr if it finds no complete plan. What is known takes no work.
@@ -43,7 +43,7 @@ class KnownPlans {
 
   const RoadPairs& pairs_;
   const JointCost& cost_;
-  const WholeTrajectoryOptions& options_;
+  const ProfileOptions& options_;
   std::map<std::pair<std::int64_t, Before>, Known> known_;
   std::map<std::int64_t, std::vector<Plan>> motions_;  ///< by key
 };

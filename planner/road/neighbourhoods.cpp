@@ -12,7 +12,7 @@ PassingOrder Neighbourhoods::around(const std::vector<Entry>& entries, std::size
   for (std::size_t i = 0; i < entries.size(); ++i) {
     const std::size_t other = pairs_.index(entries[i].key);
     if (i == first || pairs_.leads(own, other) || pairs_.leads(other, own)) continue;
-    if (meet_soon(own, *entries[first].trajectory, entries[i])) near.push_back(i);
+    if (meet_soon(own, *entries[first].profile, entries[i])) near.push_back(i);
   }
   PassingOrder chosen;
   add_with_followers(entries, first, draws.between(0, kFollowers), chosen);
@@ -40,14 +40,14 @@ bool Neighbourhoods::meet_soon(std::size_t own, const SpeedProfile& t, const Ent
   const ContactView contact = pairs_.between(own, pairs_.index(other.key));
   if (contact.contact->never()) return false;
   const auto few = std::int64_t(kSoon / pairs_.scene().grid.dt);
-  const std::int64_t last = std::min(t.end() - 1, other.trajectory->end() - 1 + few);
+  const std::int64_t last = std::min(t.end() - 1, other.profile->end() - 1 + few);
   for (std::int64_t k = pairs_.scene().step; k <= last; k += few) {
     const std::int64_t until = std::min(k + few, t.end() - 1);
     const std::int64_t from = std::max(pairs_.scene().step, k - few);
-    if (from >= other.trajectory->end()) return false;
-    const std::int64_t to = std::min(until + few, other.trajectory->end() - 1);
-    if (contact.table().reaches(t.at(k).s, t.at(until).s, other.trajectory->at(from).s,
-                                other.trajectory->at(to).s)) {
+    if (from >= other.profile->end()) return false;
+    const std::int64_t to = std::min(until + few, other.profile->end() - 1);
+    if (contact.table().reaches(t.at(k).s, t.at(until).s, other.profile->at(from).s,
+                                other.profile->at(to).s)) {
       return true;
     }
   }

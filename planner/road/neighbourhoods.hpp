@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "planner/road/passing_order.hpp"
-#include "planner/road/whole_trajectory.hpp"
+#include "planner/road/profile_planner.hpp"
 #include "planner/search/draws.hpp"
 
 namespace mvtp {

@@ -62,7 +62,7 @@ RoadScene scene_of(const RoadScene& scene, const Keys& group) {
   const std::vector<Ahead> paths = paths_ahead(part);
   for (const Forecast& f : scene.forecasts) {
     Ahead expected = ahead_of(scene, f.vehicle);
-    expected.to = std::max(expected.to, f.trajectory.states.back().s);
+    expected.to = std::max(expected.to, f.earliest.states.back().s);
     const bool matters = std::ranges::any_of(
         paths, [&](const Ahead& own) { return may_meet(*scene.library, own, expected); });
     if (matters) part.forecasts.push_back(f);

@@ -32,7 +32,7 @@ struct RoadEscotOptions {
 
 /// What every vehicle does from this decision on.
 struct RoadDecision {
-  JointPlan plan;  ///< one trajectory per vehicle of the scene
+  JointPlan plan;  ///< one profile per vehicle of the scene
   /// Keys of vehicles that have nothing to do with those of other groups.
   std::vector<std::vector<std::int64_t>> members;
   std::vector<std::size_t> late;  ///< groups that took longer than their budget, ascending
@@ -46,7 +46,7 @@ struct RoadDecision {
 /// group of vehicles whose paths may still meet. Groups are planned independently, on several
 /// threads. Returns something for everybody, in whatever state the vehicles are.
 ///
-/// @param order  keys of the vehicles without a trajectory in `incumbent`, the first first.
+/// @param order  keys of the vehicles without a profile in `incumbent`, the first first.
 [[nodiscard]] RoadDecision decide_on_road(const RoadScene& scene, const JointPlan& incumbent,
                                           const std::vector<std::int64_t>& order,
                                           const RoadEscotOptions& options);

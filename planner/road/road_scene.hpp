@@ -24,7 +24,7 @@ struct DecisionGrid {
 /// on.
 ///
 /// After its last state the vehicle has left the road and touches nobody any more, if the
-/// trajectory is complete; otherwise it stays where it came to rest.
+/// profile is complete; otherwise it stays where it came to rest.
 struct SpeedProfile {
   static constexpr double kDeparted = 1e9;  ///< [m] where a vehicle is that has left
 
@@ -111,10 +111,10 @@ struct RoadVehicle {
 }
 
 /// A vehicle that is not under control, with the motion that is expected of it; or, with `latest`,
-/// with all motions between that and the earliest: at each time it may be anywhere between the two.
+/// with all motions between the two: at each time it may be anywhere between them.
 struct Forecast {
   RoadVehicle vehicle;
-  SpeedProfile trajectory;  ///< the earliest
+  SpeedProfile earliest;
   std::optional<SpeedProfile> latest;
   bool yields = true;  ///< to whoever blocks it; else only to those ahead on its own lane
   /// Its driver relies on a signal and brakes for nobody across his path: braking there does
@@ -126,7 +126,7 @@ struct Forecast {
   int slack_behind = 0;
   /// Nobody has planned around it before: plans that are kept keep the slack, too.
   bool is_new = false;
-  /// Of a driver who is held at a line: he stays there, whatever `trajectory` says, until whoever
+  /// Of a driver who is held at a line: he stays there, whatever `earliest` says, until whoever
   /// is not behind him on his lane has passed. Else each of the two might wait for the other.
   std::optional<SpeedProfile> held;
 };
@@ -154,18 +154,18 @@ struct RoadScene {
   }
 };
 
-/// Complete trajectories, in the order of priority in which they were planned.
+/// Complete speed profiles, in the order of priority in which they were planned.
 struct JointPlan {
   struct Entry {
     std::int64_t key = 0;
-    std::shared_ptr<const SpeedProfile> trajectory;
+    std::shared_ptr<const SpeedProfile> profile;
   };
   std::vector<Entry> entries;
 
   /// nullptr if there is none
   [[nodiscard]] const SpeedProfile* find(std::int64_t key) const {
     const auto e = std::ranges::find(entries, key, &Entry::key);
-    return e == entries.end() ? nullptr : e->trajectory.get();
+    return e == entries.end() ? nullptr : e->profile.get();
   }
 };
 

@@ -9,7 +9,7 @@ namespace mvtp {
 static_assert(GroupWorld<RoadWorld> && LocalWorld<RoadWorld>);
 
 RoadStepWorld::RoadStepWorld(const RoadPairs& pairs, const JointPlan& complete,
-                             const WholeTrajectoryOptions& options, bool complete_plans)
+                             const ProfileOptions& options, bool complete_plans)
     : pairs_(pairs), complete_(complete), options_(options), complete_plans_(complete_plans) {
   const std::size_t n = pairs.scene().vehicles.size();
   near_.resize(n);
@@ -112,7 +112,7 @@ RoadWorld::RoadWorld(const RoadPairs& pairs, std::vector<std::int64_t> keys, Joi
       options_(options),
       seed_(seed),
       work_(work),
-      steps_(pairs, found_.plan, options.crossing.trajectory, options.plans_groups) {}
+      steps_(pairs, found_.plan, options.crossing.profile, options.plans_groups) {}
 
 std::vector<RoadWorld::State> RoadWorld::states() const {
   std::vector<State> states;
@@ -145,18 +145,18 @@ std::vector<std::optional<RoadWorld::Motion>> RoadWorld::get_opt_traj(
 
 bool RoadWorld::keeps_plans(const std::vector<Motion>& motions) const {
   return std::ranges::all_of(found_.plan.entries, [&](const JointPlan::Entry& e) {
-    return motions[pairs_.index(e.key)] == first_motion(*e.trajectory);
+    return motions[pairs_.index(e.key)] == first_motion(*e.profile);
   });
 }
 
-RoadWorld::Motion RoadWorld::first_motion(const SpeedProfile& trajectory) const {
+RoadWorld::Motion RoadWorld::first_motion(const SpeedProfile& profile) const {
   const DecisionGrid& grid = scene().grid;
   const std::int64_t step = scene().step;
-  const InertialState from = trajectory.at(step);
+  const InertialState from = profile.at(step);
   // One that leaves within the decision counts as if it drove on at the same acceleration.
   const std::int64_t last =
-      std::min(step + grid.steps_per_decision, std::max(step, trajectory.end() - 1));
-  const InertialState to = trajectory.at(last);
+      std::min(step + grid.steps_per_decision, std::max(step, profile.end() - 1));
+  const InertialState to = profile.at(last);
   const double h = double(last - step) * grid.dt;
   const double a = h > 0.0 ? held_acceleration(from, to, h) : 0.0;
   return {from, a, advance(from, a, grid.decision())};

@@ -30,8 +30,8 @@ class RoadStepWorld {
   /// @param complete  the plans of those who have one.
   /// @param complete_plans  without one nobody drives over a stop line; false: nobody has one, and
   ///     those of lower priority keep clear of the others.
-  RoadStepWorld(const RoadPairs& pairs, const JointPlan& complete,
-                const WholeTrajectoryOptions& options, bool complete_plans = true);
+  RoadStepWorld(const RoadPairs& pairs, const JointPlan& complete, const ProfileOptions& options,
+                bool complete_plans = true);
 
   /// Robots are numbered as the scene's vehicles.
   [[nodiscard]] std::vector<Motion> candidates(int i, const State& state) const;
@@ -47,15 +47,15 @@ class RoadStepWorld {
 
   const RoadPairs& pairs_;
   const JointPlan& complete_;
-  const WholeTrajectoryOptions& options_;
+  const ProfileOptions& options_;
   bool complete_plans_;
   std::vector<std::vector<int>> near_;
 };
 
 /// The world of generate_config() on roads: one group of vehicles whose paths may still meet.
 ///
-/// GetOptTraj: complete trajectories in a searched order (plan_crossing), of all that find one. The
-/// rest: PBCR over accelerations, around the complete plans.
+/// GetOptTraj: complete speed profiles in a searched order (plan_crossing), of all that find one.
+/// The rest: PBCR over accelerations, around the complete plans.
 class RoadWorld {
  public:
   using State = RoadStepWorld::State;
@@ -98,8 +98,8 @@ class RoadWorld {
 
  private:
   [[nodiscard]] const RoadScene& scene() const { return pairs_.scene(); }
-  /// The motion that a trajectory makes during the decision of now.
-  [[nodiscard]] Motion first_motion(const SpeedProfile& trajectory) const;
+  /// The motion that a profile makes during the decision of now.
+  [[nodiscard]] Motion first_motion(const SpeedProfile& profile) const;
 
   const RoadPairs& pairs_;
   std::vector<std::int64_t> keys_;

@@ -5,8 +5,8 @@
 namespace mvtp {
 
 Surroundings::Surroundings(const RoadPairs& pairs, const RoadVehicle& vehicle,
-                           std::span<const JointPlan::Entry> before,
-                           const WholeTrajectoryOptions& options, Forecasts forecasts)
+                           std::span<const JointPlan::Entry> before, const ProfileOptions& options,
+                           Forecasts forecasts)
     : grid_(pairs.scene().grid),
       now_(pairs.scene().step),
       reaction_(pairs.scene().reaction),
@@ -23,7 +23,7 @@ Surroundings::Surroundings(const RoadPairs& pairs, const RoadVehicle& vehicle,
     const Forecast& forecast = scene.forecasts[f];
     const ContactView contact = pairs.towards_forecast(self, f);
     const bool stays = forecast.held && !contact.contact->never() && !pairs.is_behind(self, f);
-    add({contact, stays ? &*forecast.held : &forecast.trajectory,
+    add({contact, stays ? &*forecast.held : &forecast.earliest,
          forecast.latest ? &*forecast.latest : nullptr, &forecast.vehicle,
          &scene.body(forecast.vehicle), true, forecast.yields, forecast.relies});
     if (is_new_ || forecast.is_new) add_slack(forecast);
@@ -31,7 +31,7 @@ Surroundings::Surroundings(const RoadPairs& pairs, const RoadVehicle& vehicle,
   for (const JointPlan::Entry& e : before) {
     if (e.key == vehicle.key) continue;
     const std::size_t other = pairs.index(e.key);
-    add({pairs.between(self, other), e.trajectory.get(), nullptr, &scene.vehicles[other],
+    add({pairs.between(self, other), e.profile.get(), nullptr, &scene.vehicles[other],
          &scene.body(scene.vehicles[other]), false, false, false,
          &scene.library->reserved(vehicle.path, scene.vehicles[other].path)});
   }
@@ -99,13 +99,13 @@ bool Surroundings::stands_blocking(const Other& other, const ContactTable& conta
   const double b = body_.max_decel;
   const double rest = state.s + stopping_distance(state.v, b);
   const double now = other.hindmost(k);
-  const double end = other.trajectory->states.back().s;
+  const double end = other.profile->states.back().s;
   if (now > end || !contacts.reaches(state.s, rest, now, end)) return false;
-  if (is_followed_by(other, state, other.trajectory->at(k))) return false;
+  if (is_followed_by(other, state, other.profile->at(k))) return false;
   const int steps = braking_steps(state.v, b, grid_.dt);
   for (int i = 1; i < steps; ++i) {
     const double s = braked_position(state, b, i * grid_.dt);
-    if (contacts.meets(s, s, other.hindmost(k + i), other.trajectory->at(k + i).s)) return true;
+    if (contacts.meets(s, s, other.hindmost(k + i), other.profile->at(k + i).s)) return true;
   }
   const double from = other.hindmost(k + steps);
   return from <= end && contacts.blocks(rest, from, end);
@@ -122,7 +122,7 @@ bool Surroundings::rests_in_passage(const Other& other, std::int64_t k,
   if (!other.forecast || other.yields) return false;
   const double rest = state.s + stopping_distance(state.v, body_.max_decel);
   const double from = other.hindmost(k);
-  const double end = other.trajectory->states.back().s;
+  const double end = other.profile->states.back().s;
   return from <= end && other.contact.table().blocks(rest, from, end);
 }
 
@@ -132,7 +132,7 @@ bool Surroundings::is_barred(double s) const {
   const double now = vehicle_.now.s;
   const double rest = now + stopping_distance(vehicle_.now.v, body_.max_decel);
   return std::ranges::any_of(others_, [&](const Other& other) {
-    const SpeedProfile& last = other.latest != nullptr ? *other.latest : *other.trajectory;
+    const SpeedProfile& last = other.latest != nullptr ? *other.latest : *other.profile;
     const double place = last.at(now_).s;
     const bool stands = !last.complete && last.states.back().s == place;
     if (!stands || other.contact.contact->is_close_now()) return false;
@@ -168,7 +168,7 @@ bool Surroundings::keeps_headway(std::int64_t k, const InertialState& state) con
   const OnExit self{.place = d, .v = state.v, .vehicle = &vehicle_, .body = &body_};
   for (const std::size_t i : on_exit_) {
     const Other& other = others_[i];
-    const InertialState o = other.trajectory->at(k);
+    const InertialState o = other.profile->at(k);
     OnExit ahead{.place = d, .v = o.v, .vehicle = other.vehicle, .body = other.body};
     if (const std::optional<double> place = place_on_next(other, o); place && *place > d) {
       ahead.place = *place;
@@ -185,7 +185,7 @@ bool Surroundings::keeps_headway(std::int64_t k, const InertialState& state) con
 bool Surroundings::leaves_room(std::int64_t k, const InertialState& state) const {
   const double d = state.s - vehicle_.s_exit_lane;
   for (const Other& other : others_) {
-    const InertialState o = (other.latest != nullptr ? other.latest : other.trajectory)->at(k);
+    const InertialState o = (other.latest != nullptr ? other.latest : other.profile)->at(k);
     for (const auto& place : {place_on_exit(other, o), place_on_next(other, o)}) {
       if (!place || *place <= d) continue;
       const double wanted =
@@ -199,7 +199,7 @@ bool Surroundings::leaves_room(std::int64_t k, const InertialState& state) const
 void Surroundings::add(Other other) {
   const bool same_exit = vehicle_.exits_with(*other.vehicle);
   if (other.reserved) {
-    const InertialState then = other.trajectory->at(now_);
+    const InertialState then = other.profile->at(now_);
     const bool idle =
         other.reserved->empty() || other.reserved->blocks(vehicle_.now.s, then.s, then.s);
     if (idle) other.reserved = nullptr;
@@ -221,14 +221,14 @@ void Surroundings::add_slack(const Forecast& forecast) {
   const double s = vehicle_.now.s;
   const bool within =
       other.contact.table().meets(s, s, other.hindmost(now_ - forecast.slack_behind),
-                                  other.trajectory->at(now_ + forecast.slack_before).s);
+                                  other.profile->at(now_ + forecast.slack_before).s);
   if (within) return;
   other.before = forecast.slack_before;
   other.behind = forecast.slack_behind;
 }
 
 InertialState Surroundings::goes_on_at(const Other& other, std::int64_t k) const {
-  const SpeedProfile& plan = *other.trajectory;
+  const SpeedProfile& plan = *other.profile;
   if (other.forecast || !plan.complete || k < plan.end()) return plan.at(k);
   const InertialState last = plan.states.back();
   return {last.s + last.v * double(k - plan.end() + 1) * grid_.dt, last.v};
@@ -285,11 +285,11 @@ bool Surroundings::enters_closed(std::int64_t k, const InertialState& from, doub
 bool Surroundings::enters_reserved(const Other& other, std::int64_t k, const InertialState& from,
                                    double a) const {
   for (int i = 0; i < grid_.steps_per_decision; ++i) {
-    const InertialState there = other.trajectory->at(k + i + 1);
+    const InertialState there = other.profile->at(k + i + 1);
     if (there.s >= SpeedProfile::kDeparted) return false;
     const double s = advance(from, a, i * grid_.dt).s;
     const double s_end = advance(from, a, (i + 1) * grid_.dt).s;
-    if (other.reserved->sweeps(s, s_end, other.trajectory->at(k + i).s, there.s)) return true;
+    if (other.reserved->sweeps(s, s_end, other.profile->at(k + i).s, there.s)) return true;
   }
   return false;
 }
@@ -299,7 +299,7 @@ bool Surroundings::meets_anywhere(const Other& other, std::int64_t k, const Iner
   const ContactTable& contacts = other.contact.table();
   const auto is_there = [&](double s, double s_end, std::int64_t k_from, std::int64_t k_to) {
     return contacts.meets(s, s_end, other.hindmost(k_from - other.behind),
-                          other.trajectory->at(k_to + other.before).s);
+                          other.profile->at(k_to + other.before).s);
   };
   const int n = grid_.steps_per_decision;
   if (k == now_ && is_there(from.s, from.s, k, k)) {
@@ -332,7 +332,7 @@ bool Surroundings::brakes_into(const Other& other, std::int64_t k,
   for (int i = 0; i < steps; ++i) {
     const double s = braked_position(state, body_.max_decel, i * grid_.dt);
     const double s_end = braked_position(state, body_.max_decel, (i + 1) * grid_.dt);
-    const double last = other.trajectory->at(k + i + 1 + other.before).s;
+    const double last = other.profile->at(k + i + 1 + other.before).s;
     if (contacts.meets(s, s_end, other.hindmost(k + i - other.behind), last)) return true;
   }
   return false;
@@ -347,8 +347,8 @@ bool Surroundings::brakes_onto_lane(const Other& other, std::int64_t k,
                                     const InertialState& state) const {
   if (!is_new_ || !other.forecast || !other.yields) return false;
   const ContactTable& contacts = other.contact.table();
-  const InertialState there = other.trajectory->at(k);
-  const double end = other.trajectory->states.back().s;
+  const InertialState there = other.profile->at(k);
+  const double end = other.profile->states.back().s;
   const InertialState rest{state.s + stopping_distance(state.v, body_.max_decel), 0.0};
   if (!contacts.reaches(state.s, rest.s, there.s, end)) return false;
   const double meanwhile = there.v * state.v / body_.max_decel - (rest.s - state.s);
@@ -365,11 +365,11 @@ bool Surroundings::is_followed_by(const Other& other, const InertialState& state
 
 bool Surroundings::cuts_in(const Other& other, std::int64_t k, const InertialState& from,
                            const InertialState& to) const {
-  const InertialState other_to = other.trajectory->at(k + grid_.steps_per_decision);
+  const InertialState other_to = other.profile->at(k + grid_.steps_per_decision);
   if (other_to.s >= SpeedProfile::kDeparted) return false;
   if (comes_over(other, to, other_to)) return true;
   return is_followed_by(other, to, other_to) &&
-         !is_followed_by(other, from, other.trajectory->at(k)) &&
+         !is_followed_by(other, from, other.profile->at(k)) &&
          other.contact.contact->cuts_off(to, other_to);
 }
 

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "planner/road/whole_trajectory.hpp"
+#include "planner/road/profile_planner.hpp"
 
 namespace mvtp {
 
@@ -16,7 +16,7 @@ class Surroundings {
   enum class Forecasts { kCount, kWithSlack, kIgnore };
 
   Surroundings(const RoadPairs& pairs, const RoadVehicle& vehicle,
-               std::span<const JointPlan::Entry> before, const WholeTrajectoryOptions& options,
+               std::span<const JointPlan::Entry> before, const ProfileOptions& options,
                Forecasts forecasts = Forecasts::kCount);
 
   /// Is the decision to drive from `from` with acceleration `a` during steps k .. k + n free of
@@ -54,8 +54,8 @@ class Surroundings {
  private:
   struct Other {
     ContactView contact;
-    const SpeedProfile* trajectory;
-    const SpeedProfile* latest;  ///< of a forecast; nullptr: it is the trajectory itself
+    const SpeedProfile* profile;
+    const SpeedProfile* latest;  ///< of a forecast; nullptr: `profile` itself
     const RoadVehicle* vehicle;
     const Vehicle* body;
     bool forecast;
@@ -71,7 +71,7 @@ class Surroundings {
 
     /// Where it is at least at step k, and how fast then.
     [[nodiscard]] InertialState hindmost_state(std::int64_t k) const {
-      return (latest != nullptr ? latest : trajectory)->at(k);
+      return (latest != nullptr ? latest : profile)->at(k);
     }
     [[nodiscard]] double hindmost(std::int64_t k) const { return hindmost_state(k).s; }
   };
@@ -122,7 +122,7 @@ class Surroundings {
   [[nodiscard]] bool stands_blocking(const Other& other, const ContactTable& contacts,
                                      std::int64_t k, const InertialState& state) const;
 
-  /// Is the other one, who may be anywhere between two trajectories and does not brake, met by
+  /// Is the other one, who may be anywhere between two profiles and does not brake, met by
   /// braking from `state` at step k?
   [[nodiscard]] bool brakes_into(const Other& other, std::int64_t k,
                                  const InertialState& state) const;
@@ -164,7 +164,7 @@ class Surroundings {
   double reaction_;  ///< [s] as of RoadScene
   const RoadVehicle& vehicle_;
   const Vehicle& body_;
-  const WholeTrajectoryOptions& options_;
+  const ProfileOptions& options_;
   std::span<const ClosedStretch> closed_;
   std::vector<Other> others_;
   std::vector<Stretch> stretches_;    ///< of each of the others

@@ -38,7 +38,7 @@ class Prediction {
 
   /// Of the front bumper.
   [[nodiscard]] Pose place(const Forecast& f, std::int64_t k) {
-    return compose(map.library().path(f.vehicle.path).at(f.trajectory.at(k).s),
+    return compose(map.library().path(f.vehicle.path).at(f.earliest.at(k).s),
                    {car.front, 0.0, 0.0});
   }
 
@@ -57,14 +57,14 @@ TEST(Predictor, WhoWaitsHaltsBeforeItsLineAndStaysThere) {
     const auto forecasts = p.predict("W-C_0", 60.0, speed, {"W-C", "C-E"}, Intent::kWaits);
     ASSERT_THAT(forecasts, SizeIs(1));
     EXPECT_TRUE(forecasts[0].yields);
-    EXPECT_EQ(forecasts[0].trajectory.begin, 7);
+    EXPECT_EQ(forecasts[0].earliest.begin, 7);
     EXPECT_NEAR(p.place(forecasts[0], 7).x, -60.0, 0.1);
     const std::int64_t later = 7 + 400;
-    EXPECT_EQ(forecasts[0].trajectory.at(later).v, 0.0) << speed;
+    EXPECT_EQ(forecasts[0].earliest.at(later).v, 0.0) << speed;
     EXPECT_LT(p.place(forecasts[0], later).x, -7.2);
     EXPECT_GT(p.place(forecasts[0], later).x, -14.0);
     ASSERT_TRUE(forecasts[0].held);
-    EXPECT_EQ(forecasts[0].held->at(7 + 2000), forecasts[0].trajectory.at(later))
+    EXPECT_EQ(forecasts[0].held->at(7 + 2000), forecasts[0].earliest.at(later))
         << "he is held, and leaves no sooner than he is let through";
   }
 }
@@ -76,7 +76,7 @@ TEST(Predictor, WhoIsInAWrongLaneHaltsAtItsEndEvenIfItMayPass) {
     const auto forecasts = p.predict("W-C_0", 60.0, 8.0, {"W-C", "C-N"}, intent);
     ASSERT_THAT(forecasts, SizeIs(1));
     const std::int64_t later = 7 + 400;
-    EXPECT_EQ(forecasts[0].trajectory.at(later).v, 0.0);
+    EXPECT_EQ(forecasts[0].earliest.at(later).v, 0.0);
     EXPECT_LT(p.place(forecasts[0], later).x, -7.2);
     EXPECT_TRUE(forecasts[0].yields);
   }
@@ -90,10 +90,10 @@ TEST(Predictor, NobodyDrivesBeyondALaneThatDoesNotLeadOn) {
     const auto forecasts = p.predict("W-C_0", end - room, 13.9, {"W-C", "C-N"}, Intent::kWaits);
     ASSERT_THAT(forecasts, SizeIs(1));
     for (std::int64_t k = 7; k < 7 + 500; ++k) {
-      ASSERT_LT(forecasts[0].trajectory.at(k).s, SpeedProfile::kDeparted) << room;
+      ASSERT_LT(forecasts[0].earliest.at(k).s, SpeedProfile::kDeparted) << room;
       ASSERT_LT(p.place(forecasts[0], k).x, -12.0 + 2.0) << room;
     }
-    EXPECT_EQ(forecasts[0].trajectory.at(7 + 400).v, 0.0) << room;
+    EXPECT_EQ(forecasts[0].earliest.at(7 + 400).v, 0.0) << room;
   }
 }
 
@@ -130,7 +130,7 @@ TEST(Predictor, WhoPassesMayWaitWhereItsLaneEndsBehindTheJunction) {
   ASSERT_THAT(forecasts, SizeIs(1));
   const Forecast& forecast = forecasts[0];
   EXPECT_FALSE(forecast.yields);
-  EXPECT_GT(forecast.trajectory.at(7 + 60).s, forecast.vehicle.now.s + 20.0) << "it goes at once";
+  EXPECT_GT(forecast.earliest.at(7 + 60).s, forecast.vehicle.now.s + 20.0) << "it goes at once";
   ASSERT_TRUE(forecast.latest);
   const InertialState later = forecast.latest->at(7 + 400);
   EXPECT_EQ(later.v, 0.0);
@@ -161,10 +161,10 @@ TEST(Predictor, WhoPassesGoesQuicklyOrSlowlyAndYieldsToNobody) {
   const Forecast& forecast = forecasts[0];
   EXPECT_FALSE(forecast.yields);
   ASSERT_TRUE(forecast.latest.has_value());
-  for (const SpeedProfile* t : {&forecast.trajectory, &*forecast.latest}) {
-    EXPECT_GT(t->at(7 + 250).s, forecast.trajectory.at(7).s + 7.2) << "it is through";
+  for (const SpeedProfile* t : {&forecast.earliest, &*forecast.latest}) {
+    EXPECT_GT(t->at(7 + 250).s, forecast.earliest.at(7).s + 7.2) << "it is through";
   }
-  EXPECT_GT(forecast.trajectory.at(60).s, forecast.latest->at(60).s + 3.0);
+  EXPECT_GT(forecast.earliest.at(60).s, forecast.latest->at(60).s + 3.0);
 }
 
 // Motorcycles start three times as fast as cars.
@@ -176,7 +176,7 @@ TEST(Predictor, WhoPassesMaySpeedUpAsItsTypeCan) {
     ASSERT_THAT(forecasts, SizeIs(1));
     InertialState driver = forecasts[0].vehicle.now;
     for (std::int64_t k = 7; k < 17; ++k) {
-      EXPECT_NEAR(forecasts[0].trajectory.at(k).s, driver.s, 1e-9) << accel << " m/s^2";
+      EXPECT_NEAR(forecasts[0].earliest.at(k).s, driver.s, 1e-9) << accel << " m/s^2";
       driver.v += accel * p.grid.dt;
       driver.s += driver.v * p.grid.dt;
     }
@@ -203,7 +203,7 @@ TEST(Predictor, NoForecastIsFasterThanTheBodyCan) {
   p.car.max_accel = 0.8;
   for (const Intent intent : {Intent::kWaits, Intent::kPasses}) {
     for (const Forecast& f : p.predict("W-C_0", 105.0, 2.0, {"W-C", "C-E"}, intent)) {
-      const auto& states = f.trajectory.states;
+      const auto& states = f.earliest.states;
       for (std::size_t i = 1; i < states.size(); ++i) {
         ASSERT_LE(states[i].v - states[i - 1].v, std::max(0.8, 1.0) * p.grid.dt + 1e-9);
       }
@@ -215,8 +215,8 @@ TEST(Predictor, WhoStandsAtAStopStandsThereAsLongAsItTakes) {
   Prediction p(crossroads_shape());
   const auto forecasts = p.predict("W-C_0", 80.0, 0.0, {"W-C", "C-E"}, Intent::kWaits, 20.0);
   ASSERT_THAT(forecasts, SizeIs(1));
-  for (std::int64_t k = 7; k < 7 + 199; ++k) ASSERT_EQ(forecasts[0].trajectory.at(k).v, 0.0);
-  EXPECT_GT(forecasts[0].trajectory.at(7 + 220).v, 0.0);
+  for (std::int64_t k = 7; k < 7 + 199; ++k) ASSERT_EQ(forecasts[0].earliest.at(k).v, 0.0);
+  EXPECT_GT(forecasts[0].earliest.at(7 + 220).v, 0.0);
 }
 
 TEST(Predictor, ALeaderBehindTheExitIsKnownByItsExitLane) {
@@ -228,7 +228,7 @@ TEST(Predictor, ALeaderBehindTheExitIsKnownByItsExitLane) {
     const RoadVehicle& v = forecasts[0].vehicle;
     EXPECT_EQ(v.exit_lane, exit);
     EXPECT_NEAR(v.now.s - v.s_exit_lane, position, 0.5) << "behind the start of the exit lane";
-    EXPECT_NEAR(forecasts[0].trajectory.at(7 + 20).v, 9.0, 1e-9) << "it holds its speed at first";
+    EXPECT_NEAR(forecasts[0].earliest.at(7 + 20).v, 9.0, 1e-9) << "it holds its speed at first";
   }
 }
 
@@ -258,7 +258,7 @@ TEST(Predictor, WhoWaitsBrakesAsHardAsHeHasToBeforeHisLine) {
   const auto stands = [&](double before) {
     const auto forecasts = p.predict("W-C_0", line - before, 13.9, {"W-C", "C-E"}, Intent::kWaits);
     const Forecast& f = forecasts.front();
-    return f.trajectory.at(7 + 100).s < f.vehicle.now.s + before + 0.1;
+    return f.earliest.at(7 + 100).s < f.vehicle.now.s + before + 0.1;
   };
   EXPECT_TRUE(stands(40.0));
   EXPECT_TRUE(stands(25.0));

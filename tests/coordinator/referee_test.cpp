@@ -55,7 +55,7 @@ TEST_F(RefereeTest, SeesTwoVehiclesThatWouldMeet) {
   EXPECT_EQ(contacts[0].second, 1);
   EXPECT_NEAR(double(contacts[0].step), 46.0, 2.0);
 
-  plan.entries[1].trajectory = even(-20.0, 1.0, 110);  // two seconds behind
+  plan.entries[1].profile = even(-20.0, 1.0, 110);  // two seconds behind
   EXPECT_THAT(find_planned_contacts(scene, plan), IsEmpty());
 }
 
@@ -63,7 +63,7 @@ TEST_F(RefereeTest, SeesTwoVehiclesThatWouldMeet) {
 TEST_F(RefereeTest, SeesWhoWouldTouchAPassageWheneverItGoes) {
   Forecast passage;
   passage.vehicle = {.key = -1, .path = 1, .s_end = 100.0};
-  passage.trajectory = *even(0.0, 1.0, 100);
+  passage.earliest = *even(0.0, 1.0, 100);
   SpeedProfile latest = *even(0.0, 1.0, 100);
   latest.states.insert(latest.states.begin(), 50, latest.states.front());
   passage.latest = latest;
@@ -87,7 +87,7 @@ TEST_F(RefereeOfCubesTest, SeesWhatHappensBetweenTwoSteps) {
   add(1, 46.0, 4.0, 4);
   ASSERT_EQ(find_planned_contacts(scene, plan).size(), 1U);
   add(3, 0.0, 4.0, 4);
-  plan.entries[1].trajectory = even(44.0, 4.0, 4);  // just behind each other
+  plan.entries[1].profile = even(44.0, 4.0, 4);  // just behind each other
   EXPECT_THAT(find_planned_contacts(scene, plan), IsEmpty());
 }
 
@@ -107,8 +107,8 @@ TEST_F(RefereeTest, WhoOverlapsAlreadyMayDriveApart) {
   add(0, 40.0, 1.0, 40);
   add(2, 36.0, 0.5, 40);  // half a metre inside the one ahead
   EXPECT_THAT(find_planned_contacts(scene, plan), IsEmpty());
-  plan.entries[0].trajectory = even(40.0, 0.4, 40);
-  plan.entries[1].trajectory = even(34.0, 0.5, 40);  // not yet inside, but soon
+  plan.entries[0].profile = even(40.0, 0.4, 40);
+  plan.entries[1].profile = even(34.0, 0.5, 40);  // not yet inside, but soon
   EXPECT_EQ(find_planned_contacts(scene, plan).size(), 1U);
 }
 
@@ -117,7 +117,7 @@ TEST_F(RefereeTest, DoesNotLookAgainAtPairsThatWereJudged) {
   add(1, 40.0, 1.0, 40);
   EXPECT_THAT(find_planned_contacts(scene, plan, plan), IsEmpty());
   JointPlan before = plan;
-  before.entries[1].trajectory = even(10.0, 1.0, 40);
+  before.entries[1].profile = even(10.0, 1.0, 40);
   EXPECT_EQ(find_planned_contacts(scene, plan, before).size(), 1U);
 }
 
@@ -125,7 +125,7 @@ TEST_F(RefereeTest, OneWhoStandsForGoodIsInTheWayToTheEnd) {
   add(0, 0.0, 1.0, 90);
   add(1, 49.0, 0.0, 1);
   SpeedProfile stands{.states = {{49.0, 0.0}}, .complete = false};
-  plan.entries[1].trajectory = std::make_shared<SpeedProfile>(stands);
+  plan.entries[1].profile = std::make_shared<SpeedProfile>(stands);
   EXPECT_EQ(find_planned_contacts(scene, plan).size(), 1U);
 }
 

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "planner/road/whole_trajectory.hpp"
+#include "planner/road/profile_planner.hpp"
 #include "tests/coordinator/fake_traffic.hpp"
 #include "tests/coordinator/walk.hpp"
 
@@ -120,7 +120,7 @@ class OursAndATube : public TwoTubes {
   void let_come(double s) {
     Tube tube = predict(driver(s, 10.0));
     Forecast human{.vehicle = driver(s, 10.0).road,
-                   .trajectory = std::move(tube.earliest),
+                   .earliest = std::move(tube.earliest),
                    .latest = std::move(tube.latest),
                    .yields = false};
     human.vehicle.key = -1;

@@ -27,14 +27,14 @@ class KnownPlansTest : public Crossing {
 
   /// Of the scene as it is.
   struct Asked {
-    Asked(const RoadScene& scene, const WholeTrajectoryOptions& options)
+    Asked(const RoadScene& scene, const ProfileOptions& options)
         : pairs(scene), cost(pairs, options, 3.0), plans(pairs, cost, options) {}
     RoadPairs pairs;
     JointCost cost;
     KnownPlans plans;
   };
 
-  WholeTrajectoryOptions options;
+  ProfileOptions options;
 };
 
 // Whoever is asked for, and in whatever order those before it were planned.

@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "planner/road/profile_planner.hpp"
 #include "planner/road/road_escot.hpp"
-#include "planner/road/whole_trajectory.hpp"
 #include "tests/planner/crossing_fixture.hpp"
 
 namespace mvtp {
@@ -140,7 +140,7 @@ class Reserving : public Crossing {
     for (std::int64_t k = 0; k < 1000; ++k) {
       int inside = 0;
       for (const JointPlan::Entry& e : entries) {
-        const double s = e.trajectory->at(k).s;
+        const double s = e.profile->at(k).s;
         inside += s > kFromWest.from + 0.2 && s < kFromWest.to - 0.2 ? 1 : 0;
       }
       steps += inside > 1 ? 1 : 0;

@@ -56,7 +56,7 @@ TEST_F(RoadContactTest, IsTheSameFromBothSides) {
   add(1, 80.0, 8.0);
   const RoadPairs pairs(scene);
   const JointPlan none;
-  const WholeTrajectoryOptions options;
+  const ProfileOptions options;
   const RoadStepWorld world(pairs, none, options);
   for (int round = 0; round < 2000; ++round) {
     std::array<RoadStepWorld::Motion, 2> m;
@@ -175,9 +175,9 @@ TEST_F(TooClose, NothingMakesADecisionFail) {
     ASSERT_EQ(decision.plan.entries.size(), 5U);
     for (const JointPlan::Entry& e : decision.plan.entries) {
       const RoadVehicle& v = scene.vehicle(e.key);
-      ASSERT_EQ(e.trajectory->at(0), v.now);
-      for (std::int64_t k = 0; k + 1 < e.trajectory->end(); ++k) {
-        const double dv = e.trajectory->at(k + 1).v - e.trajectory->at(k).v;
+      ASSERT_EQ(e.profile->at(0), v.now);
+      for (std::int64_t k = 0; k + 1 < e.profile->end(); ++k) {
+        const double dv = e.profile->at(k + 1).v - e.profile->at(k).v;
         ASSERT_LE(dv, 2.6 * 0.1 + 1e-9);
         ASSERT_GE(dv, -4.5 * 0.1 - 1e-9);
       }
@@ -347,10 +347,10 @@ TEST_F(Crossing, ADriverFollowsWhoTurnsOffAheadOfHim) {
   for (double a = 0.1; a < 1.5; a += 0.1) turn.push_back({6 * std::sin(a), 6 - 6 * std::cos(a)});
   turn.push_back({6, 60});
   library.add(ReferencePath(turn), kCar);
-  Forecast driver{.vehicle = add(0, 92.0, 5.0), .trajectory = {}, .yields = false};
+  Forecast driver{.vehicle = add(0, 92.0, 5.0), .earliest = {}, .yields = false};
   scene.vehicles.clear();
   driver.vehicle.key = -1;
-  driver.trajectory.states = {driver.vehicle.now};
+  driver.earliest.states = {driver.vehicle.now};
   scene.forecasts.push_back(driver);
   add(4, 104.7, 0.0);
   EXPECT_TRUE(RoadPairs(scene).follows(0, 0));

@@ -55,7 +55,7 @@ class ManyCrossings : public testing::Test {
     EXPECT_EQ(a.cost, b.cost);
     for (std::size_t i = 0; i < a.plan.entries.size(); ++i) {
       ASSERT_EQ(a.plan.entries[i].key, b.plan.entries[i].key);
-      ASSERT_EQ(a.plan.entries[i].trajectory->states, b.plan.entries[i].trajectory->states);
+      ASSERT_EQ(a.plan.entries[i].profile->states, b.plan.entries[i].profile->states);
     }
   }
 
@@ -69,15 +69,15 @@ using Work = Crossing;
 
 TEST_F(ManyCrossings, PlansAnswerToOthersAsLateAsTheScene) {
   add(0, 60.0, 8.0);
-  Forecast slower{.vehicle = scene.vehicles.front(), .trajectory = {.states = {}}};
-  for (int k = 0; k < 300; ++k) slower.trajectory.states.push_back({60.0 + 0.8 * k, 8.0});
+  Forecast slower{.vehicle = scene.vehicles.front(), .earliest = {.states = {}}};
+  for (int k = 0; k < 300; ++k) slower.earliest.states.push_back({60.0 + 0.8 * k, 8.0});
   slower.vehicle.key = -1;
   scene.vehicles.clear();
   add(0, 20.0, 12.0);
   scene.forecasts = {slower};
   const auto place = [&](double reaction) {
     scene.reaction = reaction;
-    return decide_on_road(scene, {}, keys(), {}).plan.entries.front().trajectory->at(60).s;
+    return decide_on_road(scene, {}, keys(), {}).plan.entries.front().profile->at(60).s;
   };
   EXPECT_GT(place(0.5), place(1.5) + 2.0);
 }
@@ -108,7 +108,7 @@ TEST_F(ManyCrossings, AGroupIsPlannedAsIfItWereAlone) {
   std::erase_if(scene.vehicles, [](const RoadVehicle& v) { return v.path / 2 != 1; });
   const RoadDecision alone = decide_on_road(scene, {}, keys(), {});
   for (const JointPlan::Entry& e : alone.plan.entries) {
-    EXPECT_EQ(e.trajectory->states, all.plan.find(e.key)->states);
+    EXPECT_EQ(e.profile->states, all.plan.find(e.key)->states);
   }
 }
 
@@ -161,7 +161,7 @@ TEST_F(WithoutAPlan, NobodyCreepsOnBeforeOneWhoIsInsideToo) {
       complete.entries.push_back(
           {1, std::make_shared<SpeedProfile>(*plan_vehicle(pairs, scene.vehicles[1], {}, {}))});
     }
-    const WholeTrajectoryOptions options;
+    const ProfileOptions options;
     return RoadStepWorld(pairs, complete, options)
         .candidates(0, scene.vehicles[0].now)
         .front()
@@ -202,7 +202,7 @@ TEST_F(Work, WithoutAnyLeftNewcomersArePlannedStill) {
   options.work = 1;
   const RoadDecision decision = decide_on_road(scene, {}, keys(), options);
   EXPECT_EQ(decision.stepped, 0);
-  for (const JointPlan::Entry& e : decision.plan.entries) EXPECT_TRUE(e.trajectory->complete);
+  for (const JointPlan::Entry& e : decision.plan.entries) EXPECT_TRUE(e.profile->complete);
 }
 
 TEST_F(Work, EndsTheSearchForABetterOrder) {
@@ -237,7 +237,7 @@ TEST_F(Work, TimeEndsTheSearchBeforeAGroupIsLate) {
   EXPECT_TRUE(calm.late.empty());
   EXPECT_TRUE(hurried.late.empty());
   EXPECT_LT(calm.cost, hurried.cost);
-  for (const JointPlan::Entry& e : hurried.plan.entries) EXPECT_TRUE(e.trajectory->complete);
+  for (const JointPlan::Entry& e : hurried.plan.entries) EXPECT_TRUE(e.profile->complete);
 }
 
 TEST_F(Work, AGroupThatTakesLongerThanItsBudgetIsLate) {

@@ -62,8 +62,8 @@ TEST_F(Crossing, NobodyStopsWhereAnotherOneWillPass) {
   ASSERT_TRUE(result.unplanned.empty());
   for (const auto& e : result.plan.entries) {
     const RoadVehicle& v = scene.vehicle(e.key);
-    for (std::int64_t k = 0; k < e.trajectory->end(); ++k) {
-      const InertialState x = e.trajectory->at(k);
+    for (std::int64_t k = 0; k < e.profile->end(); ++k) {
+      const InertialState x = e.profile->at(k);
       if (x.v > 0.0) continue;
       EXPECT_LT(x.s + kCar.front, 100.0 - kCar.width / 2)
           << "vehicle " << v.key << " at step " << k;
@@ -84,7 +84,7 @@ TEST_F(Crossing, WaitsBeforeTheCrossingIfItCouldNotClearIt) {
   add(1, 20.0, 8.0);
   const SpeedProfile crossing = plan_alone(scene, scene.vehicles[1], {});
   const std::vector<JointPlan::Entry> before = {{1, std::make_shared<SpeedProfile>(crossing)}};
-  WholeTrajectoryOptions one_speed;
+  ProfileOptions one_speed;
   one_speed.approach_speeds = {1.0};
 
   const auto plan = plan_vehicle(scene, scene.vehicles[0], before, one_speed);
@@ -105,11 +105,11 @@ TEST_F(Crossing, EverybodyBrakesNowIsSafeAtEveryDecisionOfAPlan) {
     for (std::size_t j = 0; j < i; ++j) {
       const RoadVehicle& a = scene.vehicle(entries[i].key);
       const RoadVehicle& b = scene.vehicle(entries[j].key);
-      const std::int64_t end = std::min(entries[i].trajectory->end(), entries[j].trajectory->end());
+      const std::int64_t end = std::min(entries[i].profile->end(), entries[j].profile->end());
       for (std::int64_t k = 0; k < end; k += scene.grid.steps_per_decision) {
         for (double tau = 0.0; tau < 4.0; tau += 0.05) {
-          const double sa = braked_position(entries[i].trajectory->at(k), 4.5, tau);
-          const double sb = braked_position(entries[j].trajectory->at(k), 4.5, tau);
+          const double sa = braked_position(entries[i].profile->at(k), 4.5, tau);
+          const double sb = braked_position(entries[j].profile->at(k), 4.5, tau);
           ASSERT_FALSE(bodies_touch(a, sa, b, sb)) << a.key << " and " << b.key << " at step " << k;
         }
       }
@@ -131,7 +131,7 @@ TEST_F(Crossing, WhoStandsTooNearBehindAnotherOneHasAPlanOnceThatOneDrivesOn) {
   add(0, 139.7, 0.0);
   add_standing_forecast(2, 145.0);
   const RoadVehicle& car = scene.vehicles[0];
-  SpeedProfile& bus = scene.forecasts.front().trajectory;
+  SpeedProfile& bus = scene.forecasts.front().earliest;
   bus.states.assign(200, {145.0, 0.0});  // 20 s
   while (bus.states.back().s < 190.0) {
     bus.states.push_back(advance(bus.states.back(), 1.0, scene.grid.dt));
@@ -219,7 +219,7 @@ TEST_F(Crossing, TheSameSeedGivesTheSamePlan) {
   ASSERT_EQ(a.plan.entries.size(), b.plan.entries.size());
   for (std::size_t i = 0; i < a.plan.entries.size(); ++i) {
     EXPECT_EQ(a.plan.entries[i].key, b.plan.entries[i].key);
-    EXPECT_EQ(a.plan.entries[i].trajectory->states, b.plan.entries[i].trajectory->states);
+    EXPECT_EQ(a.plan.entries[i].profile->states, b.plan.entries[i].profile->states);
   }
 }
 

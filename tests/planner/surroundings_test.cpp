@@ -16,7 +16,7 @@ class BeforeADriver : public Crossing {
  protected:
   [[nodiscard]] bool may_brake_fully(bool relies) {
     const RoadVehicle vehicle = add(0, 85.0, 12.0);
-    Forecast driver{.vehicle = add(1, 88.0, 12.0), .trajectory = {}, .yields = false};
+    Forecast driver{.vehicle = add(1, 88.0, 12.0), .earliest = {}, .yields = false};
     scene.vehicles.pop_back();
     driver.vehicle.key = -1;
     driver.relies = relies;
@@ -25,11 +25,11 @@ class BeforeADriver : public Crossing {
       for (int k = 0; k < 100; ++k) t.states.push_back({88.0 + v * 0.1 * k, v});
       return t;
     };
-    driver.trajectory = drive(12.0);
+    driver.earliest = drive(12.0);
     driver.latest = drive(4.0);
     scene.forecasts = {driver};
     const RoadPairs pairs(scene);
-    const WholeTrajectoryOptions options;
+    const ProfileOptions options;
     const Surroundings around(pairs, scene.vehicles.front(), {}, options);
     const double b = kCar.max_decel;
     return around.step_is_clear(0, vehicle.now, -b, advance(vehicle.now, -b, 0.5));
@@ -47,14 +47,14 @@ class OnTheCrossing : public Crossing {
   [[nodiscard]] bool may_drive_on(double before) {
     scene.vehicles.clear();
     const RoadVehicle vehicle = add(0, 100.0, 2.0);
-    Forecast driver{.vehicle = add(1, 100.0 - before, 12.0), .trajectory = {}, .yields = false};
+    Forecast driver{.vehicle = add(1, 100.0 - before, 12.0), .earliest = {}, .yields = false};
     scene.vehicles.pop_back();
     driver.vehicle.key = -1;
-    for (int k = 0; k < 60; ++k) driver.trajectory.states.push_back({100 - before + 1.2 * k, 12.0});
-    driver.latest = driver.trajectory;
+    for (int k = 0; k < 60; ++k) driver.earliest.states.push_back({100 - before + 1.2 * k, 12.0});
+    driver.latest = driver.earliest;
     scene.forecasts = {driver};
     const RoadPairs pairs(scene);
-    const WholeTrajectoryOptions options;
+    const ProfileOptions options;
     const Surroundings around(pairs, scene.vehicles.front(), {}, options);
     const double a = kCar.max_accel;
     return around.step_is_clear(0, vehicle.now, a, advance(vehicle.now, a, 0.5));
@@ -119,9 +119,9 @@ class BesideADriver : public Crossing {
     const double place = from.s - ahead;
     for (int k = 0; k < 100; ++k) t.states.push_back({place + 1.3 * (k - 5), 13.0});
     driver.now = t.states.front();
-    scene.forecasts = {{.vehicle = driver, .trajectory = t}};
+    scene.forecasts = {{.vehicle = driver, .earliest = t}};
     const RoadPairs pairs(scene);
-    const WholeTrajectoryOptions options;
+    const ProfileOptions options;
     const Surroundings around(pairs, scene.vehicles.front(), {}, options);
     return around.step_is_clear(5, from, -b, advance(from, -b, 0.5));
   }
@@ -143,7 +143,7 @@ TEST_F(BesideADriver, ANewPlanDoesNotComeOverOntoHim) {
     driver.key = -1;
     SpeedProfile t{.states = {}};
     for (double s = driver.now.s; s < 190.0; s += 1.0) t.states.push_back({s, 10.0});
-    scene.forecasts = {{.vehicle = driver, .trajectory = t}};
+    scene.forecasts = {{.vehicle = driver, .earliest = t}};
     const RoadPairs pairs(scene);
     const auto plan = plan_vehicle(pairs, scene.vehicles.front(), {}, {});
     if (!plan) continue;
@@ -167,7 +167,7 @@ TEST_F(BesideADriver, ANewPlanDoesNotBrakeOntoHisLane) {
       for (double there = driver.now.s; there < 190.0; there += 0.8) {
         t.states.push_back({there, 8.0});
       }
-      scene.forecasts = {{.vehicle = driver, .trajectory = t}};
+      scene.forecasts = {{.vehicle = driver, .earliest = t}};
       const RoadPairs pairs(scene);
       const auto plan = plan_vehicle(pairs, scene.vehicles.front(), {}, {});
       if (!plan || pairs.follows(0, 0)) continue;
@@ -212,11 +212,11 @@ class Barred : public Crossing {
       before.push_back({1, std::make_shared<SpeedProfile>(stands)});
     } else {
       add_standing_forecast(1, other);
-      scene.forecasts.back().trajectory = stands;
+      scene.forecasts.back().earliest = stands;
       scene.forecasts.back().yields = kind == Kind::kYields;
     }
     const RoadPairs pairs(scene);
-    const WholeTrajectoryOptions options;
+    const ProfileOptions options;
     const Surroundings around(pairs, scene.vehicles.front(), before, options);
     WorkBudget work{1'000'000};
     const auto plan = plan_vehicle(pairs, scene.vehicles.front(), before, options, {.work = &work});
@@ -264,7 +264,7 @@ class HeldDriver : public Crossing {
     driver.key = -1;
     SpeedProfile t{.states = std::vector<InertialState>(100, {98.0, 0.0})};
     while (t.states.back().s < 190.0) t.states.push_back(advance(t.states.back(), 1.0, 0.1));
-    Forecast forecast{.vehicle = driver, .trajectory = t};
+    Forecast forecast{.vehicle = driver, .earliest = t};
     if (is_held) forecast.held = SpeedProfile{.states = {{98.0, 0.0}}, .complete = false};
     scene.forecasts = {forecast};
     const RoadPairs pairs(scene);
@@ -311,7 +311,7 @@ TEST_F(ComesOver, WhoCannotStopBehindItDoesNotFollowIt) {
         const RoadVehicle driver = add(0, other, v);
         scene.vehicles.clear();
         const RoadVehicle vehicle = add(path_, s, 1.0);
-        scene.forecasts = {{.vehicle = driver, .trajectory = {.states = {driver.now}}}};
+        scene.forecasts = {{.vehicle = driver, .earliest = {.states = {driver.now}}}};
         const bool in_lane = drives_ahead(library, {path_, s}, {0, other});
         const bool follows = RoadPairs(scene).follows(0, 0);
         follow += follows && !in_lane ? 1 : 0;

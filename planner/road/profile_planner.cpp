@@ -1,4 +1,4 @@
-#include "planner/road/whole_trajectory.hpp"
+#include "planner/road/profile_planner.hpp"
 
 #include <algorithm>
 #include <array>
@@ -14,7 +14,7 @@ namespace {
 class VehiclePlanner {
  public:
   VehiclePlanner(const RoadScene& scene, const RoadVehicle& vehicle, const Surroundings& around,
-                 const WholeTrajectoryOptions& options, const PlanLimits& limits = {})
+                 const ProfileOptions& options, const PlanLimits& limits = {})
       : grid_(scene.grid),
         start_(scene.step),
         vehicle_(vehicle),
@@ -202,7 +202,7 @@ class VehiclePlanner {
   const RoadVehicle& vehicle_;
   const Vehicle& body_;
   const Surroundings& around_;
-  const WholeTrajectoryOptions& options_;
+  const ProfileOptions& options_;
   int max_decisions_;
   std::int64_t most_work_;
   std::vector<InertialState> states_;
@@ -215,12 +215,12 @@ class VehiclePlanner {
   double best_cost_;  ///< only cheaper plans are of use
 };
 
-/// Every decision of the trajectory, and braking after each.
-bool is_clear(const Surroundings& around, const RoadScene& scene, const SpeedProfile& trajectory) {
+/// Every decision of the profile, and braking after each.
+bool is_clear(const Surroundings& around, const RoadScene& scene, const SpeedProfile& profile) {
   const int n = scene.grid.steps_per_decision;
-  for (std::int64_t k = scene.step; k + n < trajectory.end(); k += n) {
-    const InertialState from = trajectory.at(k);
-    const InertialState to = trajectory.at(k + n);
+  for (std::int64_t k = scene.step; k + n < profile.end(); k += n) {
+    const InertialState from = profile.at(k);
+    const InertialState to = profile.at(k + n);
     const double a = held_acceleration(from, to, scene.grid.decision());
     if (!around.step_is_clear(k, from, a, to)) return false;
   }
@@ -229,52 +229,51 @@ bool is_clear(const Surroundings& around, const RoadScene& scene, const SpeedPro
 
 /// When the driver gets the vehicle back: not before now, if it is driven on beyond that place.
 std::int64_t handback_step(const RoadPairs& pairs, const RoadVehicle& vehicle,
-                           const SpeedProfile& trajectory) {
-  return std::max(pairs.scene().step, arrival_step(trajectory, vehicle.s_handback));
+                           const SpeedProfile& profile) {
+  return std::max(pairs.scene().step, arrival_step(profile, vehicle.s_handback));
 }
 
 }  // namespace
 
 std::optional<SpeedProfile> plan_vehicle(const RoadPairs& pairs, const RoadVehicle& vehicle,
                                          std::span<const JointPlan::Entry> before,
-                                         const WholeTrajectoryOptions& options,
-                                         const PlanLimits& limits) {
+                                         const ProfileOptions& options, const PlanLimits& limits) {
   const Surroundings around(pairs, vehicle, before, options, Surroundings::Forecasts::kWithSlack);
-  auto trajectory = VehiclePlanner(pairs.scene(), vehicle, around, options, limits).plan();
+  auto profile = VehiclePlanner(pairs.scene(), vehicle, around, options, limits).plan();
   if (limits.work) limits.work->left -= around.work();
-  return trajectory;
+  return profile;
 }
 
 SpeedProfile plan_alone(const RoadPairs& pairs, const RoadVehicle& vehicle,
-                        const WholeTrajectoryOptions& options) {
+                        const ProfileOptions& options) {
   const Surroundings around(pairs, vehicle, {}, options);
   return VehiclePlanner(pairs.scene(), vehicle, around, options).alone();
 }
 
-bool still_fits(const RoadPairs& pairs, const RoadVehicle& vehicle, const SpeedProfile& trajectory,
-                std::span<const JointPlan::Entry> before, const WholeTrajectoryOptions& options,
+bool still_fits(const RoadPairs& pairs, const RoadVehicle& vehicle, const SpeedProfile& profile,
+                std::span<const JointPlan::Entry> before, const ProfileOptions& options,
                 WorkBudget* work) {
   const Surroundings around(pairs, vehicle, before, options);
-  const bool clear = is_clear(around, pairs.scene(), trajectory);
+  const bool clear = is_clear(around, pairs.scene(), profile);
   if (work) work->left -= around.work();
   if (!clear) return false;
-  const std::int64_t k = handback_step(pairs, vehicle, trajectory);
-  return k >= trajectory.end() || around.leaves_room(k, trajectory.at(k));
+  const std::int64_t k = handback_step(pairs, vehicle, profile);
+  return k >= profile.end() || around.leaves_room(k, profile.at(k));
 }
 
-bool leaves_room(const RoadPairs& pairs, const RoadVehicle& vehicle, const SpeedProfile& trajectory,
-                 std::span<const JointPlan::Entry> others, const WholeTrajectoryOptions& options) {
-  const std::int64_t k = handback_step(pairs, vehicle, trajectory);
-  if (k >= trajectory.end()) return true;
+bool leaves_room(const RoadPairs& pairs, const RoadVehicle& vehicle, const SpeedProfile& profile,
+                 std::span<const JointPlan::Entry> others, const ProfileOptions& options) {
+  const std::int64_t k = handback_step(pairs, vehicle, profile);
+  if (k >= profile.end()) return true;
   const Surroundings around(pairs, vehicle, others, options, Surroundings::Forecasts::kIgnore);
-  return around.leaves_room(k, trajectory.at(k));
+  return around.leaves_room(k, profile.at(k));
 }
 
-bool fits_beside(const RoadPairs& pairs, const RoadVehicle& vehicle, const SpeedProfile& trajectory,
-                 std::span<const JointPlan::Entry> others, const WholeTrajectoryOptions& options,
+bool fits_beside(const RoadPairs& pairs, const RoadVehicle& vehicle, const SpeedProfile& profile,
+                 std::span<const JointPlan::Entry> others, const ProfileOptions& options,
                  WorkBudget* work) {
   const Surroundings around(pairs, vehicle, others, options, Surroundings::Forecasts::kIgnore);
-  const bool clear = is_clear(around, pairs.scene(), trajectory);
+  const bool clear = is_clear(around, pairs.scene(), profile);
   if (work) work->left -= around.work();
   return clear;
 }
@@ -299,7 +298,7 @@ double held_acceleration(const InertialState& from, const InertialState& to, dou
 class WaitTest::Impl {
  public:
   Impl(const RoadPairs& pairs, const RoadVehicle& vehicle,
-       std::span<const JointPlan::Entry> planned, const WholeTrajectoryOptions& options)
+       std::span<const JointPlan::Entry> planned, const ProfileOptions& options)
       : step(pairs.scene().step),
         all(pairs, vehicle, planned, options),
         forecasts(pairs, vehicle, {}, options, Surroundings::Forecasts::kWithSlack) {}
@@ -310,7 +309,7 @@ class WaitTest::Impl {
 };
 
 WaitTest::WaitTest(const RoadPairs& pairs, const RoadVehicle& vehicle,
-                   std::span<const JointPlan::Entry> planned, const WholeTrajectoryOptions& options)
+                   std::span<const JointPlan::Entry> planned, const ProfileOptions& options)
     : impl_(std::make_unique<Impl>(pairs, vehicle, planned, options)) {}
 WaitTest::~WaitTest() = default;
 
@@ -331,10 +330,10 @@ bool WaitTest::clear_of_forecasts(const InertialState& from, double a,
   return impl_->forecasts.step_is_clear(impl_->step, from, a, to);
 }
 
-std::int64_t arrival_step(const SpeedProfile& trajectory, double s) {
-  const auto there = std::ranges::partition_point(trajectory.states,
-                                                  [s](const InertialState& x) { return x.s < s; });
-  return trajectory.begin + (there - trajectory.states.begin());
+std::int64_t arrival_step(const SpeedProfile& profile, double s) {
+  const auto there =
+      std::ranges::partition_point(profile.states, [s](const InertialState& x) { return x.s < s; });
+  return profile.begin + (there - profile.states.begin());
 }
 
 }  // namespace mvtp

@@ -11,7 +11,7 @@
 
 namespace mvtp {
 
-struct WholeTrajectoryOptions {
+struct ProfileOptions {
   /// Shares of the cruise speed at which a vehicle may approach until it can go; more of them find
   /// better timings and cost time in proportion.
   std::vector<double> approach_speeds = {1.0, 0.8, 0.6, 0.45, 0.35, 0.25, 0.15};
@@ -53,36 +53,35 @@ struct PlanLimits {
 [[nodiscard]] std::optional<SpeedProfile> plan_vehicle(const RoadPairs& pairs,
                                                        const RoadVehicle& vehicle,
                                                        std::span<const JointPlan::Entry> before,
-                                                       const WholeTrajectoryOptions& options,
+                                                       const ProfileOptions& options,
                                                        const PlanLimits& limits = {});
 
 /// The run of a vehicle that is alone on the road.
 [[nodiscard]] SpeedProfile plan_alone(const RoadPairs& pairs, const RoadVehicle& vehicle,
-                                      const WholeTrajectoryOptions& options);
+                                      const ProfileOptions& options);
 
-/// Does `trajectory` still keep all the rules towards the forecasts and what was planned `before`?
+/// Does `profile` still keep all the rules towards the forecasts and what was planned `before`?
 [[nodiscard]] bool still_fits(const RoadPairs& pairs, const RoadVehicle& vehicle,
-                              const SpeedProfile& trajectory,
-                              std::span<const JointPlan::Entry> before,
-                              const WholeTrajectoryOptions& options, WorkBudget* work = nullptr);
+                              const SpeedProfile& profile, std::span<const JointPlan::Entry> before,
+                              const ProfileOptions& options, WorkBudget* work = nullptr);
 
-/// Has the driver who gets the vehicle back from `trajectory` his headway to the others?
+/// Has the driver who gets the vehicle back from `profile` his headway to the others?
 [[nodiscard]] bool leaves_room(const RoadPairs& pairs, const RoadVehicle& vehicle,
-                               const SpeedProfile& trajectory,
+                               const SpeedProfile& profile,
                                std::span<const JointPlan::Entry> others,
-                               const WholeTrajectoryOptions& options);
+                               const ProfileOptions& options);
 
-/// Is `trajectory` free of contact with the others, whatever the forecasts?
+/// Is `profile` free of contact with the others, whatever the forecasts?
 [[nodiscard]] bool fits_beside(const RoadPairs& pairs, const RoadVehicle& vehicle,
-                               const SpeedProfile& trajectory,
+                               const SpeedProfile& profile,
                                std::span<const JointPlan::Entry> others,
-                               const WholeTrajectoryOptions& options, WorkBudget* work = nullptr);
+                               const ProfileOptions& options, WorkBudget* work = nullptr);
 
 /// May a vehicle stop? The WAIT rule of plan_vehicle for planners of single steps.
 class WaitTest {
  public:
   WaitTest(const RoadPairs& pairs, const RoadVehicle& vehicle,
-           std::span<const JointPlan::Entry> planned, const WholeTrajectoryOptions& options);
+           std::span<const JointPlan::Entry> planned, const ProfileOptions& options);
   ~WaitTest();
 
   /// Could the vehicle brake from `state` at step k and then stand clear of all planned futures?
@@ -110,6 +109,6 @@ class WaitTest {
                                       double decel);
 
 /// The first step at which the vehicle's rear axle is at or behind s.
-[[nodiscard]] std::int64_t arrival_step(const SpeedProfile& trajectory, double s);
+[[nodiscard]] std::int64_t arrival_step(const SpeedProfile& profile, double s);
 
 }  // namespace mvtp
