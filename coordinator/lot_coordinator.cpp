@@ -275,7 +275,7 @@ void LotCoordinator::replan() {
     }
     --tries;
   }
-  planner_.set_standing(solid({}));
+  planner_.set_standing(solid({}, ""));
   record.groups += planner_.decide(motion_, in_place("")) > 0 ? 1 : 0;
   record.vehicles = int(motion_.cars().size());
   record.ms =

@@ -151,7 +151,8 @@ class LotCoordinator : public Controller {
   [[nodiscard]] std::vector<Pose> places(const Vehicle& body, const ParkingSlot& slot) const;
   [[nodiscard]] std::vector<StandingCar> standing(bool asking, const std::string& except) const;
   [[nodiscard]] std::vector<StandingCar> in_place(const std::string& except) const;
-  [[nodiscard]] std::vector<StandingCar> solid(std::span<const int> free_to_use) const;
+  [[nodiscard]] std::vector<StandingCar> solid(std::span<const int> free_to_use,
+                                               const std::string& except) const;
   [[nodiscard]] std::vector<double> halts();
   void advance();
   void leave_slot(Guest& guest, const LotCar& car) const;

@@ -97,9 +97,17 @@ std::vector<StandingCar> LotCoordinator::in_place(const std::string& except) con
 }
 
 /// All that the planner takes for solid: who stands and does not ask, and free slots but those
-/// given by a bar along their middle, so that nobody drives through rows of slots.
-std::vector<StandingCar> LotCoordinator::solid(std::span<const int> free_to_use) const {
+/// given by a bar along their middle, so that nobody drives through rows of slots. Where no plan
+/// says who passes first, also who stands and asks, and where others will stand.
+std::vector<StandingCar> LotCoordinator::solid(std::span<const int> free_to_use,
+                                               const std::string& except) const {
   std::vector<StandingCar> result = standing(false, "");
+  if (options_.controller == LotController::kPbcr) {
+    std::ranges::copy(standing(true, except), std::back_inserter(result));
+    for (const LotCar& car : motion_.cars()) {
+      if (!car.leaves) result.push_back({car.goal, car.body});
+    }
+  }
   std::vector<bool> open(lot_.slots.size(), false);
   for (const int slot : free_to_use) open[std::size_t(slot)] = true;
   for (const auto& [id, guest] : guests_) {
@@ -186,7 +194,7 @@ std::optional<LotAdmission> LotCoordinator::ask(const std::string& id, Guest& gu
     guest.failures = -1;
     return std::nullopt;
   }
-  planner_.set_standing(solid(slots));
+  planner_.set_standing(solid(slots, id));
   const std::optional<LotAdmission> admission = planner_.admit(motion_, request, in_place(id));
   if (!admission) return admission;
   ParkingEvent& event = events_[id];

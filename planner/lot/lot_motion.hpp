@@ -34,6 +34,8 @@ struct LotCar {
   bool stopped_permanently =
       false;            ///< the path ends where the car comes to rest, short of its goal
   bool planned = true;  ///< its path is part of a plan in which everyone arrives
+  /// Without a plan: the decision that let it get under way. Earlier ones have priority.
+  std::int64_t since = 0;
   /// [m] It may drive so far until the next decision; infinity: as far as it is its turn.
   double granted = std::numeric_limits<double>::infinity();
   double s = 0.0;  ///< driven [m]

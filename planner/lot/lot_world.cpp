@@ -26,7 +26,9 @@ LotPlanner::World::World(LotPlanner& planner, const LotMotion& motion, const Lot
       session_(planner, motion, request, waiting) {
   static_assert(GroupWorld<World>);
   for (const StandingCar& car : waiting) {
-    waiting_.emplace_back(ArcPath(car.pose), car.body, options_.gap);
+    const double half_length = car.body.length() / 2 + options_.gap;
+    const double half_width = car.body.width / 2 + options_.gap;
+    waiting_.push_back({box_pose(car.body, car.pose), {float(half_length), float(half_width)}});
   }
   if (request_ == nullptr) return;
   find_choices(Effort::kQuick);
@@ -62,6 +64,8 @@ void LotPlanner::World::place_the_asking() {
     asking_->path = ArcPath(request_->pose);
   }
   asking_->planned = false;
+  asking_->since = planner_.decisions_;
+  asking_->granted = 0.0;
   const double gap = options_.plans_groups ? 0.0 : options_.gap;  // plans keep off who stands
   asking_->cells = PathCells(asking_->path, asking_->body, gap);
   asking_->cells.keep_clear(planner_.footpaths_);
@@ -83,19 +87,40 @@ std::vector<LotPlanner::World::State> LotPlanner::World::states() const {
 
 // ---- PBCR: those without a complete plan, along their paths
 
-/// A place to stop at or before this one that is not on a footpath, if it is not there already.
-double LotPlanner::World::clear_of_footpaths(const LotCar& car, double stop) const {
-  const int here = car.cells.cell_at(car.s);
-  const int there = car.cells.cell_at(stop);
-  const int rest = car.cells.waits_before(there + 1, here);
-  return rest > there ? stop : std::max(car.s, rest * PathCells::kLength);
+/// Where a car that would stand on a footpath at `stop` is behind it [m]; else `stop`.
+double LotPlanner::World::beyond_footpath(const LotCar& car, double stop) const {
+  const int cell = car.cells.cell_at(stop);
+  for (const PathCells::Range& stretch : car.cells.kept_clear()) {
+    if (stretch.first <= cell && cell <= stretch.last) {
+      return std::min((stretch.last + 1) * PathCells::kLength, car.path.stop_after(stop));
+    }
+  }
+  return stop;
 }
 
-bool LotPlanner::World::is_free(const LotCar& car, const Motion& motion) const {
-  const PathCells::Range used = car.cells.between(motion.from, motion.stop);
-  return std::ranges::none_of(waiting_, [&](const PathCells& other) {
-    return car.cells.touch(used, other, other.from(0));
+/// Does a car that drives on to `stop` come onto a footpath, or is it on one?
+bool LotPlanner::World::reaches_footpath(const LotCar& car, double stop) {
+  const auto [here, there] = car.cells.between(car.s, stop);
+  return std::ranges::any_of(car.cells.kept_clear(), [&](const PathCells::Range& stretch) {
+    return stretch.first <= there && here <= stretch.last;
   });
+}
+
+/// Looked at closely: paths keep off those who stand by less than the width that cells have to
+/// spare in bends.
+bool LotPlanner::World::is_free(const LotCar& car, const Motion& motion) const {
+  constexpr double kStep = 0.1;  // [m]; in between no point comes closer by more than 2 mm
+  const BoxShape body{float(car.body.length() / 2), float(car.body.width / 2)};
+  const int steps = int(std::ceil((motion.stop - motion.from) / kStep));
+  for (int k = 0; k <= steps; ++k) {
+    const BoxPose here =
+        box_pose(car.body, car.path.at(std::min(motion.stop, motion.from + k * kStep)));
+    const auto meets = [&](const StandingBox& other) {
+      return gap(here, body, other.pose, other.shape) < 0.0F;
+    };
+    if (std::ranges::any_of(waiting_, meets)) return false;
+  }
+  return true;
 }
 
 std::vector<LotPlanner::World::Motion> LotPlanner::World::candidates(int i,
@@ -104,23 +129,25 @@ std::vector<LotPlanner::World::Motion> LotPlanner::World::candidates(int i,
   if (car.planned) return {Motion{state.s, car.path.length(), true}};
   const double least = safe_stop(i, state).stop;
   std::vector<Motion> motions;
+  if (asks(i) && reaches_footpath(car, least)) return motions;
   for (const double part : {1.0, 0.5}) {
     const double most = motion_.rest_after(car, options_.decision);
-    const Motion motion{state.s, clear_of_footpaths(car, std::lerp(least, most, part)), false};
+    const Motion motion{state.s, beyond_footpath(car, std::lerp(least, most, part)), false};
     if (motion.stop > least && is_free(car, motion)) motions.push_back(motion);
   }
-  if (keeps_clear(i, least)) {
+  if (asks(i) || keeps_clear(i, least)) {
     std::erase_if(motions, [&](const Motion& motion) { return !keeps_clear(i, motion.stop); });
   }
   return motions;
 }
 
-/// Does it rest off all that those who came earlier have still before them? So the first can always
-/// go on, and after it the next.
+/// Does it rest off all that those who got under way earlier have still before them? So the first
+/// can always go on, and after it the next.
 bool LotPlanner::World::keeps_clear(int i, double stop) const {
   const PathCells& own = car(i).cells;
-  for (int j = 0; j < i; ++j) {
+  for (int j = 0; j < session_.cars(); ++j) {
     const LotCar& earlier = car(j);
+    if (earlier.since >= car(i).since) continue;
     const PathCells::Range ahead = earlier.cells.from(earlier.cells.cell_at(earlier.s));
     if (own.touch(own.between(stop, stop), earlier.cells, ahead)) return false;
   }
@@ -128,8 +155,12 @@ bool LotPlanner::World::keeps_clear(int i, double stop) const {
 }
 
 LotPlanner::World::Motion LotPlanner::World::safe_stop(int i, const State& state) const {
-  const double rest = state.s + stopping_distance(state.v, options_.limits.braking);
-  return {state.s, std::min(rest, car(i).path.length()), false};
+  const LotCar& car = this->car(i);
+  const double rest =
+      std::min(state.s + stopping_distance(state.v, options_.limits.braking), car.path.length());
+  const double beyond = beyond_footpath(car, rest);
+  // Once it has been let onto a footpath it drives on to behind it.
+  return {state.s, car.granted >= beyond ? beyond : rest, false};
 }
 
 bool LotPlanner::World::conflict(int i, const Motion& a, int j, const Motion& b) const {
@@ -266,6 +297,7 @@ void LotPlanner::World::plan_loser(std::span<const int> blockers) {
 std::vector<int> LotPlanner::World::order(const std::vector<State>& q) const {
   std::vector<int> order(q.size());
   std::iota(order.begin(), order.end(), 0);
+  std::ranges::stable_sort(order, {}, [this](int i) { return car(i).since; });
   return order;
 }
 

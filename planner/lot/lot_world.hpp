@@ -50,7 +50,7 @@ class LotPlanner::World {
   [[nodiscard]] bool pre_check(const Group& group) const;
   [[nodiscard]] std::vector<std::optional<Motion>> get_opt_traj(const std::vector<State>& q,
                                                                 const Group& group);
-  /// Who came first.
+  /// Who has been under way longest.
   [[nodiscard]] std::vector<int> order(const std::vector<State>& q) const;
 
   /// What was decided becomes the motion, unless the car that asks gets no path.
@@ -75,6 +75,12 @@ class LotPlanner::World {
     int replanned;
   };
 
+  /// One who stands, and a gap around it.
+  struct StandingBox {
+    BoxPose pose;
+    BoxShape shape;
+  };
+
   [[nodiscard]] bool asks(int i) const { return request_ != nullptr && i == session_.cars(); }
   [[nodiscard]] const LotCar& car(int i) const;
   void find_choices(Effort effort);
@@ -86,7 +92,8 @@ class LotPlanner::World {
   void plan_loser(std::span<const int> blockers);
   void try_place(const Choice& choice, Effort effort);
   void consider(const Choice& choice, std::span<const int> changed);
-  [[nodiscard]] double clear_of_footpaths(const LotCar& car, double stop) const;
+  [[nodiscard]] double beyond_footpath(const LotCar& car, double stop) const;
+  [[nodiscard]] static bool reaches_footpath(const LotCar& car, double stop);
   [[nodiscard]] bool keeps_clear(int i, double stop) const;
   [[nodiscard]] bool is_free(const LotCar& car, const Motion& motion) const;
 
@@ -97,7 +104,7 @@ class LotPlanner::World {
   ReplanningSession session_;
   std::vector<Choice> choices_;  ///< places with a path alone, the quickest first
   std::optional<LotCar> asking_;
-  std::vector<PathCells> waiting_;
+  std::vector<StandingBox> waiting_;
   int focus_ = -1;                     ///< whose group is planned anew, unless somebody asks
   std::optional<ArcTrajectory> wish_;  ///< its path alone
   std::optional<Candidate> best_;

@@ -143,23 +143,7 @@ TEST_P(LotControllers, ServeABusyLotWithoutContact) {
 
 INSTANTIATE_TEST_SUITE_P(All, LotControllers,
                          testing::Values(LotController::kEscot, LotController::kPrioritized,
-                                         LotController::kOneAtATime));
-
-// It jams, as nobody backs out for another one; but nobody touches anybody, and whoever comes alone
-// is served.
-TEST(LotPbcr, TouchesNobody) {
-  LotOptions options;
-  options.controller = LotController::kPbcr;
-  LotRun run(busy(), options);
-  (void)run.finish(300.0);
-  EXPECT_FALSE(run.coordinator.motion().cars().empty());
-  expect_clean(run.audit);
-
-  LotRun alone(arrivals(3, 150.0), options);
-  EXPECT_TRUE(alone.finish(600.0));
-  EXPECT_EQ(alone.traffic.arrived(), 3);
-  expect_clean(alone.audit);
-}
+                                         LotController::kPbcr, LotController::kOneAtATime));
 
 // A car that has to leave its slot while another one passes waits for it, and drives then.
 TEST(LotPbcr, LetsOneAfterTheOtherPass) {
@@ -252,10 +236,12 @@ TEST(LotCoordinator, RefusesAVehicleThatFitsNoSlot) {
   }
 }
 
-TEST(LotCoordinator, BrakesForPeople) {
+TEST_P(LotControllers, BrakeForPeople) {
+  LotOptions options;
+  options.controller = GetParam();
   ParkingLot lot = make_lot();
   lot.footpaths.push_back({{{-6.0, 0.0}, {-6.0, 18.0}}, 2.0});
-  LotRun run(arrivals(6, 11.0), {}, lot);
+  LotRun run(arrivals(6, 11.0), options, lot);
   for (int k = 0; k < 20; ++k) {
     const bool up = k % 2 == 0;
     run.traffic.add_person({.id = "w" + std::to_string(k),

@@ -2,12 +2,18 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdint>
 #include <numbers>
+#include <optional>
+#include <span>
+#include <vector>
 
 namespace mvtp {
 namespace {
 
 const Vehicle kCar{.front = 3.6, .rear = 0.9, .width = 1.8, .min_turning_radius = 4.0};
+
+constexpr double kUp = std::numbers::pi / 2;
 
 /// 40 x 30 m of ground with nothing on it.
 ParkingLot open_ground() {
@@ -76,6 +82,100 @@ TEST(LotPlanner, FindsAWayOutOfATightSlot) {
       .key = 1, .body = long_car, .pose = slot, .goals = {{8.0, 8.0, std::numbers::pi}}};
   ASSERT_TRUE(planner.admit(motion, leaving, {}));
   EXPECT_TRUE(motion.forecast().complete);
+}
+
+/// PBCR: nobody has a complete plan.
+class LotPbcr : public testing::Test {
+ protected:
+  LotPbcr() {
+    LotPlannerOptions options;
+    options.plans_groups = false;
+    planner_.emplace(lot_, options);
+  }
+
+  [[nodiscard]] bool admit(std::int64_t key, const Pose& from, const Pose& to,
+                           std::span<const StandingCar> standing = {}) {
+    return planner_->admit(motion_, request(key, from, to), standing).has_value();
+  }
+  [[nodiscard]] const LotCar& car(std::int64_t key) const {
+    return motion_.cars()[std::size_t(motion_.find(key))];
+  }
+  /// Who has arrived stays where it is.
+  void drive(double seconds, std::span<const StandingCar> standing = {}) {
+    for (int step = 0; step < int(seconds * 10); ++step) {
+      if (step % 5 == 0) (void)planner_->decide(motion_, standing);
+      const std::vector<double> halts(motion_.cars().size(), 1e9);
+      motion_.step(0.1, halts);
+    }
+  }
+
+  ParkingLot lot_ = open_ground();
+  std::optional<LotPlanner> planner_;
+  LotMotion motion_;
+};
+
+//       2
+//       :          2 has the smaller key, but 7 has been under way for longer
+//   7 ..:.....>
+//       v
+TEST_F(LotPbcr, WhoGotUnderWayEarlierPassesFirst) {
+  ASSERT_TRUE(admit(7, {5, 15, 0}, {34, 15, 0}));
+  ASSERT_TRUE(admit(2, {20, 25, -kUp}, {20, 5, -kUp}));
+  double passed = 0.0;
+  while (car(2).s < 12.0 && passed < 60.0) {
+    drive(0.5);
+    passed += 0.5;
+    if (car(2).pose().y - kCar.front < 16.0) {
+      EXPECT_GT(car(7).pose().x, 21.0);
+    }
+  }
+  EXPECT_LT(passed, 60.0);
+}
+
+//   7 goes past 2, which stands on its path and has to go through where 7 is.
+TEST_F(LotPbcr, WhoWouldComeToRestOnThePathOfAnEarlierOneStaysWhereItIs) {
+  ASSERT_TRUE(admit(7, {5, 15, 0}, {34, 15, 0}));
+  EXPECT_FALSE(admit(2, {20, 13.2, kUp}, {20, 25, kUp}));
+  drive(8.0);
+  EXPECT_TRUE(admit(2, {20, 13.2, kUp}, {20, 25, kUp})) << "when it is past";
+}
+
+//   Those who stand 0.25 m beside the path, inside a bend, hold nobody up; one on it does.
+TEST_F(LotPbcr, PassesCloselyWhoStands) {
+  ASSERT_TRUE(admit(7, {5, 5, 0}, {20, 20, kUp}));
+  std::vector<StandingCar> standing;
+  const LotCar path = car(7);
+  for (double s = 6.0; s < path.path.length() - 6.0; s += 2.5) {
+    const Pose beside = compose(path.path.at(s), {0.0, 0.9 + 0.25 + 0.9, 0.0});
+    standing.push_back({beside, {.front = 0.9, .rear = 0.9, .width = 1.8}});
+  }
+  drive(40.0, standing);
+  EXPECT_TRUE(car(7).at_end());
+
+  ASSERT_TRUE(admit(8, {25, 5, 0}, {35, 5, 0}));
+  const std::vector<StandingCar> on_it = {{{34, 5, 0}, {.front = 0.9, .rear = 0.9, .width = 1.8}}};
+  drive(40.0, on_it);
+  EXPECT_FALSE(car(8).at_end());
+  EXPECT_LT(car(8).pose().x + kCar.front, 33.1);
+  EXPECT_GT(car(8).pose().x + kCar.front, 32.0);
+}
+
+//   From rest it could stop on the footpath before it is over it.
+TEST_F(LotPbcr, CrossesAFootpathWithoutAStop) {
+  lot_.footpaths = {{{{15, 0}, {15, 30}}, 2.0}};
+  LotPlannerOptions options;
+  options.plans_groups = false;
+  planner_.emplace(lot_, options);
+  ASSERT_TRUE(admit(7, {5, 15, 0}, {34, 15, 0}));
+  for (double time = 0.0; time < 40.0; time += 0.1) {
+    drive(0.1);
+    const double front = car(7).pose().x + kCar.front;
+    const bool on_it = front > 14.0 && front - kCar.length() < 16.0;
+    if (on_it) {
+      EXPECT_GT(car(7).v, 0.0);
+    }
+  }
+  EXPECT_TRUE(car(7).at_end());
 }
 
 }  // namespace
