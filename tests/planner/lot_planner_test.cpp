@@ -8,6 +8,8 @@
 #include <span>
 #include <vector>
 
+#include "tests/planner/small_instances.hpp"
+
 namespace mvtp {
 namespace {
 
@@ -82,6 +84,75 @@ TEST(LotPlanner, FindsAWayOutOfATightSlot) {
       .key = 1, .body = long_car, .pose = slot, .goals = {{8.0, 8.0, std::numbers::pi}}};
   ASSERT_TRUE(planner.admit(motion, leaving, {}));
   EXPECT_TRUE(motion.forecast().complete);
+}
+
+//   It comes down the lane at speed, to the south of the lot, and the next one stands behind it.
+TEST(LotPlanner, LetsACarInFromAnEntryLaneWhileItMoves) {
+  ParkingLot lot = open_ground();
+  lot.ground = {{15, 15}, {40, 15}, {40, 30}, {0, 30}, {0, 15}, {10, 15}, {10, 1}, {15, 1}};
+  lot.entries.push_back({"in", {12.5, 1, kUp}, 14, 0});
+  LotPlanner planner(lot, {});
+  LotMotion motion;
+  LotRequest coming = request(1, {12.5, 4, kUp}, {30, 22, 0});
+  coming.entry = 0;
+  coming.speed = 2.5;
+  ASSERT_TRUE(planner.admit(motion, coming, {}));
+  const LotCar& car = motion.cars().front();
+  EXPECT_TRUE(motion.forecast().complete);
+  for (double s = 0.0; s <= planner.prefix_length(2.5); s += 0.5) {
+    EXPECT_NEAR(car.path.at(s).x, 12.5, 1e-6) << "it cannot turn before it could brake";
+  }
+}
+
+/// Two rows of five change sides, each car to the place of a random one of the other row, which
+/// stands 4 m further on by then.
+LotMotion crowd(LotPlanner& planner, Dice& dice) {
+  LotMotion motion;
+  std::vector<LotRequest> requests;
+  for (const bool up : {true, false}) {
+    std::vector<double> places = {5, 12, 19, 26, 33};
+    for (int k = 0; k < 5; ++k) {
+      const auto other = places.begin() + dice.below(int(places.size()));
+      const double x = 5.0 + 7.0 * k;
+      requests.push_back(up ? request(k, {x, 3, kUp}, {*other, 19, kUp})
+                            : request(5 + k, {x, 27, -kUp}, {*other, 11, -kUp}));
+      places.erase(other);
+    }
+  }
+  for (std::size_t k = 0; k < requests.size(); ++k) {
+    std::vector<StandingCar> standing;
+    for (std::size_t j = k + 1; j < requests.size(); ++j) {
+      standing.push_back({requests[j].pose, kCar});
+    }
+    (void)planner.admit(motion, requests[k], standing);
+  }
+  return motion;
+}
+
+//   Plans change under way, but only for better ones that are complete as well.
+TEST(LotPlanner, ADecisionOnlyMakesThePlanBetter) {
+  Dice dice(11);
+  int improved = 0;
+  for (int scene = 0; scene < 6; ++scene) {
+    LotPlanner planner(open_ground(), {});
+    LotMotion motion = crowd(planner, dice);
+    for (int decision = 0; decision < 40 && !motion.cars().empty(); ++decision) {
+      const double before = motion.forecast().cost();
+      if (planner.decide(motion, {}) > 0) {
+        ++improved;
+        EXPECT_LT(motion.forecast().cost(), before - 0.4);
+      }
+      EXPECT_TRUE(motion.forecast().complete);
+      for (int step = 0; step < 5; ++step) {
+        motion.step(0.1, std::vector<double>(motion.cars().size(), 1e9));
+      }
+      for (int key = 0; key < 10; ++key) {
+        const int i = motion.find(key);
+        if (i >= 0 && motion.cars()[std::size_t(i)].at_end()) motion.remove(key);
+      }
+    }
+  }
+  EXPECT_GT(improved, 0);
 }
 
 /// PBCR: nobody has a complete plan.
