@@ -33,6 +33,7 @@ Coordinator::Coordinator(Traffic& traffic, const DrivableArea& area,
           traffic, graph_, [this](const std::string& id) { return drives(id); },
           [this](const std::string& type) -> const VehicleType& { return type_of(type); },
           [this](const std::string& id) { return came_from(id); }) {
+  find_zones();
   grid_.dt = traffic.step_length();
   grid_.steps_per_decision = std::max(1, int(std::lround(options.decision / grid_.dt)));
   if (options.greens) {

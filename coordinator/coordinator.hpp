@@ -130,6 +130,18 @@ class Coordinator : public Controller {
     std::vector<std::string> guests;    ///< human-driven vehicles that go over junctions
     std::set<std::string> excluded;     ///< arrivals that stay as they are
     std::map<std::int64_t, int> paths;  ///< of the vehicles planned, by key
+    std::map<std::int64_t, int> zones;  ///< the same: where they are, or come to
+  };
+  /// Sets of guests that may be let over the junctions of a zone, in the order of trial.
+  struct ZoneOffers {
+    std::vector<std::vector<std::string>> sets;
+    std::size_t next = 0;  ///< that is tried now; the number of sets: none
+    [[nodiscard]] const std::vector<std::string>& present() const { return sets[next]; }
+  };
+  struct ZoneVerdict {
+    int stepped = 0;          ///< vehicles without a complete plan
+    double cost = 0.0;        ///< [s]
+    bool is_refused = false;  ///< by the referee, for a group
   };
 
   /// [s] without a complete plan, or turned away, until a vehicle that stands counts as stuck.
@@ -224,8 +236,8 @@ class Coordinator : public Controller {
                                                   const std::vector<std::string>& guests);
   [[nodiscard]] Trial best_trial(const std::map<std::string, Driven>& arrivals,
                                  const std::vector<std::int64_t>& upset);
-  [[nodiscard]] bool touches_guests(const Trial& trial);
-  [[nodiscard]] bool waits_inside(const Trial& trial) const;
+  [[nodiscard]] bool touches_guests(const std::vector<std::string>& guests, const Trial& trial);
+  [[nodiscard]] bool waits_inside(const Trial& trial, std::optional<int> zone = {}) const;
   [[nodiscard]] std::set<std::string> better_later(const Trial& trial,
                                                    const std::map<std::string, Driven>& arrivals,
                                                    bool whole_groups) const;
@@ -238,18 +250,28 @@ class Coordinator : public Controller {
   [[nodiscard]] Trial without_the_late(Trial trial, const std::map<std::string, Driven>& arrivals,
                                        std::set<std::string> excluded,
                                        const std::vector<std::int64_t>& upset);
-  [[nodiscard]] Trial best_trial_with_lights(const std::map<std::string, Driven>& arrivals,
-                                             const std::set<std::string>& excluded,
-                                             const std::vector<std::int64_t>& upset);
   [[nodiscard]] bool is_clear_of(const std::vector<std::string>& guests, const Trial& trial);
   [[nodiscard]] bool is_at_gate(const std::vector<std::string>& guests) const;
   [[nodiscard]] bool exclude_each_other(const std::vector<std::string>& guests,
                                         const std::vector<std::string>& others) const;
   [[nodiscard]] bool may_meet_people(const std::vector<std::string>& guests);
   [[nodiscard]] double worth(const std::vector<std::string>& guests) const;
-  [[nodiscard]] std::vector<std::vector<std::string>> groups_of_guests();
-  [[nodiscard]] std::vector<std::vector<std::string>> offers();
   void prepare_tables(const RoadScene& now);
+
+  // Guests of each control zone: coordinator_offers.cpp
+  void find_zones();
+  [[nodiscard]] int zone_of(int corridor) const;
+  [[nodiscard]] int zone_of(const std::string& guest) const;
+  [[nodiscard]] std::vector<std::vector<std::string>> groups_of_guests();
+  [[nodiscard]] std::vector<std::vector<std::string>> in_order(
+      std::vector<std::vector<std::string>> groups);
+  [[nodiscard]] std::map<int, ZoneOffers> offers_of_zones();
+  [[nodiscard]] ZoneVerdict verdict(const Trial& trial, int zone) const;
+  [[nodiscard]] bool allows(const std::vector<std::string>& guests, int zone, const Trial& with,
+                            const Trial& without);
+  [[nodiscard]] Trial best_trial_with_lights(const std::map<std::string, Driven>& arrivals,
+                                             const std::set<std::string>& excluded,
+                                             const std::vector<std::int64_t>& upset);
 
   /// The normal lane that a vehicle is on, and the one it was on before.
   struct Trail {
@@ -261,6 +283,7 @@ class Coordinator : public Controller {
   CoordinatorOptions options_;
   LaneGraph graph_;
   std::vector<bool> coordinated_;
+  std::vector<int> zone_of_junction_;
   CourseFinder finder_;
   CorridorMap corridors_;
   const DrivableArea& area_;

@@ -12,9 +12,9 @@ namespace mvtp {
 
 /// Would one of the guests who are to go touch somebody under control? Who is within their margins
 /// already is not kept clear of them by its plan. Notes who is blocking.
-bool Coordinator::touches_guests(const Trial& trial) {
+bool Coordinator::touches_guests(const std::vector<std::string>& guests, const Trial& trial) {
   bool touches = false;
-  for (const std::string& guest : trial.guests) {
+  for (const std::string& guest : guests) {
     const VehicleState* state = find_state(guest);
     if (state == nullptr) continue;  // people: see is_clear_of()
     const std::vector<Forecast> passages = predict_one(*state, trial.guests);
@@ -32,10 +32,12 @@ bool Coordinator::touches_guests(const Trial& trial) {
 
 /// Does somebody behind its line, not yet out of the junction, stand there for a while? It may be
 /// blocking a guest for whom it waits.
-bool Coordinator::waits_inside(const Trial& trial) const {
+/// @param zone  in which that counts; none: in any.
+bool Coordinator::waits_inside(const Trial& trial, std::optional<int> zone) const {
   const std::int64_t a_while = step_ + 2 * grid_.steps_per_decision;
   return std::ranges::any_of(driven_, [&](const auto& entry) {
     const RoadVehicle& v = entry.second.road;
+    if (zone && zone_of(entry.second.corridor) != *zone) return false;
     const double out = v.s_exit_lane + corridors_.library().body(v.path).length();
     if (v.stop_lines.empty() || v.now.s <= v.stop_lines.front() || v.now.s >= out) return false;
     const SpeedProfile* plan = trial.decision.plan.find(v.key);
@@ -120,39 +122,6 @@ bool Coordinator::is_at_gate(const std::vector<std::string>& guests) const {
 double Coordinator::worth(const std::vector<std::string>& guests) const {
   if (is_at_gate(guests)) return std::numeric_limits<double>::infinity();
   return (people_ ? people_->worth(guests) : 0.0) + (humans_ ? humans_->worth(guests) : 0.0);
-}
-
-/// Those who may go over junctions now, in groups that only go together: people, drivers at
-/// signals, and guests at the gate.
-std::vector<std::vector<std::string>> Coordinator::groups_of_guests() {
-  std::vector<std::vector<std::string>> groups;
-  for (const std::string& guest : gate_.propose()) groups.push_back({guest});
-  if (people_) {
-    for (const std::string& crossing : people_->propose()) groups.push_back({crossing});
-  }
-  if (humans_) {
-    for (auto& group : humans_->propose()) groups.push_back(std::move(group));
-  }
-  return groups;
-}
-
-/// Guests who may go over junctions now, in the order in which that is tried: all at once, or else
-/// each group alone.
-std::vector<std::vector<std::string>> Coordinator::offers() {
-  constexpr std::size_t kMost = 3;  // alone
-  std::vector<std::vector<std::string>> groups;
-  std::vector<std::string> all;
-  for (auto& group : groups_of_guests()) {
-    if (may_meet_people(group)) continue;
-    std::vector<std::string> with = all;
-    with.insert(with.end(), group.begin(), group.end());
-    if (!may_meet_people(with) && !exclude_each_other(all, group)) all = std::move(with);
-    groups.push_back(std::move(group));
-  }
-  if (groups.size() < 2) return groups;
-  groups.resize(std::min(groups.size(), kMost));
-  if (std::ranges::count(groups, all) == 0) groups.insert(groups.begin(), std::move(all));
-  return groups;
 }
 
 }  // namespace mvtp

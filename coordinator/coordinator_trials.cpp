@@ -18,9 +18,9 @@ Coordinator::Trial Coordinator::best_trial(const std::map<std::string, Driven>& 
   std::set<std::string> excluded = too_late(arrivals);
   if (heads_) return best_trial_with_lights(arrivals, excluded, upset);
   std::optional<Trial> with_guests;
-  for (const std::vector<std::string>& guests : offers()) {
+  for (const std::vector<std::string>& guests : in_order(groups_of_guests())) {
     with_guests = plan_trial(arrivals, excluded, upset, guests);
-    if (touches_guests(*with_guests)) {
+    if (touches_guests(guests, *with_guests)) {
       with_guests.reset();
       continue;
     }
@@ -47,27 +47,6 @@ Coordinator::Trial Coordinator::without_the_late(Trial trial,
     if (more.empty()) continue;
     excluded.insert(more.begin(), more.end());
     trial = plan_trial(arrivals, excluded, upset, std::vector<std::string>(trial.guests));
-  }
-  return trial;
-}
-
-/// The plan with as many drivers and people getting green as is possible, and worth what it costs
-/// the vehicles under control.
-Coordinator::Trial Coordinator::best_trial_with_lights(
-    const std::map<std::string, Driven>& arrivals, const std::set<std::string>& excluded,
-    const std::vector<std::int64_t>& upset) {
-  Trial trial =
-      without_the_late(plan_trial(arrivals, excluded, upset, {}), arrivals, excluded, upset);
-  for (const std::vector<std::string>& guests : offers()) {
-    Trial with = plan_trial(arrivals, trial.excluded, upset, guests);
-    const bool worse =
-        with.decision.stepped > trial.decision.stepped || !with.refused.empty() ||
-        ((people_ || is_at_gate(guests)) && waits_inside(with) && !waits_inside(trial));
-    if (worse || !is_clear_of(guests, with) || touches_guests(with)) continue;
-    const bool comparable = trial.decision.stepped == 0;
-    const double loss = with.decision.cost - trial.decision.cost;
-    if (comparable && loss > worth(guests)) continue;
-    return with;
   }
   return trial;
 }
@@ -197,6 +176,7 @@ Coordinator::Trial Coordinator::plan_trial(const std::map<std::string, Driven>& 
   for (const auto& [id, driven] : present) {
     now.vehicles.push_back(driven->road);
     trial.paths.emplace(driven->key, driven->road.path);
+    trial.zones.emplace(driven->key, zone_of(driven->corridor));
   }
   std::ranges::sort(now.vehicles, {}, &RoadVehicle::key);
   now.forecasts = trial.forecasts = predict_others(present, guests);

@@ -32,6 +32,9 @@ class People {
   [[nodiscard]] int light_of(const std::string& crossing) const {
     return heads_.light_of_crossing(numbers_.at(crossing));
   }
+  [[nodiscard]] int junction_of(const std::string& crossing) const {
+    return graph_.crossing(numbers_.at(crossing)).junction;
+  }
   /// What somebody may do.
   struct Expected {
     int crossing = 0;

@@ -82,27 +82,25 @@ bool Straddling::is_clear(const VehicleState& v, int lane, int from) const {
 }
 
 void Straddling::find_tails(const VehicleState& v) {
-  const int lane = graph_.find_lane(v.lane);
-  if (lane == LaneGraph::kNone) return;
-  const bool inside = graph_.edge_of(lane) == LaneGraph::kNone;
+  const int lane = graph_.find_lane(v.lane);  // none where it swings out between two
+  const bool inside = lane == LaneGraph::kNone || graph_.edge_of(lane) == LaneGraph::kNone;
   const int from = inside ? came_from_(v.id) : lane;
   if (from == LaneGraph::kNone || is_clear(v, lane, from)) return;
   const std::vector<Point> body = sides(v.pose, type_of_(v.type).body);
   for (const int other : graph_.lanes_of(graph_.edge_of(from))) {
     if (other == lane) continue;
-    double least = kInfinity;
     for (const Point& p : body) {
       const std::optional<Beside> place = beside(graph_.lane(other), p);
-      if (place && place->aside < kHalfWidth) least = std::min(least, place->along);
+      if (!place || place->aside >= kHalfWidth) continue;
+      tails_[graph_.lane(other).id].push_back({place->along, v.speed});
     }
-    if (least < kInfinity) tails_[graph_.lane(other).id].push_back({least, v.speed});
   }
 }
 
 /// From which the driver can stop behind it, braking as it does [Krauss 1998].
 double Straddling::safe_speed(const VehicleState& driver, const Tail& tail) const {
   const VehicleType& type = type_of_(driver.type);
-  const double gap = std::max(0.0, tail.from - driver.lane_position - type.min_gap);
+  const double gap = std::max(0.0, tail.along - driver.lane_position - type.min_gap);
   const double reaction = type.body.max_decel * type.tau;
   return std::sqrt(reaction * reaction + tail.speed * tail.speed +
                    2.0 * type.body.max_decel * gap) -
@@ -115,7 +113,7 @@ double Straddling::most_speed(const VehicleState& driver) const {
   const auto tails = tails_.find(driver.lane);
   if (tails == tails_.end()) return most;
   for (const Tail& tail : tails->second) {
-    const double ahead = tail.from - driver.lane_position;
+    const double ahead = tail.along - driver.lane_position;
     if (ahead > 0.0 && ahead < kSight) most = std::min(most, safe_speed(driver, tail));
   }
   return most;

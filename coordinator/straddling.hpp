@@ -29,9 +29,9 @@ class Straddling {
   void show();
 
  private:
-  /// The part of a body that is on a lane that its front is not on.
+  /// A point of a body on a lane that its front is not on.
   struct Tail {
-    double from = 0.0;   ///< [m] from the start of the lane
+    double along = 0.0;  ///< [m] from the start of the lane
     double speed = 0.0;  ///< [m/s] along the lane
   };
   [[nodiscard]] bool is_clear(const VehicleState& v, int lane, int from) const;

@@ -192,6 +192,7 @@ RoadDecision decide_on_road(const RoadScene& scene, const JointPlan& incumbent, 
     decision.stepped += part.stepped;
     decision.all_stepped |= part.all_stepped;
     decision.cost += part.cost;
+    decision.costs.push_back(part.cost);
   }
   return decision;
 }

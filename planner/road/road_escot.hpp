@@ -37,9 +37,10 @@ struct RoadDecision {
   std::vector<std::vector<std::int64_t>> members;
   std::vector<std::size_t> late;  ///< groups that took longer than their budget, ascending
   int groups = 0;
-  int stepped = 0;           ///< vehicles without a complete plan, left to PBCR
-  bool all_stepped = false;  ///< of some group not even the complete plans could be kept
-  double cost = 0.0;         ///< [s] of the complete plans
+  int stepped = 0;            ///< vehicles without a complete plan, left to PBCR
+  bool all_stepped = false;   ///< of some group not even the complete plans could be kept
+  double cost = 0.0;          ///< [s] of the complete plans
+  std::vector<double> costs;  ///< the same of each group
 };
 
 /// One decision of ESCoT over the model `InertialCar`: generate_config() over a RoadWorld for each

@@ -32,7 +32,20 @@ class CappedTraffic : public FakeTraffic {
     caps.erase(id);
     if (speed < kInfinity) caps[id] = speed;
   }
+  std::span<const VehicleState> vehicles() const override {
+    const auto states = FakeTraffic::vehicles();
+    if (off_lanes.empty()) return states;
+    shown_.assign(states.begin(), states.end());
+    for (VehicleState& v : shown_) {
+      if (v.id == off_lanes) v.lane.clear();
+    }
+    return shown_;
+  }
   std::map<std::string, double> caps;
+  std::string off_lanes;  ///< a vehicle whose nose is on no lane
+
+ private:
+  mutable std::vector<VehicleState> shown_;
 };
 
 /// Two lanes from west to east: on the right one "behind", at 30 m, and "ahead", at 100 m; on the
@@ -51,7 +64,7 @@ class StraddlingTest : public testing::Test {
               EXPECT_EQ(type, "car");
               return kCar;
             },
-            [](const std::string&) { return LaneGraph::kNone; }) {
+            [this](const std::string&) { return graph.find_lane("W-C_1"); }) {
     traffic.insert_now();
     traffic.take_over("across");
   }
@@ -90,6 +103,16 @@ TEST_F(StraddlingTest, DriversBehindATailOnTheirLaneCanStopBehindIt) {
   const double gap = tail - at("behind").lane_position - type.min_gap;
   EXPECT_NEAR(v * type.tau + v * v / (2.0 * type.body.max_decel), gap, 1.5);
   EXPECT_GT(v, 5.0);
+}
+
+// As a lorry does that swings out over a line, to turn.
+TEST_F(StraddlingTest, SoCanThoseBehindOneWhoseNoseIsOnNoLane) {
+  put_aside(1.6);
+  traffic.place("across", compose(at("across").pose, {83.0, 0.0, 0.0}), 0.0);
+  traffic.step();
+  traffic.off_lanes = "across";
+  straddling.show();
+  EXPECT_THAT(traffic.caps, ElementsAre(Key("ahead")));
 }
 
 TEST_F(StraddlingTest, TheyDriveAsTheyLikeOnceItHasLeftTheirLane) {

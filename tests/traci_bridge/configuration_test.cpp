@@ -107,7 +107,7 @@ TEST_P(ShippedLayout, LastsTenMinutesUnderEachOfItsControls) {
   const bool has_lights = name.find("roundabout") == std::string::npos;
   for (const char* kind : {"", ".static", ".actuated"}) {
     if (*kind != '\0' && !has_lights) continue;
-    const Configuration c = read_configuration(project_file(name + kind + ".sumocfg"));
+    const SumoConfiguration c = read_configuration(project_file(name + kind + ".sumocfg"));
     EXPECT_THAT(c.route_files, SizeIs(1));
     EXPECT_DOUBLE_EQ(c.step_length, 0.1);
     EXPECT_EQ(c.end, 600.0);
