@@ -108,7 +108,9 @@ TEST_F(StraddlingTest, DriversBehindATailOnTheirLaneCanStopBehindIt) {
 // As a lorry does that swings out over a line, to turn.
 TEST_F(StraddlingTest, SoCanThoseBehindOneWhoseNoseIsOnNoLane) {
   put_aside(1.6);
-  traffic.place("across", compose(at("across").pose, {83.0, 0.0, 0.0}), 0.0);
+  Pose at_line = at("across").pose;
+  at_line.x += 80.0;
+  traffic.place("across", at_line, 0.0);
   traffic.step();
   traffic.off_lanes = "across";
   straddling.show();
