@@ -353,8 +353,8 @@ void Coordinator::see_guest(const VehicleState& v, const CourseQuery& query) {
   if (to_line && *to_line <= options_.corridors.takeover) {
     ++guest_sightings_;
     const double lane_end = graph_.lane(query.lane).length - query.position;
-    const bool leads_on =
-        is_inside || query.edges.size() < 2 || graph_.leads_to(query.lane, query.edges[1]);
+    const bool leads_on = is_inside || query.edges.size() < 2 ||
+                          !graph_.links_between(query.lane, query.edges[1]).empty();
     gate_.see(v,
               {.to_line = *to_line,
                .to_hold = is_inside ? 0.0 : std::min(*to_line, lane_end),

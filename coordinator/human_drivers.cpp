@@ -33,19 +33,10 @@ HumanDrivers::HumanDrivers(Traffic& traffic, const LaneGraph& graph, CorridorMap
 
 HumanDrivers::~HumanDrivers() = default;
 
-/// The connections from a lane to an edge.
-std::vector<int> HumanDrivers::links_to(int lane, int edge) const {
-  std::vector<int> links;
-  for (const int k : graph_.links_from(lane)) {
-    if (graph_.edge_of(graph_.link(k).to) == edge) links.push_back(k);
-  }
-  return links;
-}
-
 /// The connections by which it may go on from its lane, as far as that is known.
 std::vector<int> HumanDrivers::links_of(const CourseQuery& query) const {
   if (query.edges.size() < 2 || graph_.edge_of(query.lane) == LaneGraph::kNone) return {};
-  if (intent_ == KnownIntent::kRoute) return links_to(query.lane, query.edges[1]);
+  if (intent_ == KnownIntent::kRoute) return graph_.links_between(query.lane, query.edges[1]);
   const std::span<const int> links = graph_.links_from(query.lane);
   return {links.begin(), links.end()};
 }
@@ -88,7 +79,7 @@ std::vector<HumanDrivers::Movement> HumanDrivers::movements_of(const VehicleStat
          .length = query.length,
          .vehicle_class = query.vehicle_class,
          .previous_lane = query.previous_lane});
-    if (!movements.empty()) movements.back().links = links_to(query.lane, to);
+    if (!movements.empty()) movements.back().links = graph_.links_between(query.lane, to);
   }
   if (!movements.empty()) return movements;
   add(query);

@@ -1,6 +1,5 @@
 #include "coordinator/lane_graph.hpp"
 
-#include <algorithm>
 #include <cmath>
 
 namespace mvtp {
@@ -52,8 +51,12 @@ void LaneGraph::add_link(const Connection& c, int junction) {
   links_.push_back(std::move(link));
 }
 
-bool LaneGraph::leads_to(int l, int edge) const {
-  return std::ranges::any_of(links_from(l), [&](int k) { return edge_of(link(k).to) == edge; });
+std::vector<int> LaneGraph::links_between(int l, int edge) const {
+  std::vector<int> links;
+  for (const int k : links_from(l)) {
+    if (edge_of(link(k).to) == edge) links.push_back(k);
+  }
+  return links;
 }
 
 void LaneGraph::add_crossing(const PedestrianCrossing& crossing, int junction) {

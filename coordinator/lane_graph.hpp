@@ -63,8 +63,8 @@ class LaneGraph {
   [[nodiscard]] std::span<const int> links_from(int l) const { return from_[std::size_t(l)]; }
   [[nodiscard]] std::span<const int> links_to(int l) const { return to_[std::size_t(l)]; }
   [[nodiscard]] std::span<const int> links_over(int l) const { return over_[std::size_t(l)]; }
-  /// Does a link lead from lane `l` to this edge?
-  [[nodiscard]] bool leads_to(int l, int edge) const;
+  /// Those that lead from lane `l` to this edge.
+  [[nodiscard]] std::vector<int> links_between(int l, int edge) const;
   [[nodiscard]] const Crossing& crossing(int c) const { return crossings_[std::size_t(c)]; }
   [[nodiscard]] int crossings() const { return int(crossings_.size()); }
   /// The junction at the end of an edge; kNone if nothing leaves it.
