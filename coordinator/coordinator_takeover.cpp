@@ -229,6 +229,9 @@ CourseQuery Coordinator::query_for(const VehicleState& v, std::span<const int> r
     const bool is_there = trail->second.lane == query.lane;
     query.previous_lane = is_there ? trail->second.before : trail->second.lane;
   }
+  const bool has_choice = query.lane != LaneGraph::kNone && route.size() > 1 &&
+                          graph_.links_between(query.lane, route[1]).size() > 1;
+  if (has_choice) query.next_lane = graph_.find_lane(traffic_.next_lane(v.id));
   if (const std::optional<Stop> stop = traffic_.next_stop(v.id)) {
     const int edge = graph_.find_edge(stop->edge);
     const auto at = std::ranges::find(route, edge);

@@ -306,8 +306,11 @@ CorridorCourse CourseFinder::follow(const CourseQuery& query, double reach) cons
     course.pieces.push_back({.lane = lane});
     for (std::size_t i = start->edge; covered < reach && i + 1 < query.edges.size(); ++i) {
       const std::span<const int> links = links_between(query.edges[i], query.edges[i + 1]);
-      const auto k =
-          std::ranges::find_if(links, [&](int n) { return graph_.link(n).from == lane; });
+      const auto leads_on = [&](int n) { return graph_.link(n).from == lane; };
+      auto k = std::ranges::find_if(links, [&](int n) {
+        return leads_on(n) && lane == query.lane && graph_.link(n).to == query.next_lane;
+      });
+      if (k == links.end()) k = std::ranges::find_if(links, leads_on);
       course.dead_end = k == links.end();
       if (course.dead_end) break;
       for (const int via : graph_.link(*k).via) course.pieces.push_back({.lane = via});

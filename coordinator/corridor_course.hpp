@@ -64,6 +64,7 @@ struct CourseQuery {
   double length = 4.5;  ///< [m] of the body
   const std::string* vehicle_class = nullptr;
   int previous_lane = LaneGraph::kNone;  ///< normal lane before the present one, if known
+  int next_lane = LaneGraph::kNone;      ///< onto which its driver means to go, if known
   /// It stops here, on edges[stop_edge], before it goes on.
   std::optional<std::size_t> stop_edge;
   int stop_lane = LaneGraph::kNone;  ///< of that edge

@@ -41,20 +41,23 @@ std::vector<int> HumanDrivers::links_of(const CourseQuery& query) const {
   return {links.begin(), links.end()};
 }
 
-/// The edges to which it may go: inside the junction it shows.
-std::vector<int> HumanDrivers::edges_in_question(const CourseQuery& query, double to_line) const {
+/// The connections in question by which it may go on: those of its lane, and while it may change to
+/// another one one connection to each edge more. Inside the junction it shows.
+std::vector<int> HumanDrivers::links_in_question(const CourseQuery& query, double to_line) const {
   const int edge = graph_.edge_of(query.lane);
   if (intent_ == KnownIntent::kRoute || edge == LaneGraph::kNone) return {};
-  const bool any_lane = intent_ == KnownIntent::kNone && to_line >= kKeepLane;
-  std::vector<int> edges;
+  const std::span<const int> own = graph_.links_from(query.lane);
+  std::vector<int> links(own.begin(), own.end());
+  if (intent_ != KnownIntent::kNone || to_line < kKeepLane) return links;
+  const auto edge_behind = [&](int k) { return graph_.edge_of(graph_.link(k).to); };
   for (const int lane : graph_.lanes_of(edge)) {
-    if (lane != query.lane && !any_lane) continue;
+    if (lane == query.lane) continue;
     for (const int k : graph_.links_from(lane)) {
-      const int to = graph_.edge_of(graph_.link(k).to);
-      if (std::ranges::count(edges, to) == 0) edges.push_back(to);
+      const bool is_known = std::ranges::count(links, edge_behind(k), edge_behind) > 0;
+      if (!is_known) links.push_back(k);
     }
   }
-  return edges;
+  return links;
 }
 
 /// What it may drive: its route, or each movement that is in question. None if it is on no
@@ -64,25 +67,29 @@ std::vector<HumanDrivers::Movement> HumanDrivers::movements_of(const VehicleStat
                                                                double to_line,
                                                                const VehicleType& type) const {
   std::vector<Movement> movements;
-  const auto add = [&](const CourseQuery& along) {
+  const auto add = [&](const CourseQuery& along, std::vector<int> links) {
     const std::optional<Predictor::Placed> placed = predictor_.place(v, along, type.body);
     if (!placed) return;
     Movement& movement = movements.emplace_back();
+    movement.links = std::move(links);
     movement.corridor = placed->corridor;
     set_driver(movement, placed->road, to_line, v.speed_factor, type);
   };
-  for (const int to : edges_in_question(query, to_line)) {
-    const std::vector<int> edges = {graph_.edge_of(query.lane), to};
+  for (const int k : links_in_question(query, to_line)) {
+    const LaneGraph::Link& link = graph_.link(k);
+    const bool is_own = link.from == query.lane;
+    const std::vector<int> edges = {graph_.edge_of(query.lane), graph_.edge_of(link.to)};
     add({.lane = query.lane,
          .position = query.position,
          .edges = edges,
          .length = query.length,
          .vehicle_class = query.vehicle_class,
-         .previous_lane = query.previous_lane});
-    if (!movements.empty()) movements.back().links = graph_.links_between(query.lane, to);
+         .previous_lane = query.previous_lane,
+         .next_lane = is_own ? link.to : LaneGraph::kNone},
+        is_own ? std::vector<int>{k} : std::vector<int>());
   }
   if (!movements.empty()) return movements;
-  add(query);
+  add(query, {});
   return movements;
 }
 

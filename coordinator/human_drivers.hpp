@@ -137,7 +137,7 @@ class HumanDrivers {
     return {movement.forecast.earliest, *movement.forecast.latest};
   }
   [[nodiscard]] std::vector<int> links_of(const CourseQuery& query) const;
-  [[nodiscard]] std::vector<int> edges_in_question(const CourseQuery& query, double to_line) const;
+  [[nodiscard]] std::vector<int> links_in_question(const CourseQuery& query, double to_line) const;
   [[nodiscard]] std::vector<Movement> movements_of(const VehicleState& v, const CourseQuery& query,
                                                    double to_line, const VehicleType& type) const;
   void check_tube(Agent& agent, const Pose& pose);

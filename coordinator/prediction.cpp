@@ -109,6 +109,21 @@ ExitRoot Predictor::find_exit_root(int lane, double within) const {
   return {};
 }
 
+/// Does a corridor lead on from the lane of the query onto the next edge, and the next lane, of its
+/// driver?
+bool Predictor::leads_where_it_goes(const Corridor& corridor, const CourseQuery& query) const {
+  const auto& pieces = corridor.course.pieces;
+  const auto here = std::ranges::find(pieces, query.lane, &CorridorPiece::last_lane);
+  const auto is_normal = [&](const CorridorPiece& p) {
+    return graph_.edge_of(p.lane) != LaneGraph::kNone;
+  };
+  if (here == pieces.end() || query.edges.size() < 2) return true;
+  const auto next = std::find_if(here + 1, pieces.end(), is_normal);
+  if (next == pieces.end()) return true;
+  if (query.next_lane != LaneGraph::kNone) return next->lane == query.next_lane;
+  return graph_.edge_of(next->lane) == query.edges[1];
+}
+
 /// The corridor that the vehicle follows, and where on it its rear axle is.
 int Predictor::path_of(const VehicleState& v, const CourseQuery& query, const Vehicle& body,
                        double& station) {
@@ -121,7 +136,9 @@ int Predictor::path_of(const VehicleState& v, const CourseQuery& query, const Ve
   };
   if (const auto known = last_corridor_.find(v.id); known != last_corridor_.end()) {
     const Corridor& corridor = corridors_[known->second];
-    if (place_on(corridor, corridor.s_handback, kNearEnd)) return known->second;
+    if (leads_where_it_goes(corridor, query) && place_on(corridor, corridor.s_handback, kNearEnd)) {
+      return known->second;
+    }
     last_corridor_.erase(known);
   }
   const int own = corridors_.corridor_for(finder_.follow(query, kHorizon), body);

@@ -69,6 +69,7 @@ class Predictor {
 
  private:
   [[nodiscard]] ExitRoot find_exit_root(int lane, double within) const;
+  [[nodiscard]] bool leads_where_it_goes(const Corridor& corridor, const CourseQuery& query) const;
   [[nodiscard]] int path_of(const VehicleState& vehicle, const CourseQuery& query,
                             const Vehicle& body, double& station);
 

@@ -121,6 +121,10 @@ class Traffic {
     return routes_[id] = route(id);
   }
 
+  /// The lane of the next edge onto which the driver of a vehicle that is not taken over means to
+  /// go from its lane; empty if nobody knows.
+  [[nodiscard]] virtual std::string next_lane(const std::string& /*id*/) const { return {}; }
+
   virtual void take_over(const std::string& id) = 0;
   /// Gives the vehicle back to the car-following model, which goes on from its pose and speed.
   virtual void hand_back(const std::string& id) = 0;

@@ -100,6 +100,17 @@ class Backend final : public SumoTraffic {
     return look_up([&] { return routes_.rest(id, clock_.now); });
   }
 
+  std::string next_lane(const std::string& id) const override {
+    return look_up([&]() -> std::string {
+      const std::string here = api::Vehicle::getLaneID(id);
+      for (const auto& lane : api::Vehicle::getBestLanes(id)) {
+        if (lane.laneID != here) continue;
+        return lane.continuationLanes.size() > 1 ? lane.continuationLanes[1] : std::string();
+      }
+      return {};
+    });
+  }
+
   void take_over(const std::string& id) override {
     if (controlled_.contains(id)) return;
     hold(id, false);

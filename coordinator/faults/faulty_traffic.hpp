@@ -46,6 +46,9 @@ class FaultyTraffic : public Traffic {
   [[nodiscard]] std::span<const std::string> route_edges(const std::string& id) const override {
     return world_.route_edges(id);
   }
+  [[nodiscard]] std::string next_lane(const std::string& id) const override {
+    return world_.next_lane(id);
+  }
   void take_over(const std::string& id) override;
   void hand_back(const std::string& id) override;
   [[nodiscard]] bool is_taken_over(const std::string& id) const override;

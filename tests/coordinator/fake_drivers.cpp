@@ -34,8 +34,10 @@ int FakeTraffic::link_from(const Car& car, int lane, std::size_t edge) const {
   for (const int k : graph_.links_from(lane)) {
     const LaneGraph::Link& link = graph_.link(k);
     if (edge + 1 >= car.route.size() || graph_.edge_of(link.to) != car.route[edge + 1]) continue;
+    const bool is_wanted =
+        edge > 0 || car.trip.onto.empty() || graph_.lane(link.to).id == car.trip.onto;
     const bool leads_on =
-        edge + 2 >= car.route.size() || link_from(car, link.to, edge + 1) != kNone;
+        is_wanted && (edge + 2 >= car.route.size() || link_from(car, link.to, edge + 1) != kNone);
     if (best == kNone || leads_on) best = k;
     if (leads_on) break;
   }

@@ -186,6 +186,12 @@ bool FakeTraffic::is_held(const std::string& id) const {
   return car != cars_.end() && car->second.held_on != kNone;
 }
 
+std::string FakeTraffic::next_lane(const std::string& id) const {
+  const Car& car = cars_.at(id);
+  const int link = is_normal(car.lane) ? link_from(car, car.lane, car.edge) : LaneGraph::kNone;
+  return link == LaneGraph::kNone ? std::string() : graph_.lane(graph_.link(link).to).id;
+}
+
 std::optional<Stop> FakeTraffic::next_stop(const std::string& id) const {
   const auto found = cars_.find(id);
   if (found == cars_.end() || !found->second.trip.stop) return std::nullopt;

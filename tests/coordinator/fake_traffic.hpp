@@ -33,7 +33,8 @@ struct FakeTrip {
   /// Where on its first lane [m] and how fast [m/s] it appears, whoever is there; none: at its
   /// begin, when there is room.
   std::optional<std::pair<double, double>> at = {};
-  double aside = 0.0;  ///< [m] to the left of its lanes that it keeps, until it is taken over
+  std::string onto = {};  ///< lane of its second edge on which it goes on, if several lead there
+  double aside = 0.0;     ///< [m] to the left of its lanes that it keeps, until it is taken over
 };
 
 /// The types of fake vehicles: "car" 4.5 m, "bus" 12 m, "truck" 18 m; "bike" is left to its driver
@@ -67,6 +68,7 @@ class FakeTraffic : public Traffic {
   [[nodiscard]] std::vector<std::string> pending() const override;
   [[nodiscard]] std::span<const VehicleState> vehicles() const override { return states_; }
   [[nodiscard]] std::vector<std::string> route(const std::string& id) const override;
+  [[nodiscard]] std::string next_lane(const std::string& id) const override;
   void take_over(const std::string& id) override;
   void hand_back(const std::string& id) override { cars_.at(id).placed = false; }
   [[nodiscard]] bool is_taken_over(const std::string& id) const override;

@@ -5,7 +5,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
+#include <set>
 #include <tuple>
 
 #include "coordinator/partition.hpp"
@@ -15,9 +17,12 @@ namespace mvtp {
 namespace {
 
 using testing::Combine;
+using testing::DoubleNear;
 using testing::Each;
+using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
+using testing::IsSupersetOf;
 using testing::Range;
 using testing::Values;
 
@@ -319,6 +324,45 @@ TEST(HumanDrivers, HaveAPathForEachTurnThatIsInQuestion) {
     }
   }
   EXPECT_EQ(most, 3U);
+}
+
+/// Where the paths lead on which a driver from the west is expected behind his line, as heights.
+std::set<double> expected_exits(const std::string& onto, KnownIntent intent) {
+  CoordinatorOptions options = share(0.0);
+  options.intent = intent;
+  ClosedLoop run{with_signals(fan_out_shape()),
+                 {{.id = "a", .from = "W-C", .to = "C-E", .onto = onto}},
+                 0.1,
+                 options};
+  std::set<double> heights;
+  while (run.traffic.running() && run.traffic.time() < 30.0) {
+    run.step();
+    for (const VehicleState& v : run.traffic.vehicles()) {
+      if (v.lane != "W-C_0") continue;
+      const auto ground =
+          run.coordinator.humans()->ground_of(v.id, v.pose, run.coordinator.steps(), {});
+      if (!ground) continue;
+      for (const int path : ground->paths) {
+        const ReferencePath& line = run.coordinator.corridors().library().path(path);
+        heights.insert(std::round(line.at(line.length()).y * 10.0) / 10.0);
+      }
+    }
+  }
+  return heights;
+}
+
+TEST(HumanDrivers, GoOntoTheirLaneOfSeveral) {
+  const RoadNetwork network = fan_out_shape().network;
+  const auto height = [&](const std::string& lane) {
+    return network.lanes.at(lane).shape.back().y;
+  };
+  for (const std::string lane : {"C-E_0", "C-E_1"}) {
+    EXPECT_THAT(expected_exits(lane, KnownIntent::kRoute),
+                ElementsAre(DoubleNear(height(lane), 0.1)))
+        << lane;
+  }
+  EXPECT_THAT(expected_exits("C-E_0", KnownIntent::kLane),
+              IsSupersetOf({DoubleNear(height("C-E_0"), 0.1), DoubleNear(height("C-E_1"), 0.1)}));
 }
 
 TEST(HumanDrivers, WhatWasExpectedLongAgoIsNoGround) {

@@ -19,8 +19,8 @@ class Prediction {
   explicit Prediction(NetworkShape s) : shape(std::move(s)) {}
 
   std::vector<Forecast> predict(const std::string& lane, double position, double speed,
-                                std::vector<std::string> edges, Intent intent,
-                                double stands = 0.0) {
+                                std::vector<std::string> edges, Intent intent, double stands = 0.0,
+                                const std::string& next_lane = {}) {
     const Lane& l = shape.network.lanes.at(lane);
     const Point a = l.shape[l.shape.size() - 2];
     const Point b = l.shape.back();
@@ -32,8 +32,9 @@ class Prediction {
                          .speed = speed,
                          .lane = lane,
                          .lane_position = position};
-    return predictor.predict(v, walk.at(lane, position, std::move(edges)), car, intent, stands,
-                             grid, 7);
+    CourseQuery query = walk.at(lane, position, std::move(edges));
+    query.next_lane = walk.graph.find_lane(next_lane);
+    return predictor.predict(v, query, car, intent, stands, grid, 7);
   }
 
   /// Of the front bumper.
@@ -277,6 +278,39 @@ TEST(Predictor, ALeaderStaysOnTheCorridorThatItWasHandedBackOn) {
   p.predictor.forget("v");
   EXPECT_NE(p.predict("C-E_0", 20.0, 9.0, {"C-E"}, Intent::kWaits)[0].vehicle.path,
             p.map[corridor].path);
+}
+
+TEST(Predictor, WhereSeveralLanesLeadOnADriverGoesOntoHis) {
+  Prediction p(fan_out_shape());
+  const auto behind = [&](const std::string& next_lane) {
+    const auto forecasts =
+        p.predict("W-C_0", 60.0, 12.0, {"W-C", "C-E"}, Intent::kPasses, 0.0, next_lane);
+    EXPECT_THAT(forecasts, SizeIs(1));
+    return p.place(forecasts.at(0), 7 + 150).y;
+  };
+  for (const std::string lane : {"C-E_0", "C-E_1"}) {
+    EXPECT_NEAR(behind(lane), p.shape.network.lanes.at(lane).shape.back().y, 0.1) << lane;
+  }
+}
+
+TEST(Predictor, ALeaderThatTurnsElsewhereLeavesItsCorridor) {
+  Prediction p(fan_out_shape());
+  CourseQuery query = p.walk.at("W-C_0", 60.0, {"W-C", "C-E"});
+  query.next_lane = p.walk.graph.find_lane("C-E_0");
+  const CorridorCourse course = p.walk.finder.follow(query, 200.0);
+  p.predictor.handed_back("v", p.map.corridor_for(course, p.car));
+  const auto end = [&](const std::string& to, const std::string& next_lane) {
+    const auto forecasts =
+        p.predict("W-C_0", 60.0, 12.0, {"W-C", to}, Intent::kPasses, 0.0, next_lane);
+    return p.place(forecasts.at(0), 7 + 150);
+  };
+  const auto place_of = [&](const std::string& lane) {
+    return p.shape.network.lanes.at(lane).shape.back();
+  };
+  EXPECT_NEAR(end("C-E", "").y, place_of("C-E_0").y, 0.1);
+  EXPECT_NEAR(end("C-E", "C-E_1").y, place_of("C-E_1").y, 0.1);
+  p.predictor.handed_back("v", p.map.corridor_for(course, p.car));
+  EXPECT_NEAR(end("C-S", "").x, place_of("C-S_0").x, 0.1);
 }
 
 // 3.5 m behind on the lane beside: whoever begins a change of lanes at its takeover must see it.

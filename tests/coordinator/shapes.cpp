@@ -349,6 +349,25 @@ NetworkShape with_crossings(NetworkShape shape) {
   return shape;
 }
 
+NetworkShape fan_out_shape() {
+  NetworkShape shape{.name = "fan_out"};
+  NetworkMaker maker;
+  maker.node("W", {-120, 0}, 0.0);
+  maker.node("C", {0, 0});
+  maker.node("E", {180, 0}, 0.0);
+  maker.node("S", {0, -120}, 0.0);
+  maker.road("C", "W");
+  maker.one_way("C", "E", 2);
+  maker.road("C", "S");
+  maker.connect("W-C_0", "C-E_0");
+  maker.connect("W-C_0", "C-E_1");
+  maker.connect("W-C_0", "C-S_0");
+  maker.connect("S-C_0", "C-W_0");
+  maker.connect("S-C_0", "C-E_0");
+  shape.network = maker.make();
+  return shape;
+}
+
 std::vector<NetworkShape> all_shapes() {
   return {crossroads_shape(), grid_shape(),  t_shape(),         five_arms_shape(),
           roundabout_shape(), chain_shape(), two_lanes_shape(), left_hand_shape(),

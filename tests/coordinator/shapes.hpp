@@ -50,6 +50,10 @@ struct NetworkShape {
 /// Crossroads with a one-way road out that forks, without conflicts, just behind them.
 [[nodiscard]] NetworkShape fork_shape();
 
+/// W ---- C ====(2 lanes)==== E, with a road to the south at C. The only lane from the west leads
+/// onto either lane to the east.
+[[nodiscard]] NetworkShape fan_out_shape();
+
 /// The same with a traffic signal at every junction with conflicts, named as that.
 [[nodiscard]] NetworkShape with_signals(NetworkShape shape);
 /// The crossroads with a signal whose two green phases are known: west and east, then south and
