@@ -70,7 +70,7 @@ std::map<std::string, Driven> Coordinator::leave_corridors(bool may_go_on) {
     const std::optional<Newcomer> next =
         planner_is_dead() ? std::nullopt : next_corridor(driven, believed(id, driven));
     if (!next) {
-      const bool now = driver_has_room(driven) && nobody_comes_over(driven);
+      const bool now = !is_inside(driven) && driver_has_room(driven) && nobody_comes_over(driven);
       if (now || ends_soon(driven)) finished.push_back(id);
     } else if (may_go_on) {
       Driven& arrival = going_on.emplace(id, admit(*next, driven.key)).first->second;
@@ -86,6 +86,14 @@ std::map<std::string, Driven> Coordinator::leave_corridors(bool may_go_on) {
 /// Has it come to rest without a plan how to go on, and nobody makes another one?
 bool Coordinator::stands_for_good(const Driven& driven) const {
   return planner_is_dead() && driven.road.now.v == 0.0 && !plan_.find(driven.key)->complete;
+}
+
+/// Is its front inside a junction? Its driver would have to turn, and behind it it may go on into
+/// the next corridor.
+bool Coordinator::is_inside(const Driven& driven) const {
+  const Corridor& corridor = corridors_[driven.corridor];
+  const CorridorPiece& piece = corridor.course.pieces[corridor.piece_at(here(driven).s)];
+  return graph_.edge_of(piece.lane) == LaneGraph::kNone;
 }
 
 /// Is there no place left for a later hand-back?

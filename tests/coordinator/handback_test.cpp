@@ -113,6 +113,19 @@ TEST_P(HandBackBehind, WhoIsHandedBackCanFollow) {
   }
 }
 
+/// Whoever waits for room behind the one ahead may come to the next node meanwhile.
+TEST(HandBack, IsNotInsideANode) {
+  for (double seam = 40.0; seam < 110.0; seam += 3.0) {
+    ClosedLoop run(
+        seam_between_crossroads(seam, 170.0),
+        {{.id = "ahead", .depart = 1.0, .from = "W-A", .to = "D-B", .at = std::pair(50.0, 11.0)},
+         {.id = "car", .depart = 1.0, .from = "W-A", .to = "B-NB", .at = std::pair(38.0, 13.0)}});
+    run.run_until(120.0);
+    EXPECT_EQ(run.traffic.arrived(), 2) << seam;
+    EXPECT_EQ(run.broken, std::vector<std::string>{}) << seam;
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(Distances, HandBackBehind,
                          testing::Values(13.0, 15.0, 17.0, 20.0, 23.0, 26.0));
 
