@@ -213,9 +213,11 @@ RoadPairs::RoadPairs(const RoadScene& scene)
       const RoadContact& contact = forecasts_.emplace_back(scene, a, b, scene.reaction);
       if (contact.never()) continue;
       if (!contact.is_ahead(a.now, b.now)) continue;
-      // Who has only a part of it in his path follows it if he can still stop behind it.
+      // Who has only a part of it in his path follows it if he can still stop behind it; if he
+      // stands, and it comes over into his lane, he stands because of it.
+      const bool stands_behind = b.now.v == 0.0 && contact.a_is_beside(a.now, b.now);
       follows_[i * scene.forecasts.size() + f] =
-          drives_ahead(scene, a, b) ||
+          drives_ahead(scene, a, b) || stands_behind ||
           (scene.forecasts[f].yields && !contact.touch_braking(a.now, b.now, false));
     }
   }

@@ -325,5 +325,36 @@ TEST_F(ComesOver, WhoCannotStopBehindItDoesNotFollowIt) {
   EXPECT_GT(cannot_stop, 100);
 }
 
+// Each would wait for the other one for good: the driver has to follow, also one who is not
+// expected to yield to who blocks him.
+TEST_F(ComesOver, WhoStandsBecauseOfItFollowsIt) {
+  int held_up = 0;
+  for (double s = 80.0; s <= 125.0; s += 0.5) {
+    for (double other = s - 8.0; other < s; other += 0.5) {
+      const auto follows = [&](double v) {
+        scene.vehicles.clear();
+        const RoadVehicle driver = add(0, other, v);
+        scene.vehicles.clear();
+        const RoadVehicle vehicle = add(path_, s, 0.0);
+        scene.forecasts = {
+            {.vehicle = driver, .earliest = {.states = {driver.now}}, .yields = false}};
+        const RoadPairs pairs(scene);
+        const bool blocks = pairs.towards_forecast(0, 0).contact->is_ahead(vehicle.now, driver.now);
+        held_up += blocks && v == 0.0 ? 1 : 0;
+        const bool in_lane = drives_ahead(library, {path_, s}, {0, other});
+        if (blocks && v == 0.0) {
+          EXPECT_TRUE(pairs.follows(0, 0)) << s << ' ' << other;
+        }
+        if (!blocks || (v > 0.0 && !in_lane)) {
+          EXPECT_FALSE(pairs.follows(0, 0)) << s << ' ' << other << ' ' << v;
+        }
+      };
+      follows(0.0);
+      follows(1.0);
+    }
+  }
+  EXPECT_GT(held_up, 100);
+}
+
 }  // namespace
 }  // namespace mvtp
