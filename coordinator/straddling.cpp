@@ -12,6 +12,8 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kHalfWidth = 1.0;  ///< [m] beside the middle of its lane that a driver needs
+constexpr double kNear = 2.0;       ///< [m] beside it a body may be there soon
+constexpr double kRoom = 5.0;       ///< [m] that those who change lanes keep ahead and behind
 constexpr double kSight = 60.0;     ///< [m] behind a tail in which drivers matter
 constexpr double kSample = 1.0;     ///< [m] between two points of a body's side
 
@@ -91,8 +93,11 @@ void Straddling::find_tails(const VehicleState& v) {
     if (other == lane) continue;
     for (const Point& p : body) {
       const std::optional<Beside> place = beside(graph_.lane(other), p);
-      if (!place || place->aside >= kHalfWidth) continue;
-      tails_[graph_.lane(other).id].push_back({place->along, v.speed});
+      if (!place || place->aside >= kNear) continue;
+      sides_[graph_.lane(other).id].push_back(place->along);
+      if (place->aside < kHalfWidth) {
+        tails_[graph_.lane(other).id].push_back({place->along, v.speed});
+      }
     }
   }
 }
@@ -119,20 +124,39 @@ double Straddling::most_speed(const VehicleState& driver) const {
   return most;
 }
 
+/// Is somebody level with it on or near another lane of its edge?
+bool Straddling::is_beside_one(const VehicleState& driver) const {
+  const int lane = graph_.find_lane(driver.lane);
+  if (lane == LaneGraph::kNone || graph_.edge_of(lane) == LaneGraph::kNone) return false;
+  const double front = driver.lane_position + kRoom;
+  const double rear = driver.lane_position - type_of_(driver.type).body.length() - kRoom;
+  return std::ranges::any_of(graph_.lanes_of(graph_.edge_of(lane)), [&](int other) {
+    const auto sides = sides_.find(graph_.lane(other).id);
+    return other != lane && sides != sides_.end() &&
+           std::ranges::any_of(sides->second, [&](double s) { return s > rear && s < front; });
+  });
+}
+
 void Straddling::show() {
   tails_.clear();
+  sides_.clear();
   for (const VehicleState& v : traffic_.vehicles()) {
     if (is_controlled_(v.id)) find_tails(v);
   }
-  if (tails_.empty() && capped_.empty()) return;
+  if (sides_.empty() && capped_.empty() && kept_.empty()) return;
   std::set<std::string> capped;
+  std::set<std::string> kept;
   for (const VehicleState& v : traffic_.vehicles()) {
     if (is_controlled_(v.id)) continue;
     const double most = most_speed(v);
     if (most < kInfinity || capped_.contains(v.id)) traffic_.cap_speed(v.id, most);
     if (most < kInfinity) capped.insert(v.id);
+    const bool stays = !sides_.empty() && is_beside_one(v);
+    if (stays || kept_.contains(v.id)) traffic_.keep_lane(v.id, stays);
+    if (stays) kept.insert(v.id);
   }
   capped_ = std::move(capped);
+  kept_ = std::move(kept);
 }
 
 }  // namespace mvtp

@@ -14,7 +14,8 @@ namespace mvtp {
 /// Shows drivers the bodies of vehicles under control that stand across lanes: who changes lanes
 /// slowly, or turns off. SUMO's drivers see a vehicle that is placed from outside only on the lane
 /// that its front bumper is on [sumo#7496]; those behind it on the others would drive into its
-/// tail. They are kept from driving faster than they could stop behind it, as behind any leader.
+/// tail, and those beside would change lanes into its side. The first are kept from driving faster
+/// than they could stop behind it, as behind any leader; the others are kept in their lanes.
 class Straddling {
  public:
   using IsControlled = std::function<bool(const std::string&)>;
@@ -36,6 +37,7 @@ class Straddling {
   };
   [[nodiscard]] bool is_clear(const VehicleState& v, int lane, int from) const;
   void find_tails(const VehicleState& v);
+  [[nodiscard]] bool is_beside_one(const VehicleState& driver) const;
   [[nodiscard]] double safe_speed(const VehicleState& driver, const Tail& tail) const;
   [[nodiscard]] double most_speed(const VehicleState& driver) const;
 
@@ -44,8 +46,10 @@ class Straddling {
   IsControlled is_controlled_;
   TypeOf type_of_;
   CameFrom came_from_;
-  std::map<std::string, std::vector<Tail>> tails_;  ///< by lane
-  std::set<std::string> capped_;                    ///< drivers
+  std::map<std::string, std::vector<Tail>> tails_;    ///< by lane
+  std::map<std::string, std::vector<double>> sides_;  ///< of bodies on or near a lane, along it [m]
+  std::set<std::string> capped_;                      ///< drivers
+  std::set<std::string> kept_;                        ///< drivers kept in their lanes
 };
 
 }  // namespace mvtp

@@ -3,7 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
+#include <set>
 
 #include "tests/coordinator/closed_loop.hpp"
 
@@ -24,13 +26,20 @@ FakeTrip car(const std::string& id, const std::string& to, int lane, double plac
   return trip;
 }
 
-/// Notes how fast drivers may be.
+/// Notes how fast drivers may be, and who is kept in his lane.
 class CappedTraffic : public FakeTraffic {
  public:
   using FakeTraffic::FakeTraffic;
   void cap_speed(const std::string& id, double speed) override {
     caps.erase(id);
     if (speed < kInfinity) caps[id] = speed;
+  }
+  void keep_lane(const std::string& id, bool keep) override {
+    if (keep) {
+      kept.insert(id);
+    } else {
+      EXPECT_EQ(kept.erase(id), 1U) << id;
+    }
   }
   std::span<const VehicleState> vehicles() const override {
     const auto states = FakeTraffic::vehicles();
@@ -42,6 +51,7 @@ class CappedTraffic : public FakeTraffic {
     return shown_;
   }
   std::map<std::string, double> caps;
+  std::set<std::string> kept;
   std::string off_lanes;  ///< a vehicle whose nose is on no lane
 
  private:
@@ -67,11 +77,10 @@ class StraddlingTest : public testing::Test {
             [this](const std::string&) { return graph.find_lane("W-C_1"); }) {
     traffic.insert_now();
     traffic.take_over("across");
+    middle = at("across").pose;
   }
   /// Its rear axle so far to the right of the middle of the left lane, its nose on that.
   void put_aside(double aside) {
-    const VehicleState& v = at("across");
-    const Pose middle = v.pose;
     const double turned = std::asin(aside / 3.6);
     const Pose pose = compose(middle, {0.0, -aside, turned});
     traffic.place("across", pose, 0.0);
@@ -83,6 +92,7 @@ class StraddlingTest : public testing::Test {
   }
 
   CappedTraffic traffic;
+  Pose middle;  ///< of "across" in its lane
   LaneGraph graph;
   Straddling straddling;
 };
@@ -105,6 +115,22 @@ TEST_F(StraddlingTest, DriversBehindATailOnTheirLaneCanStopBehindIt) {
   EXPECT_GT(v, 5.0);
 }
 
+// Else they would change to the right, into its tail.
+TEST_F(StraddlingTest, DriversNearItStayInTheirLanes) {
+  for (const double place : {20.0, 45.0, 53.0, 62.0, 75.0}) {
+    traffic.add(car("near", "C-N", 1, place));
+    traffic.insert_now();
+    put_aside(1.3);
+    straddling.show();
+    EXPECT_EQ(traffic.kept.contains("near"), place > 50.0 && place < 70.0) << place;
+    EXPECT_FALSE(traffic.kept.contains("across"));
+    put_aside(0.0);
+    straddling.show();
+    EXPECT_THAT(traffic.kept, IsEmpty()) << place;
+    traffic.remove("near");
+  }
+}
+
 // As a lorry does that swings out over a line, to turn.
 TEST_F(StraddlingTest, SoCanThoseBehindOneWhoseNoseIsOnNoLane) {
   put_aside(1.6);
@@ -120,8 +146,7 @@ TEST_F(StraddlingTest, SoCanThoseBehindOneWhoseNoseIsOnNoLane) {
 TEST_F(StraddlingTest, TheyDriveAsTheyLikeOnceItHasLeftTheirLane) {
   put_aside(1.6);
   straddling.show();
-  traffic.place("across", compose(at("across").pose, {0.0, 1.6, -std::asin(1.6 / 3.6)}), 0.0);
-  traffic.step();
+  put_aside(0.0);
   straddling.show();
   EXPECT_THAT(traffic.caps, IsEmpty());
 }
