@@ -39,6 +39,7 @@ std::vector<RoadStepWorld::Motion> RoadStepWorld::candidates(int i, const State&
   const double h = scene().grid.decision();
   const WaitTest wait(pairs_, v, complete_.entries, options_);
   const std::int64_t then = scene().step + scene().grid.steps_per_decision;
+  const bool can_stop_before = wait.leaves_passages_free(then, safe_stop(i, state).to);
   std::vector<Motion> clear;
   std::vector<Motion> inside;  // clear, but where nobody is to come to rest
   std::vector<Motion> blocking;
@@ -48,8 +49,10 @@ std::vector<RoadStepWorld::Motion> RoadStepWorld::candidates(int i, const State&
     if (a > -body.max_decel && m.to.v > v.envelope->at(m.to.s)) continue;
     if (a > -body.max_decel && complete_plans_ && runs_over_a_line(v, body, state, m.to)) continue;
     if (a > -body.max_decel && !wait.clear_of_forecasts(state, a, m.to)) continue;
-    // Who stands where somebody passes who does not yield is run into.
-    if (a > -body.max_decel && !wait.leaves_passages_free(then, m.to)) continue;
+    // Who stands where somebody passes who does not yield is run into; who cannot stop before that
+    // gets out of the way.
+    const bool may_stop_there = a <= -body.max_decel || !can_stop_before;
+    if (!may_stop_there && !wait.leaves_passages_free(then, m.to)) continue;
     const double rest = m.to.s + stopping_distance(m.to.v, body.max_decel);
     const bool keeps_clear =
         wait.stands_clear(then, m.to) &&

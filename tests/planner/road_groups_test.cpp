@@ -172,6 +172,51 @@ TEST_F(WithoutAPlan, NobodyCreepsOnBeforeOneWhoIsInsideToo) {
   EXPECT_GT(first_choice(99.0, /*has_plan=*/false), 0.0);  // waits at its line
 }
 
+//   From the south it turns into the lane of a driver from the west, who does not yield.
+TEST_F(WithoutAPlan, WhoCannotStopBeforeAPassageGetsOutOfTheWay) {
+  std::vector<Point> turn = {{0, -100}, {0, -6}};
+  for (double a = 0.1; a < 1.5; a += 0.1)
+    turn.push_back({6 - 6 * std::cos(a), 6 * std::sin(a) - 6});
+  turn.push_back({60, 0});
+  const int path = library.add(ReferencePath(turn), kCar);
+  const RoadVehicle driver = add(0, 30.0, 8.0);
+  scene.vehicles.clear();
+  const auto passing = [&](double acceleration) {
+    SpeedProfile t{.states = {driver.now}};
+    for (int k = 0; k < 150; ++k) {
+      t.states.push_back(advance(t.states.back(), acceleration, scene.grid.dt));
+    }
+    return t;
+  };
+  scene.forecasts = {
+      {.vehicle = driver, .earliest = passing(0.5), .latest = passing(0.0), .yields = false}};
+  add(path, 0.0, 2.0);
+  int before = 0;
+  int beyond = 0;
+  for (double s = 80.0; s < 104.0; s += 0.5) {
+    scene.vehicles[0].now.s = s;
+    const RoadPairs pairs(scene);
+    const JointPlan nobody;
+    const ProfileOptions options;
+    const RoadStepWorld world(pairs, nobody, options);
+    const ContactTable& passage = library.contacts(path, 0);
+    const auto rests_there = [&](const RoadStepWorld::Motion& m) {
+      const double rest = m.to.s + stopping_distance(m.to.v, kCar.max_decel);
+      return passage.blocks(rest, driver.now.s, 200.0);
+    };
+    const auto candidates = world.candidates(0, scene.vehicles[0].now);
+    if (rests_there(world.safe_stop(0, scene.vehicles[0].now))) {
+      ++beyond;
+      EXPECT_GT(candidates.front().acceleration, 0.0) << s;
+    } else {
+      ++before;
+      EXPECT_TRUE(std::ranges::none_of(candidates, rests_there)) << s;
+    }
+  }
+  EXPECT_GT(before, 10);
+  EXPECT_GT(beyond, 10);
+}
+
 TEST_F(WithoutAPlan, OthersOfItsGroupKeepTheirPlans) {
   add(0, 40.0, 4.0);    // cannot leave
   add(1, 100.0, 10.0);  // is in the crossing, and out of it before anyone comes
