@@ -208,6 +208,7 @@ class Coordinator : public Controller {
   [[nodiscard]] std::optional<Newcomer> next_corridor(const Driven& driven,
                                                       const VehicleState& state);
   [[nodiscard]] std::vector<Newcomer> find_newcomers();
+  [[nodiscard]] std::string why_undriven(const Corridor& corridor) const;
   [[nodiscard]] std::optional<Newcomer> newcomer_at(const VehicleState& state, CourseQuery query,
                                                     std::vector<int> route);
   [[nodiscard]] CourseQuery query_for(const VehicleState& state, std::span<const int> route);

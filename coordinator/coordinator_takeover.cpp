@@ -192,6 +192,21 @@ std::optional<Coordinator::Newcomer> Coordinator::next_corridor(const Driven& dr
   return next;
 }
 
+/// Why it is left to its driver; empty: it is not. Where drivers wait in the lane beside it, a body
+/// that swings out before its turn would wait for them, and they for it.
+std::string Coordinator::why_undriven(const Corridor& corridor) const {
+  constexpr double kSwings = 1.0;  // [m] before its line
+  if (!corridor.undriven.empty() || !owns_signals()) return corridor.undriven;
+  for (std::size_t i = 0; i < corridor.lines.size(); ++i) {
+    const int lane = corridor.course.pieces[std::size_t(corridor.course.lines[i])].last_lane();
+    const bool is_alone = graph_.lanes_of(graph_.edge_of(lane)).size() < 2;
+    if (!is_alone && corridor.lines[i] - corridor.stops[i] > kSwings) {
+      return "the body would swing into the lane beside it, where human drivers wait";
+    }
+  }
+  return {};
+}
+
 std::optional<Coordinator::Newcomer> Coordinator::newcomer_at(const VehicleState& state,
                                                               CourseQuery query,
                                                               std::vector<int> route) {
@@ -201,13 +216,14 @@ std::optional<Coordinator::Newcomer> Coordinator::newcomer_at(const VehicleState
   const VehicleType& type = type_of(state.type);
   const int number = corridors_.corridor_for(*course, type.body);
   const Corridor& corridor = corridors_[number];
-  if (!corridor.undriven.empty()) {
+  const std::string undriven = why_undriven(corridor);
+  if (!undriven.empty()) {
     const auto& pieces = corridor.course.pieces;
     undriven_.try_emplace(
         fmt::format("type {} from lane {} to lane {}", type.id,
                     graph_.lane(pieces[std::size_t(corridor.course.lines.front())].last_lane()).id,
                     graph_.lane(corridor.exit_lane).id),
-        corridor.undriven);
+        undriven);
     return std::nullopt;
   }
   const double s = corridor.station(query.lane, query.position, 0.0).value_or(0.0);

@@ -375,6 +375,23 @@ TEST(HumanDrivers, WhatWasExpectedLongAgoIsNoGround) {
   EXPECT_FALSE(humans.ground_of("b", pose, run.coordinator.steps(), {}));
 }
 
+// Beside them, a lorry that swings out before its turn would wait for those who wait for it.
+TEST(HumanDrivers, HaveTheLaneBesideALorryThatTurnsForThemselves) {
+  const auto why_left = [](double penetration, const std::string& to) {
+    const FakeTrip lorry{
+        .id = "lorry", .from = "W-C", .to = to, .type = "truck", .lane = to == "C-N" ? 1 : 0};
+    ClosedLoop run{with_signals(two_lanes_shape()), {lorry}, 0.1, share(penetration)};
+    run.run_until(60.0);
+    EXPECT_EQ(run.traffic.arrived(), 1);
+    std::string why;
+    for (const LeftToTraffic& left : run.coordinator.left_to_sumo()) why += left.why;
+    return why;
+  };
+  EXPECT_THAT(why_left(0.999, "C-N"), HasSubstr("human drivers wait"));
+  EXPECT_EQ(why_left(1.0, "C-N"), "");
+  EXPECT_EQ(why_left(0.999, "C-E"), "");
+}
+
 TEST(HumanDrivers, DoNotWaitForEverBesideAStreamOfControlledCars) {
   std::vector<FakeTrip> trips = {{"bike", 0.0, "S-C", "C-N", "bike"}};
   for (int i = 0; i < 60; ++i) {
