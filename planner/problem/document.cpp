@@ -112,9 +112,12 @@ void parse_yaml(DocumentBuilder& builder, const std::string& text) {
   }
 }
 
+constexpr const char* kCutOff = "; or is the file cut off?";
+
 class JsonEvents final : public nlohmann::json_sax<nlohmann::json> {
  public:
-  explicit JsonEvents(DocumentBuilder& builder) : builder_(builder) {}
+  /// @param size  of the text
+  JsonEvents(DocumentBuilder& builder, std::size_t size) : builder_(builder), size_(size) {}
 
   bool null() override { return builder_.null(), true; }
   bool boolean(bool value) override { return builder_.scalar(value ? "true" : "false"), true; }
@@ -132,8 +135,8 @@ class JsonEvents final : public nlohmann::json_sax<nlohmann::json> {
   bool end_array() override { return builder_.close(), true; }
   bool parse_error(std::size_t offset, const std::string& last,
                    const nlohmann::detail::exception&) override {
-    throw InputError(builder_.name(),
-                     fmt::format("is not JSON at offset {}, at {}", offset, excerpt(last)));
+    throw InputError(builder_.name(), fmt::format("is not JSON at offset {}, at {}{}", offset,
+                                                  excerpt(last), offset > size_ ? kCutOff : ""));
   }
 
  private:
@@ -143,6 +146,7 @@ class JsonEvents final : public nlohmann::json_sax<nlohmann::json> {
   }
 
   DocumentBuilder& builder_;
+  std::size_t size_;
 };
 
 /// JSON if it is named so, or starts like nothing but JSON (YAML maps rarely start with {").
@@ -154,21 +158,27 @@ bool looks_like_json(const std::string& name, const std::string& text) {
   return next != std::string::npos && text[next] == '"';
 }
 
+bool ends_with_brace(const std::string& text) {
+  const std::size_t last = text.find_last_not_of(" \t\r\n");
+  return last != std::string::npos && text[last] == '}';
+}
+
 }  // namespace
 
 Document Document::parse(const std::string& name, const std::string& text,
                          std::initializer_list<std::string_view> keys, std::string_view what) {
   const auto occurs = [&](std::string_view key) { return text.find(key) != std::string::npos; };
   if (std::none_of(keys.begin(), keys.end(), occurs)) {
-    throw InputError(name, fmt::format("is not {} (it has no key {}); give the right file", what,
-                                       fmt::join(keys, " or ")));
+    const bool cut_off = looks_like_json(name, text) && !ends_with_brace(text);
+    throw InputError(name, fmt::format("is not {} (it has no key {}); give the right file{}", what,
+                                       fmt::join(keys, " or "), cut_off ? kCutOff : ""));
   }
   if (text.size() > std::numeric_limits<std::uint32_t>::max()) {
     throw InputError(name, "is larger than 4 GB; is it the right file?");
   }
   if (looks_like_json(name, text)) {
     DocumentBuilder builder(name);
-    JsonEvents events(builder);
+    JsonEvents events(builder, text.size());
     nlohmann::json::sax_parse(text, &events);
     return builder.finish();
   }

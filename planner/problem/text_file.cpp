@@ -237,7 +237,7 @@ std::string read_text_file(const std::string& path, std::size_t max_bytes) {
   if (const auto bad = find_malformed_utf8(text)) report_binary(path, text, *bad);
   if (text.starts_with("\xef\xbb\xbf")) text.erase(0, 3);
   if (text.find_first_not_of(" \t\r\n") == std::string::npos) {
-    throw InputError(path, "is empty; give a YAML or JSON file");
+    throw InputError(path, "is empty; give another file");
   }
   return text;
 }

@@ -277,6 +277,16 @@ TEST_F(InstanceFile, BrokenJsonIsToldWithItsOffset) {
   EXPECT_THAT(error(R"({"agents": [)", "a.json"), HasSubstr("a.json: is not JSON at offset"));
 }
 
+TEST_F(InstanceFile, JsonThatIsCutOffIsToldSo) {
+  const std::string text = R"({"xmax": 9, "ymax": 9, "starts": [[1, 1, 0]], "goals": [[2, 2, 0]]})";
+  for (std::size_t size = 2; size < text.size(); ++size) {
+    EXPECT_THAT(error(text.substr(0, size), "a.json"), HasSubstr("or is the file cut off?"))
+        << size;
+  }
+  EXPECT_THAT(error(R"({"agents": ]})", "a.json"), testing::Not(HasSubstr("cut off")));
+  EXPECT_THAT(error(R"({"other": 1})", "a.json"), testing::Not(HasSubstr("cut off")));
+}
+
 TEST_F(InstanceFile, HostileTextsEndInOneLine) {
   const auto repeated = [](const std::string& unit, std::size_t count) {
     std::string text = "agents: ";
@@ -299,7 +309,7 @@ TEST_F(InstanceFile, GarbageIsRefusedUnparsed) {
               HasSubstr("is not an instance file (it has no key agents or starts)"));
   EXPECT_THAT(error(std::string("agents\0", 7)), HasSubstr("is not a text file (byte 0x00"));
   EXPECT_THAT(error("agents: \xff\xfe"), HasSubstr("is not a text file (byte 0xff at offset 8)"));
-  EXPECT_THAT(error(""), HasSubstr("is empty; give a YAML or JSON file"));
+  EXPECT_THAT(error(""), HasSubstr("is empty; give another file"));
   EXPECT_THAT(error(" \n\n"), HasSubstr("is empty"));
 }
 

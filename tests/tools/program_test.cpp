@@ -240,7 +240,7 @@ TEST_F(Program, BadInputIsOneLineThatNamesThePlace) {
   expect_refused(instance("none"),
                  "none: cannot be read: No such file or directory; check the path");
   expect_refused(instance("folder"), "folder: is a directory; give a file");
-  expect_refused(instance("empty"), "empty: is empty; give a YAML or JSON file");
+  expect_refused(instance("empty"), "empty: is empty; give another file");
   expect_refused(instance("binary"), "binary: is not a text file .byte 0x7f at offset 0.; .*");
   expect_refused(instance("garbage"), "garbage: is not an instance file .*");
   expect_refused(instance("p.yaml"), "p.yaml: is not an instance file .*");
