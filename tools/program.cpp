@@ -5,6 +5,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -50,6 +51,21 @@ int finish_parsing(const CLI::App& app, const CLI::ParseError& error) {
   print_error(fmt::format("{}{}see mvtp{} --help", command.empty() ? "" : command.substr(1) + ": ",
                           problem, command));
   return kBadInput;
+}
+
+/// The words behind the program's name, the last one first, as CLI11 takes them. It would give an
+/// option with nothing behind its '=' the next word.
+std::vector<std::string> words_of(std::span<char* const> arguments) {
+  std::vector<std::string> words;
+  bool ours = true;  // what comes behind "--" is SUMO's
+  for (const std::string_view word : arguments) {
+    ours = ours && word != "--";
+    const bool empty = ours && word.starts_with("--") && word.find('=') == word.size() - 1;
+    words.emplace_back(empty ? word.substr(0, word.size() - 1) : word);
+    if (empty) words.emplace_back();
+  }
+  std::ranges::reverse(words);
+  return words;
 }
 
 const Command& find(std::span<const Command> commands, std::string_view name) {
@@ -106,7 +122,7 @@ int run_program(int argc, char** argv, std::span<const Command> commands) {
     }
     if (describes) return run([&] { return print_description(app); });
     try {
-      app.parse(argc, argv);
+      app.parse(words_of(std::span(argv, std::size_t(argc)).subspan(1)));
     } catch (const CLI::ParseError& error) {
       return run([&] { return finish_parsing(app, error); });
     }

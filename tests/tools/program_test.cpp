@@ -65,6 +65,8 @@ TEST_F(Program, WrongUsageIsOneLine) {
   expect_refused("fly", "fly: is no command of mvtp; see mvtp --help");
   expect_refused("validate", "validate: --instance is required; see mvtp validate --help");
   expect_refused("validate -i a -s b --fly", "validate: .*--fly.*; see mvtp validate --help");
+  expect_refused("solve --output= --instance=a", "a: cannot be read: .*");
+  expect_refused("validate --instance= -s b", ": cannot be read: .*");
   expect_refused("solve a.yaml", "solve: a.yaml was not expected; see mvtp solve --help");
   expect_refused("validate -i a -s b --yaw up",
                  "validate: --yaw: is \"up\"; choose ccw.cw; see mvtp validate --help");
