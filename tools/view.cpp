@@ -109,11 +109,14 @@ int make_video(const ViewOptions& options) {
   return kDone;
 }
 
-/// A folder of a run stands for the page in it.
+/// A folder of a run stands for the page in it. @throws InputError if it holds none
 std::string page_in(const std::string& file) {
-  const fs::path page = fs::path(file) / "view.html";
   std::error_code ignored;
-  return fs::exists(page, ignored) ? page.string() : file;
+  if (!fs::is_directory(file, ignored)) return file;
+  const fs::path page = fs::path(file) / "view.html";
+  if (fs::exists(page, ignored)) return page.string();
+  throw InputError(page.string(), "is missing; give a page, a plan, or the folder of a run without "
+                                  "--no-view");
 }
 
 int view(ViewOptions options) {

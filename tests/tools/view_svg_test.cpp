@@ -122,7 +122,8 @@ TEST_F(View, TakesTheFolderOfARunForThePageInIt) {
                         "agents:\n  - {start: [5, 5, 0], goal: [9, 5, 0]}\n"
                         "map: {dimensions: [20, 20]}\n");
   ASSERT_EQ(shell("mkdir run").exit_code, 0);
-  expect_refused("view run -o both.html", "run: is a directory; give a file");
+  expect_refused("view run -o both.html",
+                 "run/view.html: is missing; give a page, a plan, or the folder .*");
   ASSERT_EQ(run("view i.yaml -o run/view.html").exit_code, 0);
   ASSERT_EQ(run("view run/view.html -o page.html").exit_code, 0);
   ASSERT_EQ(run("view run -o folder.html").exit_code, 0);
