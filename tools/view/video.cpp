@@ -56,11 +56,15 @@ constexpr const char* kFilm = R"js(
 })()
 )js";
 
-std::string with_rate(std::string script) {
-  for (std::size_t at = 0; (at = script.find("RATE", at)) != std::string::npos;) {
-    script.replace(at, 4, std::to_string(kPicturesPerSecond));
+std::string with_rate(std::string_view script) {
+  constexpr std::string_view kName = "RATE";
+  std::string text;
+  for (std::size_t at; (at = script.find(kName)) != std::string_view::npos;) {
+    text += script.substr(0, at);
+    text += std::to_string(kPicturesPerSecond);
+    script.remove_prefix(at + kName.size());
   }
-  return script;
+  return text += script;
 }
 
 /// From when to when, checked.
