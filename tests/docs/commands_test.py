@@ -2,17 +2,23 @@
 """Runs the commands of the docs: commands_test.py ROOT BIN_FOLDER WORK_FOLDER [PAGE ...]
 
 Every block marked sh is run, those of a page one after another in one folder that looks like the
-source tree. In a comment before its block a page may give a shorter form of commands that take long:
+source tree, and then every block marked python. In a comment before its block a page may give a
+shorter form of commands that take long:
 
     <!-- tested as
     mvtp solve -i scenarios/circle/circle2.yaml -o plan.yaml
     -->
 
 Each command shown must then be in it with all its options. Commands that nobody runs are named in
-not_run.txt, with the reason.
+not_run.txt, with the reason; so are blocks of Python, by their first line. The options of mvtp that
+these commands, or a line of text, name must be there.
+
+MVTP_PYTHON is the interpreter for blocks of Python, MVTP_PYTHON_TREE where it finds mvtp; without
+them these blocks are not run.
 """
 
 import fnmatch
+import functools
 import os
 import pathlib
 import re
@@ -23,6 +29,8 @@ import sys
 
 BLOCK = re.compile(r"(?:<!-- tested as\n(?P<short>.*?)-->\s*)?^```sh\n(?P<shown>.*?)^```",
                    re.DOTALL | re.MULTILINE)
+PYTHON = re.compile(r"^```python\n(.*?)^```", re.DOTALL | re.MULTILINE)
+INLINE = re.compile(r"`(mvtp [a-z][^`]*)`")
 LINKED = ("docs", "networks", "planner", "scenarios", "tools")
 
 
@@ -63,12 +71,17 @@ class Page:
         self.not_run = [command for page, command in not_run if fnmatch.fnmatch(name, page)]
         self.used = set()
         text = (root / name).read_text(encoding="utf-8")
+        self.unseen = []  # commands that are shown and not run
         self.script = [line for block in BLOCK.finditer(text) for line in self.lines_of(block)]
+        self.python = "".join(block for block in PYTHON.findall(text) if self.is_run(block.splitlines()[0]))
+        if not name.startswith("docs/experiments/"):  # those name commits of their own
+            self.unseen += INLINE.findall(re.sub(r"^```.*?^```", "", text, flags=re.S | re.M))
 
     def is_run(self, command):
         for pattern in self.not_run:
             if fnmatch.fnmatchcase(command.strip(), pattern.replace("[", "[[]")):
                 self.used.add(pattern)
+                self.unseen.append(command.strip())
                 return False
         return True
 
@@ -91,16 +104,47 @@ def make_folder(root, programs, folder):
         (folder / name).symlink_to(root / name)
 
 
-def run(page, root, programs, folder):
-    make_folder(root, programs, folder)
-    script = "set -e -o pipefail\n" + "\n".join(page.script) + "\n"
-    environment = os.environ | {"PATH": f"{programs}:{os.environ['PATH']}"}
-    done = subprocess.run(["bash", "-x", "-c", script], cwd=folder, env=environment, text=True,
+def run_in(folder, what, words, environment):
+    done = subprocess.run(words, cwd=folder, env=os.environ | environment, text=True,
                           stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
                           stderr=subprocess.STDOUT, check=False)
     if done.returncode != 0:
-        print(f"{page.name}: exit code {done.returncode}\n{done.stdout[-3000:]}")
+        print(f"{what}: exit code {done.returncode}\n{done.stdout[-3000:]}")
     return done.returncode == 0
+
+
+def run(page, root, programs, folder):
+    make_folder(root, programs, folder)
+    path = {"PATH": f"{programs}:{os.environ['PATH']}"}
+    script = "set -e -o pipefail\n" + "\n".join(page.script) + "\n"
+    good = run_in(folder, page.name, ["bash", "-x", "-c", script], path)
+    python = os.environ.get("MVTP_PYTHON")
+    if not page.python or not python:
+        return good
+    return good & run_in(folder, f"{page.name}: Python", [python, "-B", "-c", page.python],
+                         path | {"PYTHONPATH": os.environ["MVTP_PYTHON_TREE"]})
+
+
+@functools.cache
+def help_of(programs, *command):
+    done = subprocess.run([programs / "mvtp", *command, "--help"], text=True, capture_output=True,
+                          check=False)
+    return set(re.findall(r"--?[a-z][a-z0-9-]*", done.stdout)) if done.returncode == 0 else None
+
+
+def options_that_are_none(page, programs):
+    for shown in page.unseen:
+        line = words(re.sub(r" -- .*| [|&;].*", "", shown))
+        if line[:1] != ["mvtp"] or len(line) < 2:
+            continue
+        command = line[1:3] if line[1] == "toio" else line[1:2]
+        known = help_of(programs, *command)
+        if known is None:
+            yield f"{page.name}: `{shown}`: there is no such command"
+        for word in line[2:] if known else []:
+            option = word.split("=")[0]
+            if re.fullmatch(r"--?[a-z][a-z0-9-]*", option) and option not in known:
+                yield f"{page.name}: `{shown}`: mvtp {' '.join(command)} has no {option}"
 
 
 def pages_of(root):
@@ -114,9 +158,13 @@ def main():
     pages = [Page(root, name, not_run) for name in dict.fromkeys(sys.argv[4:] or pages_of(root))]
     good = True
     for page in pages:
-        if page.script:
-            print(f"{page.name}: {len(page.script)} lines", flush=True)
+        if page.script or page.python:
+            lines = len(page.script) + page.python.count("\n")
+            print(f"{page.name}: {lines} lines", flush=True)
             good &= run(page, root, programs, work / page.name.replace("/", "-"))
+        for fault in options_that_are_none(page, programs):
+            print(fault)
+            good = False
     unused = {command for _, command in not_run} - {c for page in pages for c in page.used}
     if unused and not sys.argv[4:]:
         print(f"not_run.txt: no page has these: {sorted(unused)}")
