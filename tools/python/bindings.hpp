@@ -22,6 +22,15 @@ struct NamedInstance {
 /// Any array or nested sequence of numbers; copied only where it is not one of doubles already.
 using Numbers = py::array_t<double, py::array::c_style | py::array::forcecast>;
 
+/// The values as an array; none (false) where they are no real numbers.
+[[nodiscard]] inline Numbers numbers_of(const py::object& values) {
+  const auto given = py::array::ensure(values);
+  const bool real = given && given.dtype().kind() != 'c';
+  Numbers numbers = real ? Numbers::ensure(given) : py::reinterpret_steal<Numbers>(py::handle());
+  if (!numbers) PyErr_Clear();
+  return numbers;
+}
+
 /// A read-only view of memory that `owner` keeps alive.
 [[nodiscard]] inline py::array view_of(const double* data, std::vector<py::ssize_t> shape,
                                        std::vector<py::ssize_t> strides, py::handle owner) {

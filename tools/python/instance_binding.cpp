@@ -27,9 +27,8 @@ constexpr const char* kBuilt = "instance";  ///< stands for the file in messages
 /// The rows of an array of points or poses. @throws InputError unless it has 2 axes and `columns`
 Numbers rows_of(const py::object& values, const char* what, std::initializer_list<int> columns,
                 const char* meaning) {
-  const Numbers array = Numbers::ensure(values);
+  const Numbers array = numbers_of(values);
   if (!array) {
-    PyErr_Clear();
     throw InputError(std::string(kBuilt) + ": " + what,
                      fmt::format("is no array of numbers; give {}", meaning));
   }

@@ -33,7 +33,23 @@ PlanObject load(const std::filesystem::path& path, const std::string& yaw, doubl
   return PlanObject(read_plan(path.string(), read_options(yaw, dt)));
 }
 
+/// Plans of other planners may hold anything; the referee says so, and no file holds it.
+void require_finite(const Plan& plan) {
+  const auto is_known = [](double control) { return !std::isinf(control); };  // NaN: not known
+  for (std::size_t i = 0; i < plan.trajectories.size(); ++i) {
+    for (std::size_t t = 0; t <= plan.trajectories[i].makespan(); ++t) {
+      const Waypoint& w = plan.trajectories[i].at(t);
+      const bool finite = std::isfinite(w.pose.x) && std::isfinite(w.pose.y) &&
+                          std::isfinite(w.pose.theta) && is_known(w.v) && is_known(w.phi);
+      if (finite) continue;
+      throw InputError(std::string(kBuilt) + ": " + plan.names[i],
+                       fmt::format("step {} is not finite; a file of it would be none", t));
+    }
+  }
+}
+
 void save(const PlanObject& self, const std::filesystem::path& path, const std::string& yaw) {
+  require_finite(self.plan());
   write_plan(self.plan(), path.string(), read_options(yaw, 1.0).yaw);
 }
 
@@ -52,8 +68,7 @@ Trajectory trajectory_from(const Numbers& states, py::ssize_t robot) {
 
 PlanObject build(const py::object& values, std::optional<std::vector<std::string>> names,
                  double dt) {
-  const Numbers states = Numbers::ensure(values);
-  if (!states) PyErr_Clear();
+  const Numbers states = numbers_of(values);
   const bool fits = states && states.ndim() == 3 && states.size() > 0 &&
                     (states.shape(2) == 3 || states.shape(2) == kColumns);
   if (!fits) {

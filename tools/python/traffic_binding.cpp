@@ -1,6 +1,8 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <limits>
 #include <map>
 #include <memory>
@@ -121,6 +123,20 @@ void bind_values(py::module_& module) {
       .def_readonly("lights", &SignalPhase::lights, "A letter each as in SUMO: G g y r s ...");
 }
 
+/// @throws InputError unless it is a speed that SUMO can be told
+void require_speed(double speed) {
+  if (std::isfinite(speed) && speed >= 0.0) return;
+  throw InputError("speed", fmt::format("is {} m/s; give a finite number >= 0", speed));
+}
+
+/// @throws InputError unless all are numbers
+void require_finite(const std::array<double, 3>& pose, double speed) {
+  const bool finite = std::ranges::all_of(pose, [](double value) { return std::isfinite(value); });
+  if (finite && std::isfinite(speed)) return;
+  throw InputError("place", fmt::format("pose ({}, {}, {}), speed {}: give finite numbers", pose[0],
+                                        pose[1], pose[2], speed));
+}
+
 using Door = py::class_<TrafficDoor, std::shared_ptr<TrafficDoor>>;
 
 void bind_looking(Door& traffic) {
@@ -177,7 +193,8 @@ void bind_driving(Door& traffic) {
           "place",
           [](TrafficDoor& d, const std::string& id, const std::array<double, 3>& pose,
              double speed) {
-            d.with_vehicle(id).place(id, {pose[0], pose[1], pose[2]}, speed);
+            require_finite(pose, speed);
+            d.with_taken_over(id).place(id, {pose[0], pose[1], pose[2]}, speed);
           },
           "id"_a, "pose"_a, "speed"_a,
           "Where a vehicle that is taken over is after the next step: x [m], y [m], yaw [rad] of\n"
@@ -198,6 +215,7 @@ void bind_driving(Door& traffic) {
       .def(
           "cap_speed",
           [](TrafficDoor& d, const std::string& id, std::optional<double> speed) {
+            if (speed) require_speed(*speed);
             d.with_vehicle(id).cap_speed(id,
                                          speed.value_or(std::numeric_limits<double>::infinity()));
           },
@@ -212,6 +230,7 @@ void bind_driving(Door& traffic) {
       .def(
           "limit_speed",
           [](TrafficDoor& d, const std::string& lane, double speed) {
+            require_speed(speed);
             d.with_lane(lane).limit_speed(lane, speed);
           },
           "lane"_a, "speed"_a, "Lowers the limit of a lane for every driver [m/s].")

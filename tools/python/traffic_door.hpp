@@ -28,6 +28,10 @@ class TrafficDoor {
     if (is_on_road(id)) return *traffic_;
     throw InputError("vehicle " + id, "is not on the road; see vehicles().ids");
   }
+  [[nodiscard]] SumoTraffic& with_taken_over(const std::string& id) const {
+    if (with_vehicle(id).is_taken_over(id)) return *traffic_;
+    throw InputError("vehicle " + id, "is not taken over; take_over() it first");
+  }
   [[nodiscard]] SumoTraffic& with_vehicle_or_pending(const std::string& id) const {
     if (is_on_road(id) || std::ranges::count(traffic_->pending(), id) > 0) return *traffic_;
     throw InputError("vehicle " + id, "is not on the road; see vehicles().ids and pending()");

@@ -127,7 +127,9 @@ def test_the_referee_judges_values(tmp_path):
         (lambda: mvtp.Vehicle(widht=2), r"vehicle: .*widht"),
         (lambda: mvtp.Vehicle(width=0), r"vehicle: width: is 0"),
         (lambda: mvtp.Vehicle(max_speed=float("inf")), r"vehicle: max_speed: is .*inf"),
+        (lambda: mvtp.Instance(np.array([[1j, 1, 0]]), [[2, 2, 0]], size=(9, 9)), r"starts: is no array of numbers"),
         (lambda: mvtp.Plan([[1, 2, 3]]), r"plan: states: is no array of the shape"),
+        (lambda: mvtp.Plan(np.array([[[1j, 2, 3]]])), r"plan: states: is no array of the shape"),
         (lambda: mvtp.Plan(np.zeros((2, 4, 3)), names=["a"]), r"plan: names: has 1 entries"),
         (lambda: mvtp.solve(swap(), time_limit=0), r'solve: --time-limit: is "0"; give a finite'),
         (lambda: mvtp.solve(swap(), algorithm="astar"), r'--algorithm: is "astar"; choose escot'),
@@ -149,11 +151,28 @@ def test_bad_values_get_one_line(make, line):
         lambda: swap(names=7),
         lambda: mvtp.Vehicle(width=[]),
         lambda: mvtp.solve("circle8.yaml"),
+        lambda: mvtp.solve(None),
     ],
 )
 def test_values_of_another_type_are_type_errors(make):
     with pytest.raises(TypeError):
         make()
+
+
+def test_solve_says_that_a_path_is_no_instance():
+    with pytest.raises(TypeError, match=r"solve: is given 'circle8\.yaml'; give a mvtp\.Instance"):
+        mvtp.solve("circle8.yaml")
+
+
+def test_a_plan_that_is_not_finite_is_judged_and_never_saved(tmp_path):
+    for value in (float("nan"), float("inf")):
+        states = np.zeros((2, 4, 5))
+        states[1, 2, 0] = value
+        plan = mvtp.Plan(states)
+        assert "not finite" in {violation.rule for violation in mvtp.validate(swap(), plan)}
+        with pytest.raises(mvtp.InputError, match="plan: agent1: step 2 is not finite"):
+            plan.save(tmp_path / "plan.yaml")
+    assert not list(tmp_path.iterdir())
 
 
 def test_bad_files_get_the_line_that_the_command_prints(command, tmp_path):

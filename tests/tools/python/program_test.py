@@ -31,7 +31,8 @@ def test_notes_are_told(scenarios):
 
 
 def test_compare_runs_several_controls(crossroads):
-    comparison = mvtp.compare(crossroads, controllers=["sumo", "fcfs"], seeds="1-2", end=10, jobs=2)
+    comparison = mvtp.compare(crossroads, controllers=["sumo", "fcfs"], seeds=[1, 2], end=10, jobs=2)
+    assert {run["seed"] for run in comparison.runs} == {"1", "2"}
     assert {run["control"] for run in comparison.runs} == {"sumo", "fcfs"}
     assert len(comparison.runs) == 4
     assert "fcfs" in comparison.table and comparison.figures
@@ -60,6 +61,7 @@ def test_bad_input_costs_nobody_his_results(crossroads, tmp_path):
     before = (tmp_path / "out" / "summary.json").read_bytes()
     refuse("did you mean --controller", output_dir="out", contoller="fcfs")
     assert (tmp_path / "out" / "summary.json").read_bytes() == before
+    refuse("--output-dir: is empty; give a folder", output_dir="")
     refuse("cannot make this folder", output_dir=tmp_path / "out" / "summary.json")
 
 
@@ -77,7 +79,7 @@ def test_a_crash_is_an_exception_with_what_was_simulated_before(crossroads):
             [sumo] = [pid for pid in children_of(os.getpid()) if "mvtp-sumo" in name_of(pid)]
             os.kill(sumo, signal.SIGSEGV)
 
-    with pytest.raises(mvtp.RunError, match="crashed") as caught:
+    with pytest.raises(mvtp.RunError, match="^coordinate: the simulation crashed") as caught:
         mvtp.coordinate(crossroads, end=100, no_view=True, progress=kill)
     assert caught.value.run.summary["status"] == "failed"
     assert caught.value.run.summary["vehicles"] > 0

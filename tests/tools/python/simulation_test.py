@@ -227,6 +227,16 @@ def test_who_and_what_is_not_there_is_bad_input(with_light):
         ):
             with pytest.raises(mvtp.InputError, match=r"^(vehicle|type|lane|signal) x: is not "):
                 use()
+        someone = simulation.vehicles().ids[0]
+        lane = simulation.vehicles().lanes[0]
+        with pytest.raises(mvtp.InputError, match=f"vehicle {someone}: is not taken over; take_over"):
+            traffic.place(someone, [0, 0, 0], 1)
+        with pytest.raises(mvtp.InputError, match=r"place: pose \(nan, 0, 0\), speed 1: give finite"):
+            traffic.place(someone, [float("nan"), 0, 0], 1)
+        for speed in (-1, float("nan"), float("inf")):
+            for use in (traffic.cap_speed, traffic.limit_speed):
+                with pytest.raises(mvtp.InputError, match=r"speed: is .* m/s; give a finite number >= 0"):
+                    use(someone if use == traffic.cap_speed else lane, speed)
         for seconds in (0, -5, float("nan"), float("inf")):
             with pytest.raises(mvtp.InputError, match="seconds: is .*; give a finite number > 0"):
                 simulation.advance(seconds)

@@ -204,7 +204,7 @@ class _CoordinateOptions(_SimulationOptions, total=False):
 
 class _CompareOptions(_Options, total=False):
     controllers: str | Sequence[str]
-    seeds: str
+    seeds: str | int | Sequence[int]
     jobs: int
     keep_fcd: bool
 

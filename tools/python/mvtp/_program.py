@@ -67,9 +67,11 @@ def coordinate(configuration, *, output_dir="out", progress=None, **options):
 def compare(configuration, *, output_dir="compare", progress=None, **options):
     """Runs one demand under several controls as `mvtp compare` does; returns a Comparison.
 
-    options: those of the command, with underscores: controllers=["actuated", "escot"], seeds="1-5",
-    jobs=2, ... The rest is as in coordinate().
+    options: those of the command, with underscores: controllers=["actuated", "escot"], seeds="1-5"
+    or [1, 4, 7], jobs=2, ... The rest is as in coordinate().
     """
+    if isinstance(seeds := options.get("seeds"), (list, tuple, range)):
+        options["seeds"] = ",".join(map(str, seeds))
     results = _Fresh(output_dir, "compare.json")
     ended = _run("compare", configuration, output_dir, progress, options)
     folder = Path(output_dir)
@@ -146,7 +148,7 @@ def _listen(process, progress):
         elif line.startswith(_NAME):
             messages.append(line[len(_NAME) :])
     output = process.stdout.read()
-    message = "; ".join(messages) or f"{process.args[1]} ended without a word"
+    message = messages[-1] if messages else f"{process.args[1]} ended without a word"
     return _Ended(process.wait(), output, notes, message)
 
 

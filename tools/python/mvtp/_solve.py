@@ -40,6 +40,8 @@ def solve(
         "gap": gap,
         "threads": threads,
     }
+    if not isinstance(instance, _planner.Instance):
+        raise TypeError(f"solve: is given {instance!r}; give a mvtp.Instance, as of Instance.load(path)")
     plan, raised = _planner.search(instance, words(options), progress)
     if raised is None:
         return plan
