@@ -46,7 +46,7 @@ std::string replaced(std::string text, const std::string& what, const std::strin
 
 /// The name of a shell function: letters, digits and _.
 std::string function_of(const std::string& command) {
-  return "_" + replaced(page_name(command), "-", "_");
+  return fmt::format("_{}", replaced(page_name(command), "-", "_"));
 }
 
 /// The full names of all commands below the program, each in quotes.
@@ -168,7 +168,7 @@ std::string zsh_function(const CommandHelp& command) {
 // ---- fish
 
 std::string fish_text(const std::string& text) {
-  return "'" + replaced(replaced(first_line(text), "\\", "\\\\"), "'", "\\'") + "'";
+  return fmt::format("'{}'", replaced(replaced(first_line(text), "\\", "\\\\"), "'", "\\'"));
 }
 
 std::string fish_option(const OptionHelp& option) {
@@ -232,7 +232,7 @@ std::string zsh_completion(const CommandHelp& program) {
 }
 
 std::string fish_completion(const CommandHelp& program) {
-  const std::string is = "_" + function_of(program.name) + "_is";
+  const std::string is = fmt::format("_{}_is", function_of(program.name));
   std::string text = fmt::format(
       "# fish completion of {0}\n"
       "function {1}\n"

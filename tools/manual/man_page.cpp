@@ -58,7 +58,7 @@ std::string tag(const OptionHelp& option) {
   std::string names;
   for (const std::string& name : option.names) names += (names.empty() ? "" : ", ") + bold(name);
   if (option.positional) names = italic(option.names.front());
-  if (!option.positional && !option.value.empty()) names += " " + italic(option.value);
+  if (!option.positional && !option.value.empty()) names += ' ' + italic(option.value);
   return names + (option.repeated ? " ..." : "");
 }
 
@@ -70,7 +70,7 @@ std::string synopsis(const CommandHelp& command) {
     std::string word = named ? bold(option.names.back()) + " " + italic(option.value)
                              : italic(option.names.front());
     if (option.repeated) word += " ...";
-    line += " " + (option.required ? word : "[" + word + "]");
+    line += ' ' + (option.required ? word : fmt::format("[{}]", word));
   }
   return line + (command.commands.empty() ? "" : " [" + italic("command") + " ...]") + "\n";
 }

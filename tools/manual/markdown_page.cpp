@@ -29,7 +29,7 @@ std::string code(const std::string& text) { return "<code>" + cell(text) + "</co
 std::string names_of(const OptionHelp& option) {
   std::string names;
   for (const std::string& name : option.names) names += (names.empty() ? "" : ", ") + code(name);
-  if (!option.positional && !option.value.empty()) names += " " + code(option.value);
+  if (!option.positional && !option.value.empty()) names += ' ' + code(option.value);
   return names + (option.repeated ? " ..." : "");
 }
 
