@@ -3,7 +3,7 @@
 
 Every link and picture must lead to a file, and every anchor to a heading, on the site and, where a
 page of the project has the link, in the repository too. Every page of docs/ must be in the
-navigation. The drawings must be what drawings.py draws.
+navigation. The drawings must be what drawings.py draws. The README must fit a screen.
 """
 
 import html.parser
@@ -80,6 +80,12 @@ def blocks_that_are_none(root):
                 yield f"{page.relative_to(root)}:{number}: begin the block in the first column"
 
 
+def longer_than_a_screen(root):
+    text = (root / "README.md").read_text(encoding="utf-8")
+    if len(text.splitlines()) > 30 or len(text) > 2400:
+        yield "README.md: is longer than a screen (30 lines, 2400 signs); move something to docs/"
+
+
 def stale_drawings(root, work):
     subprocess.run([root / "tools/docs/drawings.py", "-o", work / "drawings"], check=True)
     for drawn in (work / "drawings").iterdir():
@@ -93,7 +99,7 @@ def main():
     subprocess.run([root / "tools/docs.sh", reference, work], check=True)
     faults = [*broken_links_of_site(work / "site"), *broken_links_of_repository(root),
               *missing_in_the_navigation(root, work / "site"), *blocks_that_are_none(root),
-              *stale_drawings(root, work)]
+              *stale_drawings(root, work), *longer_than_a_screen(root)]
     print("\n".join(sorted(faults)))
     sys.exit(1 if faults else 0)
 
