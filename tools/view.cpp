@@ -115,8 +115,9 @@ std::string page_in(const std::string& file) {
   if (!fs::is_directory(file, ignored)) return file;
   const fs::path page = fs::path(file) / "view.html";
   if (fs::exists(page, ignored)) return page.string();
-  throw InputError(page.string(), "is missing; give a page, a plan, or the folder of a run without "
-                                  "--no-view");
+  throw InputError(page.string(),
+                   "is missing; give a page, a plan, or the folder of a run without "
+                   "--no-view");
 }
 
 int view(ViewOptions options) {
@@ -127,7 +128,8 @@ int view(ViewOptions options) {
   return kDone;
 }
 
-void add_video_options(CLI::App& app, const std::shared_ptr<ViewOptions>& options) {
+/// @return --video
+CLI::Option* add_video_options(CLI::App& app, const std::shared_ptr<ViewOptions>& options) {
   const char* group = "Video";
   CLI::Option* video = app.add_option("--video", options->video,
                                       "Write this video (*.webm) instead of a page; needs Chromium")
@@ -152,6 +154,7 @@ void add_video_options(CLI::App& app, const std::shared_ptr<ViewOptions>& option
       ->check(whole_number_between(64, 4096))
       ->capture_default_str();
   app.add_flag("-q,--quiet", options->quiet, "Say nothing about progress")->group(group);
+  return video;
 }
 
 }  // namespace
@@ -177,11 +180,12 @@ Action declare_view(CLI::App& app) {
       ->take_all()
       ->group("Input");
   add_instance_options(app, request.reading);
-  app.add_option("--at", options->at,
-                 "Draw this moment alone [s], as FILE.svg or FILE.png of --output")
-      ->type_name("S")
-      ->check(number_between(0.0, 1e9))
-      ->group("Output");
+  CLI::Option* at =
+      app.add_option("--at", options->at,
+                     "Draw this moment alone [s], as FILE.svg or FILE.png of --output")
+          ->type_name("S")
+          ->check(number_between(0.0, 1e9))
+          ->group("Output");
   app.add_option("-o,--output", options->output, "The page to write, or the drawing")
       ->type_name("FILE")
       ->capture_default_str()
@@ -194,7 +198,7 @@ Action declare_view(CLI::App& app) {
   app.add_option("--title", request.title, "Title of plans and instances [the file's name]")
       ->type_name("TEXT")
       ->group("Output");
-  add_video_options(app, options);
+  add_video_options(app, options)->excludes(at);
   return [options] { return view(*options); };
 }
 

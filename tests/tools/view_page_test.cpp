@@ -335,6 +335,8 @@ TEST_F(Page, AVideoPlaysInABrowser) {
 using ViewVideo = Program;
 
 TEST_F(ViewVideo, RefusesWhatCannotBe) {
+  expect_refused("view p.yaml --video v.webm --at 1 -o m.svg",
+                 "view: --at excludes --video; see mvtp view --help");
   (void)directory_.file("in.html", to_html(std::vector{street()}));
   expect_refused("view in.html --video a.mp4", "--video: is a.mp4; give a name .*");
   expect_refused("view in.html --from 3", "view: --from requires --video.*");
