@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # Builds the Debian packages; looks them over with lintian, where it is installed.
 #   tools/package.sh [--bare] [FOLDER]    where they go; out/packages if not given
-# --bare (root, debootstrap): also installs them into a bare Debian 12, and runs mvtp, an example in
-# Python, and a program that uses the library there.
+# --bare (root, debootstrap): also installs them into a bare Debian 12, and runs mvtp, examples in Python, and a program
+# that uses the library there; takes them away; and has pip build and install the package from the source.
 set -euo pipefail
 bare=false
 [ "${1:-}" = --bare ] && { bare=true; shift; }
@@ -31,9 +31,8 @@ chmod 755 "$root"
 debootstrap --variant=minbase bookworm "$root" >/dev/null
 echo force-unsafe-io >"$root/etc/dpkg/dpkg.cfg.d/unsafe-io"  # it is thrown away: no fsync
 cp "$folder"/*.deb "$root"
-cp -r networks scenarios "$root/opt"
-mkdir "$root/opt/docs"
-cp -r docs/examples "$root/opt/docs"
+mkdir "$root/opt/source"
+git ls-files -z | xargs -0 cp --parents -t "$root/opt/source"
 unshare --mount --pid --fork --mount-proc="$root/proc" chroot "$root" bash -euxc '
   export DEBIAN_FRONTEND=noninteractive LC_ALL=C.UTF-8
   mkdir -p /dev/pts
@@ -41,16 +40,29 @@ unshare --mount --pid --fork --mount-proc="$root/proc" chroot "$root" bash -euxc
   apt-get update -qq
   apt-get install -y -qq --no-install-recommends ./mvtp_*.deb >/dev/null
   mvtp --version
-  mvtp coordinate -c opt/scenarios/crossroads/crossroads.sumocfg --output-dir run --quiet
+  mvtp coordinate -c opt/source/scenarios/crossroads/crossroads.sumocfg --output-dir run --quiet
   test -s run/summary.json
   test -s run/view.html
-  mvtp solve -i opt/scenarios/circle/circle8.yaml -o plan.yaml
-  mvtp validate -i opt/scenarios/circle/circle8.yaml -s plan.yaml
+  mvtp solve -i opt/source/scenarios/circle/circle8.yaml -o plan.yaml
+  mvtp validate -i opt/source/scenarios/circle/circle8.yaml -s plan.yaml
   apt-get install -y -qq --no-install-recommends ./python3-mvtp_*.deb >/dev/null
-  python3 opt/docs/examples/python/solve.py
-  python3 opt/docs/examples/python/controller.py --end 60
+  python3 opt/source/docs/examples/python/solve.py
+  python3 opt/source/docs/examples/python/controller.py --end 60
   apt-get install -y -qq --no-install-recommends ./libmvtp-dev_*.deb g++ cmake make >/dev/null
-  cmake -S opt/docs/examples -B examples >/dev/null
+  cmake -S opt/source/docs/examples -B examples >/dev/null
   cmake --build examples >/dev/null
   examples/solve
-  examples/controller' 2>&1
+  examples/controller
+
+  apt-get purge -y -qq mvtp python3-mvtp libmvtp-dev >/dev/null
+  left=$(find / -xdev -name "*mvtp*" -not -path "/opt/*" -not -path "/var/cache/*" -not -name "*.deb")
+  test -z "$left"
+
+  cd /opt/source
+  tools/install_packages.sh python3-venv
+  /usr/bin/python3 -m venv --system-site-packages /venv
+  /venv/bin/pip install --quiet --no-index .  # no index: nothing from the network
+  cd /
+  /venv/bin/python opt/source/docs/examples/python/solve.py
+  /venv/bin/python opt/source/docs/examples/python/controller.py --end 60
+  /venv/bin/mvtp --version' 2>&1
