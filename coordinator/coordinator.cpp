@@ -28,9 +28,11 @@ Coordinator::Coordinator(Traffic& traffic, const DrivableArea& area,
       corridors_(graph_, area, options.limits),
       area_(area),
       predictor_(graph_, finder_, corridors_, options.corridors.takeover),
-      gate_(traffic),
+      gate_(traffic,
+            !options.greens && options.share.is_whole() ? Passage::kAll : Passage::kOneLine),
       straddling_(
           traffic, graph_, [this](const std::string& id) { return drives(id); },
+          [this](const VehicleState& v) { return !options_.share.contains(v.id, v.type); },
           [this](const std::string& type) -> const VehicleType& { return type_of(type); },
           [this](const std::string& id) { return came_from(id); }) {
   find_zones();

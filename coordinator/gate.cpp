@@ -78,7 +78,7 @@ void Gate::hold(const std::string& id) {
   Visitor& visitor = visitors_[id];
   visitor.seen = true;
   if (visitor.held) return;
-  if (visitor.passes) traffic_.let_through(id, false);
+  if (visitor.passes) traffic_.let_through(id, Passage::kNone);
   visitor.passes = false;
   visitor.held = true;
   traffic_.hold(id, true);
@@ -123,7 +123,7 @@ std::vector<std::string> Gate::propose() {
 void Gate::let_through(const std::string& id) {
   Visitor& visitor = visitors_.at(id);
   if (visitor.held) traffic_.hold(id, false);
-  traffic_.let_through(id, true);
+  traffic_.let_through(id, passage_);
   visitor.held = false;
   visitor.passes = true;
   visitor.stands = 0;
@@ -134,7 +134,7 @@ void Gate::release(const std::string& id) {
   const auto visitor = visitors_.find(id);
   if (visitor == visitors_.end()) return;
   if (visitor->second.held) traffic_.hold(id, false);
-  if (visitor->second.passes) traffic_.let_through(id, false);
+  if (visitor->second.passes) traffic_.let_through(id, Passage::kNone);
   traffic_.keep_lane(id, false);
   visitors_.erase(visitor);
 }

@@ -16,7 +16,9 @@ namespace mvtp {
 /// again.
 class Gate {
  public:
-  explicit Gate(Traffic& traffic) : traffic_(traffic) {}
+  /// @param passage  what those need not heed who are let through: where nobody stops for signals
+  ///     they pass several lines at once, else one.
+  Gate(Traffic& traffic, Passage passage) : traffic_(traffic), passage_(passage) {}
 
   /// Where a guest is.
   struct Place {
@@ -65,6 +67,7 @@ class Gate {
   [[nodiscard]] static bool are_apart(const Visitor& a, const Visitor& b);
 
   Traffic& traffic_;
+  Passage passage_;
   std::map<std::string, Visitor> visitors_;
   std::int64_t decisions_ = 0;
 };

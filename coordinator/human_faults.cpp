@@ -65,7 +65,7 @@ void HumanFaults::begin(const VehicleState& v) {
   faults_.push_back({v.id, kind, traffic_.time()});
   switch (kind) {
     case HumanFaultKind::kRedRunner:
-      traffic_.let_through(v.id, true);
+      traffic_.let_through(v.id, Passage::kOneLine);
       break;
     case HumanFaultKind::kDeadStop:
       traffic_.cap_speed(v.id, 0.0);
@@ -83,7 +83,7 @@ void HumanFaults::finish(const std::string& id, HumanFaultKind kind) {
   const auto states = traffic_.vehicles();
   const auto there = std::ranges::lower_bound(states, id, {}, &VehicleState::id);
   if (there == states.end() || there->id != id) return;
-  if (kind == HumanFaultKind::kRedRunner) traffic_.let_through(id, false);
+  if (kind == HumanFaultKind::kRedRunner) traffic_.let_through(id, Passage::kNone);
   if (kind == HumanFaultKind::kDeadStop) {
     traffic_.cap_speed(id, std::numeric_limits<double>::infinity());
   }

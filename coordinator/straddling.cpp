@@ -60,10 +60,11 @@ std::vector<Point> sides(const Pose& pose, const Vehicle& body) {
 }  // namespace
 
 Straddling::Straddling(Traffic& traffic, const LaneGraph& graph, IsControlled is_controlled,
-                       TypeOf type_of, CameFrom came_from)
+                       KeepsDriver keeps_driver, TypeOf type_of, CameFrom came_from)
     : traffic_(traffic),
       graph_(graph),
       is_controlled_(std::move(is_controlled)),
+      keeps_driver_(std::move(keeps_driver)),
       type_of_(std::move(type_of)),
       came_from_(std::move(came_from)) {}
 
@@ -148,7 +149,7 @@ void Straddling::show() {
   std::set<std::string> kept;
   for (const VehicleState& v : traffic_.vehicles()) {
     if (is_controlled_(v.id)) continue;
-    const double most = most_speed(v);
+    const double most = keeps_driver_(v) ? most_speed(v) : kInfinity;
     if (most < kInfinity || capped_.contains(v.id)) traffic_.cap_speed(v.id, most);
     if (most < kInfinity) capped.insert(v.id);
     const bool stays = !sides_.empty() && is_beside_one(v);

@@ -19,12 +19,15 @@ namespace mvtp {
 class Straddling {
  public:
   using IsControlled = std::function<bool(const std::string&)>;
+  /// Does a vehicle keep its driver? The others are soon under control, or have just been: they are
+  /// planned for as they are, and only kept in their lanes.
+  using KeepsDriver = std::function<bool(const VehicleState&)>;
   using TypeOf = std::function<const VehicleType&(const std::string&)>;
   /// The normal lane that a vehicle inside a junction comes from; LaneGraph::kNone: not known.
   using CameFrom = std::function<int(const std::string&)>;
 
-  Straddling(Traffic& traffic, const LaneGraph& graph, IsControlled is_controlled, TypeOf type_of,
-             CameFrom came_from);
+  Straddling(Traffic& traffic, const LaneGraph& graph, IsControlled is_controlled,
+             KeepsDriver keeps_driver, TypeOf type_of, CameFrom came_from);
 
   /// To be called before each step.
   void show();
@@ -44,6 +47,7 @@ class Straddling {
   Traffic& traffic_;
   const LaneGraph& graph_;
   IsControlled is_controlled_;
+  KeepsDriver keeps_driver_;
   TypeOf type_of_;
   CameFrom came_from_;
   std::map<std::string, std::vector<Tail>> tails_;    ///< by lane

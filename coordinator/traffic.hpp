@@ -87,6 +87,14 @@ enum class SignalControl {
   kOff,       ///< nobody: right of way holds
 };
 
+/// What a driver need not heed.
+enum class Passage {
+  kNone,     ///< he heeds right of way and signals
+  kOneLine,  ///< no right of way, nor the signal at the end of his lane; where there is none there,
+             ///< he heeds the next
+  kAll,  ///< neither right of way nor any signal
+};
+
 /// The traffic that a coordinator drives: SUMO in production, a fake in tests.
 ///
 /// Time advances in steps. A vehicle is driven by the traffic's own car following until taken over;
@@ -149,9 +157,8 @@ class Traffic {
                              bool /*complete*/) {}
   /// Makes a vehicle that is not taken over stop before the end of its lane (true), or go on.
   virtual void hold(const std::string& id, bool stop) = 0;
-  /// The driver of a vehicle that is not taken over heeds no right of way and not the signal at the
-  /// end of its lane (true), or does so again. Signals that come after it he heeds.
-  virtual void let_through(const std::string& /*id*/, bool /*pass*/) {}
+  /// What the driver of a vehicle that is not taken over need not heed from now on.
+  virtual void let_through(const std::string& /*id*/, Passage /*passage*/) {}
   /// Keeps a vehicle that is not taken over from driving faster [m/s]; infinity: no matter.
   virtual void cap_speed(const std::string& /*id*/, double /*speed*/) {}
   /// The driver of a vehicle that is not taken over relies on his signal: he does not yield at

@@ -166,9 +166,9 @@ class Backend final : public SumoTraffic {
     }
   }
 
-  void let_through(const std::string& id, bool pass) override {
+  void let_through(const std::string& id, Passage passage) override {
     if (!is_driven_by_sumo(id)) return;
-    ask([&] { drivers_.let_through(id, pass); });
+    ask([&] { drivers_.let_through(id, passage); });
   }
 
   void rely_on_signal(const std::string& id, const std::vector<std::string>& waiting) override {

@@ -27,9 +27,11 @@ bool comes_to_signal(const std::string& id) {
 
 }  // namespace
 
-void SumoDrivers::let_through(const std::string& id, bool pass) {
-  const int passing = pass && comes_to_signal(id) ? kHeedNobody : kHeedSignals;
-  api::Vehicle::setSpeedMode(id, pass ? passing : kOwnSpeedMode);
+void SumoDrivers::let_through(const std::string& id, Passage passage) {
+  int mode = kOwnSpeedMode;
+  if (passage == Passage::kAll) mode = kHeedNobody;
+  if (passage == Passage::kOneLine) mode = comes_to_signal(id) ? kHeedNobody : kHeedSignals;
+  api::Vehicle::setSpeedMode(id, mode);
 }
 
 void SumoDrivers::rely_on_signal(const std::string& id, const std::vector<std::string>& waiting) {

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "coordinator/traffic.hpp"
 #include "traci_bridge/sumo_api.hpp"
 
 namespace mvtp::MVTP_SUMO_NAMESPACE {
@@ -17,7 +18,7 @@ inline constexpr int kObey = 0;
 class SumoDrivers {
  public:
   /// See Traffic for what each of these asks for.
-  void let_through(const std::string& id, bool pass);
+  void let_through(const std::string& id, Passage passage);
   void rely_on_signal(const std::string& id, const std::vector<std::string>& waiting);
   void keep_lane(const std::string& id, bool keep);
   void swerve(const std::string& id);

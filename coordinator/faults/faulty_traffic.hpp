@@ -61,7 +61,9 @@ class FaultyTraffic : public Traffic {
   [[nodiscard]] bool wants_plans() const override { return true; }
   void announce_plan(const std::string& id, std::vector<PlannedPose> poses, bool complete) override;
   void hold(const std::string& id, bool stop) override { world_.hold(id, stop); }
-  void let_through(const std::string& id, bool pass) override { world_.let_through(id, pass); }
+  void let_through(const std::string& id, Passage passage) override {
+    world_.let_through(id, passage);
+  }
   void cap_speed(const std::string& id, double speed) override { world_.cap_speed(id, speed); }
   void rely_on_signal(const std::string& id, const std::vector<std::string>& waiting) override {
     world_.rely_on_signal(id, waiting);

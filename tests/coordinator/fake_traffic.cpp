@@ -169,11 +169,11 @@ void FakeTraffic::hold(const std::string& id, bool stop) {
   car.granted = kNone;
 }
 
-void FakeTraffic::let_through(const std::string& id, bool pass) {
+void FakeTraffic::let_through(const std::string& id, Passage passage) {
   const auto found = cars_.find(id);
   if (found == cars_.end()) return;
-  found->second.passes = pass;
-  if (pass) ++passages_[id];
+  found->second.passes = passage != Passage::kNone;
+  if (found->second.passes) ++passages_[id];
 }
 
 void FakeTraffic::rely_on_signal(const std::string& id, const std::vector<std::string>& waiting) {

@@ -78,7 +78,7 @@ class FakeTraffic : public Traffic {
   }
   void place(const std::string& id, const Pose& pose, double speed) override;
   void hold(const std::string& id, bool stop) override;
-  void let_through(const std::string& id, bool pass) override;
+  void let_through(const std::string& id, Passage passage) override;
   void rely_on_signal(const std::string& id, const std::vector<std::string>& waiting) override;
   void show(const std::string& signal, int index, Light light) override {
     lights_[{signal, index}] = light;

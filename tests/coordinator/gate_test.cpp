@@ -22,13 +22,15 @@ class NotedTraffic : public FakeTraffic {
   void hold(const std::string& id, bool stop) override {
     stop ? (void)held.insert(id) : (void)held.erase(id);
   }
-  void let_through(const std::string& id, bool pass) override {
-    pass ? (void)passing.insert(id) : (void)passing.erase(id);
+  void let_through(const std::string& id, Passage passage) override {
+    last = passage;
+    passage != Passage::kNone ? (void)passing.insert(id) : (void)passing.erase(id);
   }
   void keep_lane(const std::string& id, bool keep) override {
     keep ? (void)in_lane.insert(id) : (void)in_lane.erase(id);
   }
   std::set<std::string> held, passing, in_lane;
+  Passage last = Passage::kNone;  ///< that somebody was told
 };
 
 class GateTest : public testing::Test {
@@ -54,7 +56,7 @@ class GateTest : public testing::Test {
 
   const Vehicle car = fake_type("car").body;
   NotedTraffic traffic;
-  Gate gate{traffic};
+  Gate gate{traffic, Passage::kOneLine};
 };
 
 TEST_F(GateTest, HoldsWhoeverCanStillStop) {
@@ -107,6 +109,7 @@ TEST_F(GateTest, LetsThroughOnceAndForgetsWhoHasGone) {
   gate.let_through("a");
   EXPECT_THAT(traffic.held, IsEmpty());
   EXPECT_THAT(traffic.passing, UnorderedElementsAre("a"));
+  EXPECT_EQ(traffic.last, Passage::kOneLine);
   EXPECT_FALSE(decide({"a"})) << "it has been let through";
   EXPECT_FALSE(decide({})) << "it has departed";
   EXPECT_THAT(traffic.passing, IsEmpty());

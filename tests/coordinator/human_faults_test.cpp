@@ -15,9 +15,9 @@ namespace {
 class ToldTraffic : public FakeTraffic, public HumanFaultPort {
  public:
   using FakeTraffic::FakeTraffic;
-  void let_through(const std::string& id, bool pass) override {
-    FakeTraffic::let_through(id, pass);
-    (pass ? told : told_off).insert(id);
+  void let_through(const std::string& id, Passage passage) override {
+    FakeTraffic::let_through(id, passage);
+    (passage != Passage::kNone ? told : told_off).insert(id);
   }
   void cap_speed(const std::string& id, double speed) override {
     (speed < 1.0 ? told : told_off).insert(id);

@@ -69,6 +69,7 @@ class StraddlingTest : public testing::Test {
         graph(traffic.network()),
         straddling(
             traffic, graph, [](const std::string& id) { return id == "across"; },
+            [this](const VehicleState& v) { return v.id != taken_over_later; },
             [](const std::string& type) -> const VehicleType& {
               static const VehicleType kCar = fake_type("car");
               EXPECT_EQ(type, "car");
@@ -92,6 +93,7 @@ class StraddlingTest : public testing::Test {
   }
 
   CappedTraffic traffic;
+  std::string taken_over_later;
   Pose middle;  ///< of "across" in its lane
   LaneGraph graph;
   Straddling straddling;
@@ -113,6 +115,13 @@ TEST_F(StraddlingTest, DriversBehindATailOnTheirLaneCanStopBehindIt) {
   const double gap = tail - at("behind").lane_position - type.min_gap;
   EXPECT_NEAR(v * type.tau + v * v / (2.0 * type.body.max_decel), gap, 1.5);
   EXPECT_GT(v, 5.0);
+}
+
+TEST_F(StraddlingTest, WhoIsTakenOverLaterDrivesAsItLikes) {
+  taken_over_later = "behind";
+  put_aside(1.6);
+  straddling.show();
+  EXPECT_THAT(traffic.caps, IsEmpty());
 }
 
 // Else they would change to the right, into its tail.

@@ -198,10 +198,10 @@ TEST_F(SumoTrafficTest, WhoIsLetThroughPassesTheSignalAtTheEndOfItsLaneOnly) {
   traffic->step();
   traffic->show("C", 10, Light::kRed);
   traffic->show("C", 7, Light::kRed);
-  traffic->let_through("a", true);
+  traffic->let_through("a", Passage::kOneLine);
   run_until(*traffic, 10.0);
   EXPECT_EQ(at(*traffic, "a").lane, "Eo_0");
-  traffic->let_through("a", false);
+  traffic->let_through("a", Passage::kNone);
   run_until(*traffic, 30.0);
   EXPECT_EQ(at(*traffic, "b").lane, "Si_0");
 }

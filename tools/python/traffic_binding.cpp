@@ -209,9 +209,11 @@ void bind_driving(Door& traffic) {
       .def(
           "let_through",
           [](TrafficDoor& d, const std::string& id, bool pass) {
-            d.with_vehicle(id).let_through(id, pass);
+            d.with_vehicle(id).let_through(id, pass ? Passage::kOneLine : Passage::kNone);
           },
-          "id"_a, "go"_a, "The driver heeds no signal and no right of way, or does so again.")
+          "id"_a, "go"_a,
+          "The driver heeds no right of way and not the signal at the end of its lane, or does so "
+          "again.")
       .def(
           "cap_speed",
           [](TrafficDoor& d, const std::string& id, std::optional<double> speed) {

@@ -1,4 +1,5 @@
-// Onto which lane drivers go where several lead on; netconvert makes the network.
+// Onto which lane drivers go where several lead on, and which signals they heed who are let
+// through; netconvert makes the network.
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -10,12 +11,16 @@
 namespace mvtp {
 namespace {
 
-/// One lane to the east that leads onto each of three, of which each leads to another road.
+/// One lane to the east that leads onto each of three, of which each leads to another road; with
+/// a signal at the second junction, if wanted.
 class FanOut : public testing::Test {
  protected:
-  std::unique_ptr<SumoTraffic> open(const std::string& vehicles) {
+  std::unique_ptr<SumoTraffic> open(const std::string& vehicles,
+                                    const std::string& second = "priority") {
     directory_.write("x.nod.xml", R"(<nodes>
-      <node id="w" x="0" y="0"/><node id="a" x="150" y="0"/><node id="b" x="300" y="0"/>
+      <node id="w" x="0" y="0"/><node id="a" x="150" y="0"/>
+      <node id="b" x="300" y="0" type=")" +
+                                      second + R"("/>
       <node id="n" x="300" y="150"/><node id="e" x="450" y="0"/><node id="s" x="300" y="-150"/>
       </nodes>)");
     directory_.write("x.edg.xml", R"(<edges>
@@ -63,6 +68,27 @@ TEST_F(FanOut, DriversGoOntoTheLaneThatTheyMeanToTake) {
     }
   }
   EXPECT_EQ(met.size(), 12U);
+}
+
+// One line: the first, where there is no signal.
+TEST_F(FanOut, WhoIsLetThroughOneLineHeedsTheSignalBehindIt) {
+  const auto traffic = open(vehicle("none", 0.0, "wa ab bs") + vehicle("one", 0.0, "wa ab be") +
+                                vehicle("all", 0.0, "wa ab bn"),
+                            "traffic_light");
+  const std::map<std::string, Passage> passages = {
+      {"none", Passage::kNone}, {"one", Passage::kOneLine}, {"all", Passage::kAll}};
+  std::map<std::string, std::string> edge;
+  for (int i = 0; i < 600; ++i) {
+    for (int light = 0; light < 3; ++light) traffic->show("b", light, Light::kRed);
+    traffic->step();
+    for (const VehicleState& v : traffic->vehicles()) {
+      if (!edge.contains(v.id)) traffic->let_through(v.id, passages.at(v.id));
+      if (!v.lane.starts_with(':')) edge[v.id] = v.lane.substr(0, 2);
+    }
+  }
+  EXPECT_EQ(edge["none"], "ab");
+  EXPECT_EQ(edge["one"], "ab");
+  EXPECT_EQ(edge["all"], "bn");
 }
 
 TEST_F(FanOut, NobodyMeansToGoOnWhereTheRouteEnds) {
