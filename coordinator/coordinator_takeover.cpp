@@ -67,10 +67,11 @@ std::map<std::string, Driven> Coordinator::leave_corridors(bool may_go_on) {
       if (stands_for_good(driven)) finished.push_back(id);
       continue;
     }
+    const bool inside = is_inside(driven);
     const std::optional<Newcomer> next =
-        planner_is_dead() ? std::nullopt : next_corridor(driven, believed(id, driven));
+        inside || planner_is_dead() ? std::nullopt : next_corridor(driven, believed(id, driven));
     if (!next) {
-      const bool now = !is_inside(driven) && driver_has_room(driven) && nobody_comes_over(driven);
+      const bool now = !inside && driver_has_room(driven) && nobody_comes_over(driven);
       if (now || ends_soon(driven)) finished.push_back(id);
     } else if (may_go_on) {
       Driven& arrival = going_on.emplace(id, admit(*next, driven.key)).first->second;
@@ -165,14 +166,13 @@ void Coordinator::hand_back(const std::string& id) {
 }
 
 /// The corridor through the next junctions, for a vehicle near the end of its own; nullopt if there
-/// is none for it, or no stop line near.
+/// is none for it, or no stop line near. @pre it is not inside
 std::optional<Coordinator::Newcomer> Coordinator::next_corridor(const Driven& driven,
                                                                 const VehicleState& state) {
   const Corridor& corridor = corridors_[driven.corridor];
   const double s = here(driven).s;
   const std::size_t at = corridor.piece_at(s);
   const CorridorPiece& piece = corridor.course.pieces[at];
-  if (graph_.edge_of(piece.lane) == LaneGraph::kNone) return std::nullopt;
   // How many edges of the route lie behind.
   std::size_t done =
       graph_.edge_of(corridor.course.pieces.front().lane) == LaneGraph::kNone ? 1 : 0;

@@ -41,8 +41,8 @@ std::vector<int> HumanDrivers::links_of(const CourseQuery& query) const {
   return {links.begin(), links.end()};
 }
 
-/// The connections in question by which it may go on: those of its lane, and while it may change to
-/// another one one connection to each edge more. Inside the junction it shows.
+/// The connections in question by which it may go on: those of its lane; and while it may change
+/// lanes, one to each edge to which only others lead. Inside the junction it shows.
 std::vector<int> HumanDrivers::links_in_question(const CourseQuery& query, double to_line) const {
   const int edge = graph_.edge_of(query.lane);
   if (intent_ == KnownIntent::kRoute || edge == LaneGraph::kNone) return {};

@@ -90,9 +90,8 @@ enum class SignalControl {
 /// What a driver need not heed.
 enum class Passage {
   kNone,     ///< he heeds right of way and signals
-  kOneLine,  ///< no right of way, nor the signal at the end of his lane; where there is none there,
-             ///< he heeds the next
-  kAll,  ///< neither right of way nor any signal
+  kOneLine,  ///< no right of way; nor the signal at the end of his lane, if there is one
+  kAll,      ///< neither right of way nor any signal
 };
 
 /// The traffic that a coordinator drives: SUMO in production, a fake in tests.
