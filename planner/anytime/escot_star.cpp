@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <deque>
 #include <memory>
 #include <numeric>
 #include <thread>
@@ -58,13 +59,9 @@ struct Scene {
       : time(time_grid(problem.instance())),
         obstacles(problem.instance().map, reach_of_primitives(problem.instance())),
         clearance(problem.instance().map, obstacles, deadline) {
-    const Instance& instance = problem.instance();
-    cars.reserve(instance.agents.size());
     for (int i = 0; i < problem.size(); ++i) {
-      const Agent& agent = instance.agents[std::size_t(i)];
-      cars.emplace_back(agent.vehicle, time, instance.map, obstacles, clearance,
-                        problem.exemptions(i));
-      robots.push_back({&cars.back(), &problem.cost_to_go(i), agent.start});
+      robots.push_back({&car_of(problem, i), &problem.cost_to_go(i),
+                        problem.instance().agents[std::size_t(i)].start});
     }
     lower_bound = int(std::ceil(problem.lower_bound() / time.dt - 1e-6));
   }
@@ -74,11 +71,23 @@ struct Scene {
   TimeGrid time;
   Obstacles obstacles;
   Clearance clearance;
-  std::vector<MotionPrimitives> cars;
+  std::deque<MotionPrimitives> cars;  ///< one for all robots that may move alike
   std::vector<MacroRobot> robots;
   std::vector<ArcTrajectory> alone;
   int lower_bound = 0;  ///< [time steps]
   int goal = 0;         ///< good enough [time steps]
+
+ private:
+  const MotionPrimitives& car_of(const PlanningProblem& problem, int robot) {
+    const Instance& instance = problem.instance();
+    const Vehicle& vehicle = instance.agents[std::size_t(robot)].vehicle;
+    const Exemptions* exemptions = problem.exemptions(robot);
+    const auto known = std::ranges::find_if(cars, [&](const MotionPrimitives& car) {
+      return car.vehicle() == vehicle && car.exemptions() == exemptions;
+    });
+    if (known != cars.end()) return *known;
+    return cars.emplace_back(vehicle, time, instance.map, obstacles, clearance, exemptions);
+  }
 };
 
 /// One thread's search for plans.

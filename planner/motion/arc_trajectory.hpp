@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <memory>
 #include <vector>
 
 #include "planner/geometry/arc.hpp"
@@ -23,7 +24,8 @@ struct TimeGrid {
 
 /// One robot's motion: one arc per time step from time 0 on, then at rest for ever, or departed.
 ///
-/// The arcs are exact; the boxes, in single precision, are what collision tests read.
+/// The arcs are exact; the boxes, in single precision, are what collision tests read. Copies share
+/// them all: a long trajectory takes some hundred kB.
 class ArcTrajectory {
  public:
   ArcTrajectory() = default;
@@ -33,8 +35,8 @@ class ArcTrajectory {
                 bool leaves = false);
 
   /// The time step from which on the robot rests.
-  [[nodiscard]] int arrival() const { return int(steps_.size()); }
-  [[nodiscard]] const std::vector<Arc>& steps() const { return steps_; }
+  [[nodiscard]] int arrival() const { return int(steps().size()); }
+  [[nodiscard]] const std::vector<Arc>& steps() const { return course_->steps; }
   [[nodiscard]] const Pose& start() const { return start_; }
   /// The rear axle at time step t >= 0.
   [[nodiscard]] Pose pose(int t) const;
@@ -44,15 +46,21 @@ class ArcTrajectory {
   [[nodiscard]] int departure() const { return departure_; }
 
   /// Boxes from time step t on: `padding` + 1 of them may be read. @pre 0 <= t < departure()
-  [[nodiscard]] const BoxPose* boxes(int t) const { return boxes_.data() + std::min(t, end_); }
-  [[nodiscard]] bool empty() const { return boxes_.empty(); }
+  [[nodiscard]] const BoxPose* boxes(int t) const { return boxes_ + std::min(t, end_); }
+  [[nodiscard]] bool empty() const { return boxes_ == nullptr; }
 
  private:
+  struct Course {
+    std::vector<Arc> steps;
+    std::vector<Pose> poses;  ///< at every kStride-th time step
+    std::vector<BoxPose> boxes;
+  };
+  static const std::shared_ptr<const Course>& no_course();
+
   Pose start_;
-  std::vector<Arc> steps_;
-  std::vector<Pose> poses_;  ///< at every kStride-th time step
-  std::vector<BoxPose> boxes_;
-  int end_ = 0;  ///< from this box on all are the same
+  std::shared_ptr<const Course> course_ = no_course();
+  const BoxPose* boxes_ = nullptr;  ///< those of the course
+  int end_ = 0;                     ///< from this box on all are the same
   int departure_ = kNever;
 };
 

@@ -66,6 +66,7 @@ class MotionPrimitives {
   /// The change of heading of a slow turning motion primitive [rad].
   [[nodiscard]] double turn() const { return turn_; }
   [[nodiscard]] const Vehicle& vehicle() const { return vehicle_; }
+  [[nodiscard]] const Exemptions* exemptions() const { return exemptions_; }
   [[nodiscard]] const BoxShape& shape() const { return shape_; }
   [[nodiscard]] const TimeGrid& time() const { return time_; }
   /// The middle of the body, from the rear axle [m].

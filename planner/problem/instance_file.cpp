@@ -274,8 +274,7 @@ Instance parse_instance(const std::string& name, const std::string& text,
   return instance;
 }
 
-void write_instance(const Instance& instance, const std::string& path,
-                    const InstanceWriteOptions& options) {
+std::string instance_text(const Instance& instance, const InstanceWriteOptions& options) {
   const VehiclePreset standard = vehicle_preset("escot").value();
   const bool is_mixed = std::ranges::adjacent_find(instance.agents, std::ranges::not_equal_to{},
                                                    &Agent::vehicle) != instance.agents.end();
@@ -298,8 +297,12 @@ void write_instance(const Instance& instance, const std::string& path,
         fmt::format("  - {{name: {}, start: {}, goal: {}{}}}\n", yaml_string(agent.name),
                     pose_text(agent.start, options.yaw), pose_text(agent.goal, options.yaw), own);
   }
-  text += map_text(instance.map, !has_vehicle && !has_dt && !is_mixed);
-  write_text_file(path, text);
+  return text + map_text(instance.map, !has_vehicle && !has_dt && !is_mixed);
+}
+
+void write_instance(const Instance& instance, const std::string& path,
+                    const InstanceWriteOptions& options) {
+  write_text_file(path, instance_text(instance, options));
 }
 
 }  // namespace mvtp

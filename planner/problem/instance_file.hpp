@@ -55,4 +55,8 @@ struct InstanceWriteOptions {
 void write_instance(const Instance& instance, const std::string& path,
                     const InstanceWriteOptions& options = {});
 
+/// What write_instance() writes.
+[[nodiscard]] std::string instance_text(const Instance& instance,
+                                        const InstanceWriteOptions& options = {});
+
 }  // namespace mvtp

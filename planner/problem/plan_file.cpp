@@ -206,8 +206,11 @@ void append_waypoint(std::string& text, const Waypoint& waypoint, std::size_t st
 }  // namespace
 
 Plan read_plan(const std::string& path, const PlanReadOptions& options) {
-  const Document document =
-      Document::parse(path, read_text_file(path, kMaxBytes), {"schedule", "paths"}, "a plan file");
+  return parse_plan(path, read_text_file(path, kMaxBytes), options);
+}
+
+Plan parse_plan(const std::string& name, const std::string& text, const PlanReadOptions& options) {
+  const Document document = Document::parse(name, text, {"schedule", "paths"}, "a plan file");
   const Value root = document.root();
   root.require_map("{schedule: ...}");
   return root.find("paths") ? read_guo_yu(root, options) : read_schedule(root, options);
@@ -228,7 +231,7 @@ bool take_vehicles(const Plan& plan, Instance& instance) {
   return changes;
 }
 
-void write_plan(const Plan& plan, const std::string& path, YawSense yaw) {
+std::string plan_text(const Plan& plan, YawSense yaw) {
   std::string text = statistics_text(plan.statistics, yaw) + vehicles_text(plan);
   text += plan.trajectories.empty() ? "schedule: {}\n" : "schedule:\n";
   for (std::size_t i = 0; i < plan.trajectories.size(); ++i) {
@@ -238,7 +241,11 @@ void write_plan(const Plan& plan, const std::string& path, YawSense yaw) {
       append_waypoint(text, waypoints[step], step, yaw);
     }
   }
-  write_text_file(path, text);
+  return text;
+}
+
+void write_plan(const Plan& plan, const std::string& path, YawSense yaw) {
+  write_text_file(path, plan_text(plan, yaw));
 }
 
 }  // namespace mvtp

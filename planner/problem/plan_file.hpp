@@ -22,6 +22,10 @@ struct PlanReadOptions {
 /// wrong type, or not finite, and where the steps `t` are not 0, 1, 2, ...
 [[nodiscard]] Plan read_plan(const std::string& path, const PlanReadOptions& options = {});
 
+/// The same for the text of such a file. @param name  stands for the file in messages
+[[nodiscard]] Plan parse_plan(const std::string& name, const std::string& text,
+                              const PlanReadOptions& options = {});
+
 /// Gives the agents of the instance the vehicles that their plan records, if it records any.
 /// @return whether that changes one of them
 bool take_vehicles(const Plan& plan, Instance& instance);
@@ -30,5 +34,8 @@ bool take_vehicles(const Plan& plan, Instance& instance);
 /// @throws InputError if the file cannot be written; find out before solving with check_writable().
 void write_plan(const Plan& plan, const std::string& path,
                 YawSense yaw = YawSense::kCounterClockwise);
+
+/// What write_plan() writes.
+[[nodiscard]] std::string plan_text(const Plan& plan, YawSense yaw = YawSense::kCounterClockwise);
 
 }  // namespace mvtp

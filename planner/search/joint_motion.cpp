@@ -11,8 +11,8 @@ JointMotion::JointMotion(std::vector<MacroRobot> robots, TimeGrid time)
       occupancy_(size(), time),
       trajectories_(robots_.size()),
       present_(robots_.size(), 0),
-      weights_(robots_.size() * robots_.size(), 1.0F),
-      position_(robots_.size() * robots_.size(), -1),
+      weights_(robots_.size()),
+      position_(robots_.size()),
       soft_costs_(robots_.size()),
       found_(robots_.size() + Occupancy::kPadding) {
   for (const MacroRobot& robot : robots_) shapes_.push_back(robot.car->shape());
@@ -94,7 +94,7 @@ ArcTrajectory JointMotion::remove(int i) {
   for (const int j : conflicts_of(i)) drop_conflict(i, j);
   occupancy_.remove(i);
   present_[std::size_t(i)] = 0;
-  return std::move(trajectories_[std::size_t(i)]);
+  return std::exchange(trajectories_[std::size_t(i)], {});
 }
 
 void JointMotion::clear() {
@@ -134,18 +134,18 @@ void JointMotion::restore(const State& state) {
 }
 
 void JointMotion::add_conflict(int i, int j) {
-  position_[at(i, j)] = position_[at(j, i)] = int(conflicts_.size());
   conflicts_.emplace_back(std::min(i, j), std::max(i, j));
+  position_.set(i, j, int(conflicts_.size()));
   cost_ += weight(i, j);
 }
 
 void JointMotion::drop_conflict(int i, int j) {
-  const int hole = position_[at(i, j)];
+  const int hole = position_.at(i, j);
   const Pair last = conflicts_.back();
-  conflicts_[std::size_t(hole)] = last;
-  position_[at(last.first, last.second)] = position_[at(last.second, last.first)] = hole;
+  conflicts_[std::size_t(hole) - 1] = last;
+  position_.set(last.first, last.second, hole);
   conflicts_.pop_back();
-  position_[at(i, j)] = position_[at(j, i)] = -1;
+  position_.set(i, j, 0);
   cost_ -= weight(i, j);
 }
 
@@ -169,12 +169,12 @@ int JointMotion::first_conflict(int i) {
 
 void JointMotion::set_weight(int i, int j, float weight) {
   if (in_conflict(i, j)) cost_ += double(weight) - this->weight(i, j);
-  weights_[at(i, j)] = weights_[at(j, i)] = weight;
+  weights_.set(i, j, weight);
 }
 
 OtherRobots JointMotion::others(int i, double soft_cost) {
   for (int j = 0; j < size(); ++j) {
-    soft_costs_[std::size_t(j)] = float(soft_cost) * weights_[at(i, j)];
+    soft_costs_[std::size_t(j)] = float(soft_cost) * weight_of(i, j);
   }
   return {&occupancy_, trajectories_, shapes_, soft_costs_, lookahead_};
 }

@@ -9,6 +9,7 @@
 #include "planner/motion/motion_primitives.hpp"
 #include "planner/problem/deadline.hpp"
 #include "planner/search/occupancy.hpp"
+#include "planner/search/pair_table.hpp"
 #include "planner/search/soft_hybrid_astar.hpp"
 
 namespace mvtp {
@@ -76,12 +77,12 @@ class JointMotion {
   void restore(const State& state);
 
   [[nodiscard]] const std::vector<Pair>& conflicts() const { return conflicts_; }
-  [[nodiscard]] bool in_conflict(int i, int j) const { return position_[at(i, j)] >= 0; }
+  [[nodiscard]] bool in_conflict(int i, int j) const { return position_.at(i, j) > 0; }
   /// The robots that robot i overlaps, ascending.
   [[nodiscard]] std::vector<int> conflicts_of(int i) const;
   /// The first macro step in which robot i overlaps anyone; -1 if it does not.
   [[nodiscard]] int first_conflict(int i);
-  [[nodiscard]] double weight(int i, int j) const { return double(weights_[at(i, j)]); }
+  [[nodiscard]] double weight(int i, int j) const { return double(weight_of(i, j)); }
   void set_weight(int i, int j, float weight);
   /// Sum of the weights of all pairs in conflict.
   [[nodiscard]] double cost() const { return cost_; }
@@ -96,8 +97,9 @@ class JointMotion {
   [[nodiscard]] std::int64_t flowtime() const;
 
  private:
-  [[nodiscard]] std::size_t at(int i, int j) const {
-    return std::size_t(i) * robots_.size() + std::size_t(j);
+  [[nodiscard]] float weight_of(int i, int j) const {
+    const float raised = weights_.at(i, j);
+    return raised == 0.0F ? 1.0F : raised;
   }
   void add_conflict(int i, int j);
   void drop_conflict(int i, int j);
@@ -115,8 +117,8 @@ class JointMotion {
   std::vector<ArcTrajectory> trajectories_;
   std::vector<BoxShape> shapes_;
   std::vector<char> present_;
-  std::vector<float> weights_;
-  std::vector<int> position_;  ///< of a pair in conflicts_, -1 if it is not in conflict
+  PairTable<float> weights_;  ///< 0: still the first one, 1
+  PairTable<int> position_;   ///< of a pair in conflicts_, from 1; 0 if it is not in conflict
   std::vector<Pair> conflicts_;
   double cost_ = 0.0;
   std::vector<float> soft_costs_;
