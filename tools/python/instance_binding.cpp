@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <filesystem>
 #include <optional>
+#include <tuple>
 #include <utility>
 #include <variant>
 
@@ -183,6 +184,19 @@ void save(const NamedInstance& self, const std::filesystem::path& path, const st
   write_instance(self.instance, path.string(), {.yaw = read_options(words_of({{"yaw", yaw}})).yaw});
 }
 
+/// What pickle and copy keep: the file, and what the file does not say.
+py::tuple state_of(const NamedInstance& self) {
+  return py::make_tuple(self.name, instance_text(self.instance),
+                        self.instance.initial_overlap == InitialOverlap::kAllow);
+}
+
+NamedInstance from_state(const py::tuple& state) {
+  const auto [name, text, allow] = state.cast<std::tuple<std::string, std::string, bool>>();
+  InstanceReadOptions options;
+  if (allow) options.initial_overlap = InitialOverlap::kAllow;
+  return {parse_instance(name, text, options), name};
+}
+
 /// The poses of all agents where they lie, in the list of agents.
 py::array poses_of(const py::object& self, Pose Agent::*pose) {
   const std::vector<Agent>& agents = self.cast<const NamedInstance&>().instance.agents;
@@ -224,6 +238,11 @@ std::vector<std::string> problems(const NamedInstance& self) {
   return lines;
 }
 
+Vehicle vehicle_from(const std::string& fields) {
+  const Document document = Document::parse("vehicle", fields, {"preset", "front"}, "a vehicle");
+  return read_vehicle(document.root(), vehicle_preset("escot").value()).vehicle;
+}
+
 /// The fields that Python names, read as those of a file.
 Vehicle make_vehicle(const std::string& preset, const py::kwargs& fields) {
   std::string text = "preset: " + yaml_string(preset);
@@ -231,8 +250,7 @@ Vehicle make_vehicle(const std::string& preset, const py::kwargs& fields) {
     text += fmt::format(", {}: {}", key.cast<std::string>(),
                         number_text(py::float_(py::reinterpret_borrow<py::object>(value))));
   }
-  const Document document = Document::parse("vehicle", "{" + text + "}", {"preset"}, "a vehicle");
-  return read_vehicle(document.root(), vehicle_preset("escot").value()).vehicle;
+  return vehicle_from("{" + text + "}");
 }
 
 void bind_vehicle(py::module_& module) {
@@ -254,6 +272,7 @@ void bind_vehicle(py::module_& module) {
       .def_readonly("max_accel", &Vehicle::max_accel, "[m/s^2]; infinite if not limited.")
       .def_readonly("max_decel", &Vehicle::max_decel, "[m/s^2]; infinite if not limited.")
       .def_property_readonly("length", &Vehicle::length, "front + rear [m].")
+      .def(py::pickle(&vehicle_fields_text, &vehicle_from))
       .def("__eq__", [](const Vehicle& a, const Vehicle& b) { return a == b; })
       .def("__repr__", [](const Vehicle& v) { return "Vehicle" + vehicle_text(v); });
 }
@@ -288,6 +307,7 @@ yaw: "ccw" or "cw", how the file means it. bounds, vehicle (a preset's name) and
 place of what the file says, unless None.)")
       .def("save", &save, "path"_a, py::kw_only(), "yaw"_a = "ccw",
            "Writes an instance file (YAML); load() gives back the same numbers, bit by bit.")
+      .def(py::pickle(&state_of, &from_state))
       .def("problems", &problems,
            "What makes it unsolvable by itself, a line each: solve() raises the first of\n"
            "them.");

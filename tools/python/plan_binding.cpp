@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <limits>
 #include <optional>
+#include <tuple>
 #include <utility>
 
 #include "planner/problem/input_error.hpp"
@@ -51,6 +52,16 @@ void require_finite(const Plan& plan) {
 void save(const PlanObject& self, const std::filesystem::path& path, const std::string& yaw) {
   require_finite(self.plan());
   write_plan(self.plan(), path.string(), read_options(yaw, 1.0).yaw);
+}
+
+/// What pickle and copy keep: the file.
+py::tuple state_of(const PlanObject& self) {
+  require_finite(self.plan());
+  return py::make_tuple(plan_text(self.plan()));
+}
+
+PlanObject from_state(const py::tuple& state) {
+  return PlanObject(parse_plan(kBuilt, std::get<0>(state.cast<std::tuple<std::string>>())));
 }
 
 Trajectory trajectory_from(const Numbers& states, py::ssize_t robot) {
@@ -149,7 +160,8 @@ them the referee infers each step's arc. names: "agent0", ... if None. dt: durat
           "Reads a plan file of mvtp, CL-CBS, CSDO, or Guo and Yu. yaw: \"ccw\" or \"cw\";\n"
           "dt: duration of a step [s] where the file does not say.")
       .def("save", &save, "path"_a, py::kw_only(), "yaw"_a = "ccw",
-           "Writes a plan file (YAML), as `mvtp solve -o` does.");
+           "Writes a plan file (YAML), as `mvtp solve -o` does.")
+      .def(py::pickle(&state_of, &from_state));
 }
 
 void bind_values(py::class_<PlanObject>& plan) {

@@ -1,6 +1,8 @@
 """Instances, plans and the referee, from Python."""
 
+import copy
 import os
+import pickle
 import re
 import signal
 import threading
@@ -77,7 +79,8 @@ def test_an_instance_of_values_is_the_one_of_its_file(tmp_path):
     )
     built.save(tmp_path / "i.yaml")
     read = mvtp.Instance.load(tmp_path / "i.yaml")
-    for instance in (built, read):
+    sent = pickle.loads(pickle.dumps(built))
+    for instance in (built, read, sent, copy.deepcopy(read)):
         np.testing.assert_array_equal(instance.starts, [[10, 20, 0], [30, 20, 3]])
         np.testing.assert_array_equal(instance.goals, [[30, 20, 0], [10, 20, 3]])
         np.testing.assert_array_equal(instance.circles, [[20, 5, 1.5]])
@@ -94,10 +97,21 @@ def test_an_instance_of_values_is_the_one_of_its_file(tmp_path):
 def test_plans_come_back_from_their_files_bit_by_bit(tmp_path):
     plan = mvtp.solve(swap())
     plan.save(tmp_path / "plan.yaml")
-    read = mvtp.Plan.load(tmp_path / "plan.yaml")
-    np.testing.assert_array_equal(read.states, plan.states)
-    assert read.names == plan.names and read.vehicles == plan.vehicles
-    assert read.statistics == plan.statistics
+    for read in (mvtp.Plan.load(tmp_path / "plan.yaml"), pickle.loads(pickle.dumps(plan))):
+        np.testing.assert_array_equal(read.states, plan.states)
+        assert read.names == plan.names and read.vehicles == plan.vehicles
+        assert read.statistics == plan.statistics
+
+
+def test_pickle_keeps_what_no_file_says():
+    wall = [[(9.9, 19.9), (10.1, 19.9), (10.1, 20.1)]]
+    allowed = swap(polygons=wall, initial_overlap="allow", bounds="axle")
+    sent = pickle.loads(pickle.dumps(allowed))
+    assert sent.problems() == [] and sent.bounds == "axle"
+    refused = swap(polygons=wall)
+    assert pickle.loads(pickle.dumps(refused)).problems() == refused.problems() != []
+    vehicles = [mvtp.Vehicle(width=1.25, max_accel=0.1), mvtp.Vehicle("cl-cbs")]
+    assert pickle.loads(pickle.dumps(vehicles)) == vehicles
 
 
 def test_the_referee_judges_values(tmp_path):
@@ -172,6 +186,8 @@ def test_a_plan_that_is_not_finite_is_judged_and_never_saved(tmp_path):
         assert "not finite" in {violation.rule for violation in mvtp.validate(swap(), plan)}
         with pytest.raises(mvtp.InputError, match="plan: agent1: step 2 is not finite"):
             plan.save(tmp_path / "plan.yaml")
+        with pytest.raises(mvtp.InputError, match="plan: agent1: step 2 is not finite"):
+            pickle.dumps(plan)
     assert not list(tmp_path.iterdir())
 
 
