@@ -67,10 +67,12 @@ void People::see(const Pedestrian& p, Persons& now) {
   if (const auto before = numbers_.find(p.next); before != numbers_.end()) {
     return see_at(p, before->second, Where::kBefore, now);
   }
-  if (const auto near = meeting_.find(p.next); near != meeting_.end()) {
-    for (const int c : near->second) {
-      if (on == numbers_.end() || c != on->second) see_at(p, c, Where::kNear, now);
-    }
+  // Who walks along the kerb from one sidewalk to the next is in the path of those who turn, too.
+  auto near = meeting_.find(p.next);
+  if (near == meeting_.end()) near = meeting_.find(p.edge);
+  if (near == meeting_.end()) return;
+  for (const int c : near->second) {
+    if (on == numbers_.end() || c != on->second) see_at(p, c, Where::kNear, now);
   }
 }
 
