@@ -299,10 +299,16 @@ class WaitTest::Impl {
  public:
   Impl(const RoadPairs& pairs, const RoadVehicle& vehicle,
        std::span<const JointPlan::Entry> planned, const ProfileOptions& options)
-      : step(pairs.scene().step),
+      : grid(pairs.scene().grid),
+        own(vehicle),
+        body(pairs.scene().body(vehicle)),
+        step(pairs.scene().step),
         all(pairs, vehicle, planned, options),
         forecasts(pairs, vehicle, {}, options, Surroundings::Forecasts::kWithSlack) {}
 
+  DecisionGrid grid;
+  const RoadVehicle& own;
+  const Vehicle& body;
   std::int64_t step;
   Surroundings all;
   Surroundings forecasts;
@@ -323,6 +329,25 @@ bool WaitTest::stands_clear(std::int64_t k, const InertialState& state) const {
 
 bool WaitTest::leaves_passages_free(std::int64_t k, const InertialState& state) const {
   return impl_->forecasts.leaves_passages_free(k, state);
+}
+
+bool WaitTest::gets_away(std::int64_t k, InertialState state) const {
+  constexpr int kDecisions = 16;
+  const Surroundings& forecasts = impl_->forecasts;
+  const Vehicle& body = impl_->body;
+  const double h = impl_->grid.decision();
+  for (int n = 0; n < kDecisions; ++n, k += impl_->grid.steps_per_decision) {
+    if (forecasts.leaves_passages_free(k, state)) return true;
+    double a = body.max_accel;
+    InertialState to = advance(state, a, h);
+    while (a > -body.max_decel && to.v > impl_->own.envelope->at(to.s)) {
+      a -= 0.5 * body.max_accel;
+      to = advance(state, a, h);
+    }
+    if (!forecasts.step_is_clear(k, state, a, to)) return false;
+    state = to;
+  }
+  return true;
 }
 
 bool WaitTest::clear_of_forecasts(const InertialState& from, double a,

@@ -90,6 +90,9 @@ class WaitTest {
   [[nodiscard]] bool stands_clear(std::int64_t k, const InertialState& state) const;
   /// The same with nobody but drivers who do not yield.
   [[nodiscard]] bool leaves_passages_free(std::int64_t k, const InertialState& state) const;
+  /// From `state` at step k, does the vehicle get out of those passages, or stay ahead of who comes
+  /// there, if it drives on as fast as it may?
+  [[nodiscard]] bool gets_away(std::int64_t k, InertialState state) const;
   /// Is the decision of now, and braking after it, free of contact with all forecasts?
   [[nodiscard]] bool clear_of_forecasts(const InertialState& from, double a,
                                         const InertialState& to) const;

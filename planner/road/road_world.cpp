@@ -50,8 +50,9 @@ std::vector<RoadStepWorld::Motion> RoadStepWorld::candidates(int i, const State&
     if (a > -body.max_decel && complete_plans_ && runs_over_a_line(v, body, state, m.to)) continue;
     if (a > -body.max_decel && !wait.clear_of_forecasts(state, a, m.to)) continue;
     // Who stands where somebody passes who does not yield is run into; who cannot stop before it
-    // drives on.
-    const bool may_stop_there = a <= -body.max_decel || !can_stop_before;
+    // drives on if he is gone in time.
+    const bool may_stop_there =
+        a <= -body.max_decel || (!can_stop_before && wait.gets_away(then, m.to));
     if (!may_stop_there && !wait.leaves_passages_free(then, m.to)) continue;
     const double rest = m.to.s + stopping_distance(m.to.v, body.max_decel);
     const bool keeps_clear =

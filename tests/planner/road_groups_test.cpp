@@ -172,6 +172,41 @@ TEST_F(WithoutAPlan, NobodyCreepsOnBeforeOneWhoIsInsideToo) {
   EXPECT_GT(first_choice(99.0, /*has_plan=*/false), 0.0);  // waits at its line
 }
 
+//          | 1     A driver who does not yield goes over the crossing, perhaps at a crawl. Who
+//          cannot
+//   0 -----+-----  stop before his passage brakes, unless he is over it first.
+TEST_F(WithoutAPlan, NobodyDrivesOnIntoADriverWhoIsInTheWay) {
+  const RoadVehicle driver = add(1, 90.0, 8.0);
+  scene.vehicles.clear();
+  const auto passing = [&](double speed) {
+    SpeedProfile t{.states = {driver.now}};
+    for (int k = 0; k < 300; ++k) t.states.push_back({t.states.back().s + speed / 10.0, speed});
+    return t;
+  };
+  scene.forecasts = {
+      {.vehicle = driver, .earliest = passing(8.0), .latest = passing(1.0), .yields = false}};
+  add(0, 0.0, 6.0);
+  const ContactTable& passage = library.contacts(0, 1);
+  const auto rest = [&](const RoadStepWorld::Motion& m) {
+    return m.to.s + stopping_distance(m.to.v, kCar.max_decel);
+  };
+  int inside = 0;
+  for (double s = 80.0; s < 104.0; s += 0.5) {
+    scene.vehicles[0].now.s = s;
+    const RoadPairs pairs(scene);
+    const JointPlan nobody;
+    const RoadStepWorld world(pairs, nobody, {});
+    const double stop = rest(world.safe_stop(0, scene.vehicles[0].now));
+    if (!passage.blocks(stop, 90.0, 200.0) || passage.touches(s, 100.0)) continue;
+    ++inside;
+    for (const RoadStepWorld::Motion& m : world.candidates(0, scene.vehicles[0].now)) {
+      EXPECT_TRUE(m.acceleration <= -kCar.max_decel || !passage.blocks(rest(m), 90.0, 200.0))
+          << s << ": " << m.acceleration;
+    }
+  }
+  EXPECT_GT(inside, 3);
+}
+
 //   From the south it turns into the lane of a driver from the west, who does not yield.
 TEST_F(WithoutAPlan, WhoCannotStopBeforeAPassageGetsOutOfTheWay) {
   std::vector<Point> turn = {{0, -100}, {0, -6}};
