@@ -252,6 +252,9 @@ class Coordinator : public Controller {
   [[nodiscard]] Trial without_the_late(Trial trial, const std::map<std::string, Driven>& arrivals,
                                        std::set<std::string> excluded,
                                        const std::vector<std::int64_t>& upset);
+  [[nodiscard]] std::vector<Forecast> expect_people(const std::vector<std::string>& crossings);
+  [[nodiscard]] bool meets_one(const std::vector<Forecast>& people, int path,
+                               const SpeedProfile& plan) const;
   [[nodiscard]] bool is_clear_of(const std::vector<std::string>& guests, const Trial& trial);
   [[nodiscard]] bool is_at_gate(const std::vector<std::string>& guests) const;
   [[nodiscard]] bool exclude_each_other(const std::vector<std::string>& guests,

@@ -27,7 +27,15 @@ void Coordinator::look_at_signals() {
     heads_->own();
     heads_->advance();
   }
-  if (people_ && (shows_lights() || greens_)) people_->begin(step_);
+  if (people_ && (shows_lights() || greens_)) {
+    people_->begin(step_, [this](const std::string& crossing) {
+      const std::vector<Forecast> people = expect_people({crossing});
+      return std::ranges::none_of(driven_, [&](const auto& entry) {
+        const SpeedProfile* plan = plan_.find(entry.second.key);
+        return plan != nullptr && meets_one(people, entry.second.road.path, *plan);
+      });
+    });
+  }
   if (greens_) sense_drivers();
 }
 

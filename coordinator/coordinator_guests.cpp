@@ -47,27 +47,37 @@ bool Coordinator::waits_inside(const Trial& trial, std::optional<int> zone) cons
   });
 }
 
+/// What people do in the green of these crossings.
+std::vector<Forecast> Coordinator::expect_people(const std::vector<std::string>& crossings) {
+  std::vector<Forecast> forecasts;
+  if (!people_) return forecasts;
+  for (People::Expected& person : people_->expect(crossings)) {
+    if (std::ranges::count(crossings, people_->id_of(person.crossing)) == 0) continue;
+    forecasts.push_back(std::move(person.forecast));
+  }
+  return forecasts;
+}
+
+/// Could a vehicle with this plan meet one of these people?
+bool Coordinator::meets_one(const std::vector<Forecast>& people, int path,
+                            const SpeedProfile& plan) const {
+  constexpr double kWhole = SpeedProfile::kDeparted / 2.0;
+  return std::ranges::any_of(people, [&](const Forecast& f) {
+    return may_meet(corridors_.library().contacts(path, f.vehicle.path), {plan, plan}, kWhole,
+                    {f.earliest, *f.latest}, kWhole, step_);
+  });
+}
+
 /// Does nobody under control come where these drivers and people may be? Planning lets a vehicle
 /// brake fully wherever it is; a green is not shown on that.
 bool Coordinator::is_clear_of(const std::vector<std::string>& guests, const Trial& trial) {
-  std::vector<People::Expected> people;
-  if (people_) people = people_->expect(guests);
-  std::erase_if(people, [&](const People::Expected& person) {
-    return std::ranges::count(guests, people_->id_of(person.crossing)) == 0;
-  });
-  constexpr double kWhole = SpeedProfile::kDeparted / 2.0;
-  for (const JointPlan::Entry& e : trial.decision.plan.entries) {
+  const std::vector<Forecast> people = expect_people(guests);
+  return std::ranges::none_of(trial.decision.plan.entries, [&](const JointPlan::Entry& e) {
     const auto path = trial.paths.find(e.key);
-    if (path == trial.paths.end()) continue;
-    if (humans_ && humans_->may_meet(guests, path->second, *e.profile)) return false;
-    const bool meets_people = std::ranges::any_of(people, [&](const People::Expected& person) {
-      const Forecast& f = person.forecast;
-      return may_meet(corridors_.library().contacts(path->second, f.vehicle.path),
-                      {*e.profile, *e.profile}, kWhole, {f.earliest, *f.latest}, kWhole, step_);
-    });
-    if (meets_people) return false;
-  }
-  return true;
+    if (path == trial.paths.end()) return false;
+    return (humans_ && humans_->may_meet(guests, path->second, *e.profile)) ||
+           meets_one(people, path->second, *e.profile);
+  });
 }
 
 /// Could vehicles that keep their drivers and people meet, if these pass too? Only where one of

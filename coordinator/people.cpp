@@ -52,12 +52,12 @@ bool People::knows(const std::string& crossing) const {
   return found != numbers_.end() && is_ours(found->second);
 }
 
-void People::begin(std::int64_t step) {
+void People::begin(std::int64_t step, const std::function<bool(const std::string&)>& is_clear) {
   step_ = step;
   Persons now;
   for (const Pedestrian& person : traffic_.pedestrians()) see(person, now);
   people_ = std::move(now);
-  show_greens();
+  show_greens(is_clear);
   call_for_greens();
 }
 
@@ -65,7 +65,15 @@ void People::see(const Pedestrian& p, Persons& now) {
   const auto on = numbers_.find(p.edge);
   if (on != numbers_.end()) see_at(p, on->second, Where::kOnIt, now);
   if (const auto before = numbers_.find(p.next); before != numbers_.end()) {
-    return see_at(p, before->second, Where::kBefore, now);
+    see_at(p, before->second, Where::kBefore, now);
+    // In the green of another crossing there he may go over that one: SUMO then sets him onto it
+    // from one step to the next, some metres away.
+    if (const auto here = meeting_.find(p.edge); here != meeting_.end()) {
+      for (const int c : here->second) {
+        if (c != before->second) see_at(p, c, Where::kBeside, now);
+      }
+    }
+    return;
   }
   // Who walks along the kerb from one sidewalk to the next is in the path of those who turn, too.
   auto near = meeting_.find(p.next);
@@ -91,7 +99,8 @@ void People::see_at(const Pedestrian& p, int crossing, Where where, Persons& now
     if (p.speed < kStands) person.stands_since = known->second.stands_since;
   }
   const bool is_on_it = where == Where::kOnIt;
-  const CrossingPaths::Place place = paths_.place(crossing, person.forward, is_on_it, p.position);
+  CrossingPaths::Place place = paths_.place(crossing, person.forward, is_on_it, p.position);
+  if (where == Where::kBeside) place = {.s = CrossingPaths::kKerb};
   if (place.s < CrossingPaths::kKerb - kNearby) return;
   person.s = place.s;
   person.aside = place.aside;
@@ -103,18 +112,18 @@ bool People::waits(const Person& person, int crossing) const {
   return person.crossing == crossing && person.where == Where::kBefore;
 }
 
-void People::show_greens() {
-  for (auto it = granted_.begin(); it != granted_.end();) {
-    const auto& [crossing, green] = *it;
+void People::show_greens(const std::function<bool(const std::string&)>& is_clear) {
+  std::erase_if(granted_, [&](const auto& entry) {
+    const auto& [crossing, green] = entry;
     const int light = heads_.light_of_crossing(crossing);
     const bool is_over = step_ >= green.end;
     if (is_over) heads_.end_green(light);
-    if (!is_over && step_ >= green.begin && heads_.light(light) == Light::kRed) {
-      heads_.reserve(crossing, false);
-      heads_.turn_green(light);
-    }
-    it = is_over ? granted_.erase(it) : std::next(it);
-  }
+    if (is_over || step_ < green.begin || heads_.light(light) != Light::kRed) return is_over;
+    heads_.reserve(crossing, false);
+    if (!is_clear(id_of(crossing))) return true;
+    heads_.turn_green(light);
+    return false;
+  });
 }
 
 /// Since when the first of those has waited who want to go over it.
@@ -165,6 +174,7 @@ std::vector<People::Expected> People::expect(const std::vector<std::string>& gue
   std::vector<Expected> all;
   for (const auto& [id, person] : people_) {
     const auto green = greens.find(person.crossing);
+    if (person.where == Where::kBeside && green == greens.end()) continue;
     all.push_back(
         {person.crossing,
          expect_one(person, green == greens.end() ? std::nullopt : std::optional(green->second))});

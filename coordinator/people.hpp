@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
@@ -18,14 +19,17 @@ namespace mvtp {
 /// Safety: who is on a crossing, or may step onto it, is in a tube that vehicles under control keep
 /// clear of; at a crossing of the coordinator nobody may step onto it but in its green, shown
 /// only once everybody's plan keeps clear of those who use it. Liveness: a green that is due begins
-/// three seconds after it is promised, before which everybody can stop.
+/// three seconds after it is promised, before which everybody can stop. One that was promised is
+/// not shown if somebody stands on the crossing by then.
 class People {
  public:
   People(Traffic& traffic, const LaneGraph& graph, PathLibrary& library, SignalHeads& heads,
          const DecisionGrid& grid);
 
-  /// A decision begins: looks at everybody, and ends greens that are over.
-  void begin(std::int64_t step);
+  /// A decision begins: looks at everybody, ends greens that are over, and shows those that were
+  /// promised for now.
+  /// @param is_clear  do all keep clear of those who use the green of a crossing, by its id?
+  void begin(std::int64_t step, const std::function<bool(const std::string&)>& is_clear);
 
   /// Is this a crossing, by its id, whose light is ours?
   [[nodiscard]] bool knows(const std::string& crossing) const;
@@ -61,10 +65,12 @@ class People {
 
  private:
   /// Where somebody is, as seen from a crossing that he may walk over.
-  enum class Where { kNear, kBefore, kOnIt };
+  enum class Where { kBeside, kNear, kBefore, kOnIt };
   struct Person {
     int crossing = 0;
-    Where where = Where::kNear;  ///< near: he may turn elsewhere; before: he wants to go over it
+    /// Beside: he waits for another crossing there; near: he may turn elsewhere; before: he wants
+    /// to go over it.
+    Where where = Where::kNear;
     bool forward = true;
     double s = 0.0;
     double aside = 0.0;
@@ -83,7 +89,7 @@ class People {
   void see(const Pedestrian& person, Persons& now);
   void see_at(const Pedestrian& person, int crossing, Where where, Persons& now);
   [[nodiscard]] bool waits(const Person& person, int crossing) const;
-  void show_greens();
+  void show_greens(const std::function<bool(const std::string&)>& is_clear);
   void call_for_greens();
   [[nodiscard]] std::int64_t steps(double seconds) const;
   [[nodiscard]] bool is_ours(int crossing) const;

@@ -18,6 +18,7 @@ void FakeWalkers::step(double time, double dt, const std::function<bool(int)>& g
     w.v = stops ? 0.0 : w.walker.speed;
     if (!stops) w.s = next;
     if (stops) w.waited += dt;
+    if (stops && w.walker.takes_any) change_crossing(w, green);
     longest_wait_ = std::max(longest_wait_, w.waited);
   }
   std::erase_if(walking_, [&](const Walking& w) {
@@ -26,6 +27,19 @@ void FakeWalkers::step(double time, double dt, const std::function<bool(int)>& g
   people_.clear();
   for (const Walking& w : walking_) people_.push_back(seen(w));
   std::ranges::sort(people_, {}, &Pedestrian::id);
+}
+
+void FakeWalkers::change_crossing(Walking& w, const std::function<bool(int)>& green) const {
+  const std::string here =
+      graph_.crossing(w.walker.crossing).crossing->ends[w.walker.forward ? 0 : 1];
+  for (int c = 0; c < graph_.crossings(); ++c) {
+    const std::vector<std::string>& ends = graph_.crossing(c).crossing->ends;
+    if (!green(c) || std::ranges::count(ends, here) == 0) continue;
+    w.walker.crossing = c;
+    w.walker.forward = ends.front() == here;
+    w.s = 0.1;
+    return;
+  }
 }
 
 Pedestrian FakeWalkers::seen(const Walking& w) const {

@@ -19,6 +19,8 @@ struct FakeWalker {
   double aside = 0.0;   ///< [m] to the left of its middle
   double speed = 1.35;  ///< [m/s]
   bool turns = false;   ///< he only comes near, and turns away at the kerb
+  /// He goes over whichever crossing there has green first, onto which he is set at once.
+  bool takes_any = false;
 };
 
 /// People on foot as SUMO's are: they wait at the kerb as long as their light is red, and look at
@@ -43,6 +45,7 @@ class FakeWalkers {
     double v = 0.0;
     double waited = 0.0;
   };
+  void change_crossing(Walking& w, const std::function<bool(int)>& green) const;
   [[nodiscard]] Pedestrian seen(const Walking& w) const;
 
   const LaneGraph& graph_;

@@ -314,9 +314,17 @@ NetworkShape crossroads_with_phases() {
 }
 
 NetworkShape with_crossings(NetworkShape shape) {
-  constexpr double kWidth = 4.0;  // [m]
+  constexpr double kWidth = 4.0;   // [m]
+  constexpr double kCorner = 6.0;  // [m] between the ends of crossings that share a walking area
   for (auto& [id, junction] : shape.network.junctions) {
     if (!junction.has_conflicts) continue;
+    std::vector<std::pair<Point, std::string>> corners;
+    const auto corner_at = [&](const Point& p) {
+      for (const auto& [at, name] : corners) {
+        if (std::hypot(p.x - at.x, p.y - at.y) < kCorner) return name;
+      }
+      return corners.emplace_back(p, ":" + id + "_w" + std::to_string(corners.size())).second;
+    };
     for (const std::string& in : junction.incoming_lanes) {
       const Lane& lane = shape.network.lanes.at(in);
       const std::size_t dash = lane.edge.find('-');
@@ -337,7 +345,7 @@ NetworkShape with_crossings(NetworkShape shape) {
                          a.y - kerb * across.y + kWidth / 2.0 * inwards.y},
                         {b.x + kerb * across.x + kWidth / 2.0 * inwards.x,
                          b.y + kerb * across.y + kWidth / 2.0 * inwards.y}};
-      crossing.ends = {crossing.id + "_a", crossing.id + "_b"};
+      crossing.ends = {corner_at(crossing.shape.front()), corner_at(crossing.shape.back())};
       if (const auto signal = shape.network.signals.find(id);
           signal != shape.network.signals.end()) {
         crossing.signal = id;
