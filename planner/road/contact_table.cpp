@@ -24,7 +24,7 @@ void find_near(const SweptPath& b, const PlaneBounds& near,
   for (std::size_t c = 0; c < b.chunks().size(); ++c) {
     if (!b.chunks()[c].overlaps(near)) continue;
     const std::size_t first = c * SweptPath::kChunk;
-    const std::size_t behind = std::min(first + SweptPath::kChunk, b.boxes().size());
+    const std::size_t behind = std::min(first + SweptPath::kChunk, b.samples());
     if (!ranges.empty() && ranges.back().second == first) {
       ranges.back().second = behind;
     } else {
@@ -32,6 +32,26 @@ void find_near(const SweptPath& b, const PlaneBounds& near,
     }
   }
 }
+
+/// The rectangles of a stretch of a path.
+class Boxes {
+ public:
+  /// From the first to the last chunk that reaches into `near`.
+  Boxes(const SweptPath& path, const PlaneBounds& near) {
+    std::vector<std::pair<std::size_t, std::size_t>> ranges;
+    find_near(path, near, ranges);
+    if (ranges.empty()) return;
+    first_ = ranges.front().first;
+    for (std::size_t i = first_; i < ranges.back().second; ++i) boxes_.push_back(path.box(i));
+  }
+  [[nodiscard]] std::size_t first() const { return first_; }
+  [[nodiscard]] std::size_t behind() const { return first_ + boxes_.size(); }
+  const OrientedBox& operator[](std::size_t i) const { return boxes_[i - first_]; }
+
+ private:
+  std::size_t first_ = 0;
+  std::vector<OrientedBox> boxes_;
+};
 
 }  // namespace
 
@@ -42,23 +62,22 @@ void PlaneBounds::include(const PlaneBounds& other) {
   y_high = std::max(y_high, other.y_high);
 }
 
-SweptPath::SweptPath(const ReferencePath& path, const Vehicle& body, const Margins& margins) {
-  Vehicle grown = body;
-  grown.front += margins.along / 2.0;
-  grown.rear += margins.along / 2.0;
-  grown.width += margins.across;
+SweptPath::SweptPath(const ReferencePath& path, const Vehicle& body, const Margins& margins)
+    : path_(&path), grown_(body) {
+  grown_.front += margins.along / 2.0;
+  grown_.rear += margins.along / 2.0;
+  grown_.width += margins.across;
   double most_turn = 0.0;
   for (std::size_t i = 0; i < path.samples(); ++i) {
-    boxes_.push_back(footprint(grown, path.sample(i)));
     if (i % kChunk == 0) chunks_.emplace_back();
-    chunks_.back().include(bounds_of(boxes_.back()));
+    chunks_.back().include(bounds_of(box(i)));
     if (i == 0) continue;
     const double turn = path.sample(i).theta - path.sample(i - 1).theta;
     most_turn = std::max(most_turn, std::abs(wrap_to_pi(turn)));
   }
   for (const PlaneBounds& chunk : chunks_) bounds_.include(chunk);
   least_margin_ = std::min(margins.along, margins.across);
-  const double arm = std::hypot(std::max(grown.front, grown.rear), grown.width / 2.0);
+  const double arm = std::hypot(std::max(grown_.front, grown_.rear), grown_.width / 2.0);
   stride_ = ReferencePath::kSpacing + arm * most_turn + 1e-9;
 }
 
@@ -71,13 +90,15 @@ ContactTable::ContactTable(const SweptPath& a, const SweptPath& b) {
   std::vector<std::pair<std::size_t, std::size_t>> near;
   std::vector<Run> runs;
   const double slack = std::max(0.0, (a.stride() + b.stride()) / 2.0 + kUneven - a.least_margin());
-  for (std::size_t i = 0; i < a.boxes().size(); ++i) {
+  const Boxes on_a(a, b.bounds());
+  const Boxes on_b(b, a.bounds());
+  for (std::size_t i = on_a.first(); i < on_a.behind(); ++i) {
     if (i % SweptPath::kChunk == 0) find_near(b, a.chunks()[i / SweptPath::kChunk], near);
     runs.clear();
     for (const auto& [first, behind] : near) {
       bool inside = false;
       for (std::size_t j = first; j < behind;) {
-        const double gap = separation(a.boxes()[i], b.boxes()[j]) - slack;
+        const double gap = separation(on_a[i], on_b[j]) - slack;
         // From sample to sample the gap, and likewise how deep the boxes overlap, changes by a
         // stride at most: nothing changes at the samples that are left out.
         const double sure = std::floor((std::abs(gap) - 1e-9) / b.stride());

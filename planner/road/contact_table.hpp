@@ -34,14 +34,17 @@ struct PlaneBounds {
 };
 
 /// The ground that a body covers along a path: its rectangle at every sample, with half of the
-/// margins around it, and what bounds them.
+/// margins around it, and what bounds them. Rectangles are made when they are asked for: there are
+/// too many to keep.
 class SweptPath {
  public:
   static constexpr std::size_t kChunk = 16;  ///< samples per entry of chunks()
 
+  /// @param path  must outlive it.
   SweptPath(const ReferencePath& path, const Vehicle& body, const Margins& margins);
 
-  [[nodiscard]] std::span<const OrientedBox> boxes() const { return boxes_; }
+  [[nodiscard]] std::size_t samples() const { return path_->samples(); }
+  [[nodiscard]] OrientedBox box(std::size_t i) const { return footprint(grown_, path_->sample(i)); }
   [[nodiscard]] std::span<const PlaneBounds> chunks() const { return chunks_; }
   [[nodiscard]] const PlaneBounds& bounds() const { return bounds_; }
   /// From one sample to the next no point of the body moves further than this [m].
@@ -50,7 +53,8 @@ class SweptPath {
   [[nodiscard]] double least_margin() const { return least_margin_; }
 
  private:
-  std::vector<OrientedBox> boxes_;
+  const ReferencePath* path_;
+  Vehicle grown_;
   std::vector<PlaneBounds> chunks_;
   PlaneBounds bounds_;
   double stride_ = ReferencePath::kSpacing;

@@ -21,15 +21,15 @@ std::unique_ptr<const ContactTable> transpose_of(const ContactTable& table) {
 
 int PathLibrary::add(ReferencePath path, const Vehicle& body,
                      std::vector<JunctionStretch> stretches) {
-  SweptPath swept(path, body, margins_);
   const int number = int(grounds_.size());
-  std::vector<int> near;
+  auto added = std::make_unique<Ground>(std::move(path), body, margins_, std::move(stretches));
   for (int g = 0; g < number; ++g) {
-    if (grounds_[std::size_t(g)]->swept.bounds().overlaps(swept.bounds())) near.push_back(g);
+    if (grounds_[std::size_t(g)]->swept.bounds().overlaps(added->swept.bounds())) {
+      added->near.push_back(g);
+    }
   }
-  near.push_back(number);
-  grounds_.push_back(std::make_unique<Ground>(
-      Ground{std::move(path), std::move(swept), std::move(stretches), std::move(near)}));
+  added->near.push_back(number);
+  grounds_.push_back(std::move(added));
   entries_.push_back({number, body});
   return size() - 1;
 }

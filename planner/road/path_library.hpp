@@ -50,7 +50,11 @@ class PathLibrary {
  private:
   /// A path with the ground that a body covers along it.
   struct Ground {
-    ReferencePath path;
+    Ground(ReferencePath line, const Vehicle& body, const Margins& margins,
+           std::vector<JunctionStretch> on_junctions)
+        : path(std::move(line)), swept(path, body, margins), stretches(std::move(on_junctions)) {}
+
+    const ReferencePath path;  ///< where `swept` looks at it
     SweptPath swept;
     std::vector<JunctionStretch> stretches;
     std::vector<int> near;  ///< those added before this one, and itself, whose bounds overlap

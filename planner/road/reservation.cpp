@@ -15,7 +15,7 @@ struct Samples {
 };
 
 Samples samples_of(const JunctionStretch& stretch, const SweptPath& swept) {
-  const auto most = std::int64_t(swept.boxes().size()) - 1;
+  const auto most = std::int64_t(swept.samples()) - 1;
   const auto at = [&](double s) {
     return std::uint32_t(
         std::clamp<std::int64_t>(std::lround(s / ReferencePath::kSpacing), 0, most));
@@ -50,7 +50,7 @@ std::vector<Tile> tiles_under(const OrientedBox& box) {
 std::map<Tile, Samples> occupied_tiles(const SweptPath& b, const Samples& range) {
   std::map<Tile, Samples> occupied_tiles;
   for (std::uint32_t j = range.first; j <= range.last; ++j) {
-    for (const Tile tile : tiles_under(b.boxes()[j])) {
+    for (const Tile tile : tiles_under(b.box(j))) {
       occupied_tiles.try_emplace(tile, Samples{j, j}).first->second.last = j;
     }
   }
@@ -68,7 +68,7 @@ void add_tiles(const SweptPath& swept_a, const Samples& a, const SweptPath& swep
                const Samples& b, Rows& rows) {
   const std::map<Tile, Samples> there = occupied_tiles(swept_b, b);
   for (std::uint32_t i = a.first; i <= a.last; ++i) {
-    for (const Tile tile : tiles_under(swept_a.boxes()[i])) {
+    for (const Tile tile : tiles_under(swept_a.box(i))) {
       const auto occupied = there.find(tile);
       if (occupied != there.end())
         rows[i].emplace_back(occupied->second.first, occupied->second.last);

@@ -75,9 +75,9 @@ TEST(ContactTable, HoldsWhatACheckOfAllPairsOfSamplesFinds) {
     const SweptPath b(any_path(draws), kCar, Margins{});
     const ContactTable table(a, b);
     const double slack = std::max(0.0, (a.stride() + b.stride()) / 2.0 + 0.07 - 0.4);
-    for (std::size_t i = 0; i < a.boxes().size(); ++i) {
-      for (std::size_t j = 0; j < b.boxes().size(); ++j) {
-        const double gap = separation(a.boxes()[i], b.boxes()[j]) - slack;
+    for (std::size_t i = 0; i < a.samples(); ++i) {
+      for (std::size_t j = 0; j < b.samples(); ++j) {
+        const double gap = separation(a.box(i), b.box(j)) - slack;
         if (std::abs(gap) < 1e-6) continue;
         ASSERT_EQ(table.touches(double(i) * 0.25, double(j) * 0.25), gap <= 0.0)
             << "round " << round << ", samples " << i << " and " << j;

@@ -81,8 +81,8 @@ TEST_F(ReservedGround, ATileIsNeverSharedAndBodiesOnOneGroundShareOne) {
   const ContactTable tiles = reserved(Reservation::kTiles, kFromWest, kFromSouth);
   for (double a = 92.0; a <= 113.0; a += 0.25) {
     for (double b = 92.0; b <= 113.0; b += 0.25) {
-      const OrientedBox on_a = east.boxes()[std::size_t(a / ReferencePath::kSpacing + 0.5)];
-      const OrientedBox on_b = north.boxes()[std::size_t(b / ReferencePath::kSpacing + 0.5)];
+      const OrientedBox on_a = east.box(std::size_t(a / ReferencePath::kSpacing + 0.5));
+      const OrientedBox on_b = north.box(std::size_t(b / ReferencePath::kSpacing + 0.5));
       const double gap = separation(on_a, on_b);
       if (gap <= 0.0) {
         EXPECT_TRUE(tiles.touches(a, b)) << a << ", " << b;
