@@ -40,11 +40,14 @@ std::size_t Corridor::piece_at(double s) const {
   return next == stations.begin() ? 0 : std::size_t(next - stations.begin()) - 1;
 }
 
+CorridorMap::Shape CorridorMap::shape_of(const Vehicle& body) {
+  return {body.front, body.rear, body.width, body.min_turning_radius};
+}
+
 int CorridorMap::corridor_for(const CorridorCourse& course, const Vehicle& body) {
   // Bodies of one shape and strength share corridors, whatever their types are called; those that
   // differ in strength alone share the path.
-  const std::array<double, 4> shape = {body.front, body.rear, body.width, body.min_turning_radius};
-  std::vector<int>& alike = known_[{course, shape}];
+  std::vector<int>& alike = known_[{course, shape_of(body)}];
   for (const int c : alike) {
     const Vehicle& other = library_.body((*this)[c].path);
     if (other.max_accel == body.max_accel && other.max_decel == body.max_decel) return c;
@@ -145,21 +148,44 @@ DrivableArea CorridorMap::road_along(const CorridorCourse& course) const {
   return DrivableArea(road);
 }
 
-Corridor CorridorMap::build(const CorridorCourse& course, const Vehicle& body) {
-  const Line line = centre_line(course);
+namespace {
+
+/// Of a course what its path depends on.
+CorridorCourse ground_of(CorridorCourse course) {
+  course.reach = std::max(course.reach, course.end);
+  course.handback = course.end = 0.0;
+  course.slow_places.clear();
+  course.dead_end = course.cramped = false;
+  return course;
+}
+
+}  // namespace
+
+ReferencePath CorridorMap::path_along(const Line& line, const CorridorCourse& course,
+                                      const Vehicle& body) const {
+  if (course.human_driven) return drivers_path(line.points, body);
   // Behind the begin of the first lane there is nobody, where the roads begin, nor beyond their
   // end.
   const bool begins = course.start <= 0.0 && course.lead_in.empty();
   const double from = body.rear + (begins ? line.begins.front() : 0.0);
   const double to = length_of(line.points) - body.front - 1.0;
-  ReferencePath path = course.human_driven ? drivers_path(line.points, body)
-                                           : make_reference_path(line.points, from, to, body,
-                                                                 road_along(course), area_);
+  return make_reference_path(line.points, from, to, body, road_along(course), area_);
+}
+
+/// Courses that differ only in where a vehicle is handed back share a path.
+Corridor CorridorMap::build(const CorridorCourse& course, const Vehicle& body) {
+  const Line line = centre_line(course);
+  const auto [known, is_new] = paths_.try_emplace({ground_of(course), shape_of(body)}, 0);
+  std::optional<ReferencePath> made;
+  if (is_new) made = path_along(line, course, body);
+  const ReferencePath& path = is_new ? *made : library_.path(known->second);
   Corridor corridor{.course = course};
   set_stations(line, path, body, corridor);
   set_limits(path, body, corridor);
   if (!course.human_driven) set_drivable(path, body, corridor);
-  corridor.path = library_.add(std::move(path), body, stretches_of(corridor, body));
+  corridor.path = is_new ? library_.add(*std::move(made), body, stretches_of(corridor, body))
+                         : library_.add_like(known->second, body);
+  if (is_new) known->second = corridor.path;
   return corridor;
 }
 

@@ -79,9 +79,13 @@ class CorridorMap {
 
  private:
   struct Line;
+  using Shape = std::array<double, 4>;  ///< of a body, and how tightly it turns
 
+  [[nodiscard]] static Shape shape_of(const Vehicle& body);
   [[nodiscard]] Line centre_line(const CorridorCourse& course) const;
   [[nodiscard]] DrivableArea road_along(const CorridorCourse& course) const;
+  [[nodiscard]] ReferencePath path_along(const Line& line, const CorridorCourse& course,
+                                         const Vehicle& body) const;
   [[nodiscard]] Corridor build(const CorridorCourse& course, const Vehicle& body);
   void set_stations(const Line& line, const ReferencePath& path, const Vehicle& body,
                     Corridor& corridor) const;
@@ -113,7 +117,8 @@ class CorridorMap {
   CorridorLimits limits_;
   PathLibrary library_;
   std::deque<Corridor> corridors_;  ///< references stay valid
-  std::map<std::pair<CorridorCourse, std::array<double, 4>>, std::vector<int>> known_;
+  std::map<std::pair<CorridorCourse, Shape>, std::vector<int>> known_;
+  std::map<std::pair<CorridorCourse, Shape>, int> paths_;  ///< by what they depend on
 };
 
 }  // namespace mvtp
