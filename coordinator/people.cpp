@@ -173,11 +173,14 @@ std::vector<People::Expected> People::expect(const std::vector<std::string>& gue
   }
   std::vector<Expected> all;
   for (const auto& [id, person] : people_) {
-    const auto green = greens.find(person.crossing);
-    if (person.where == Where::kBeside && green == greens.end()) continue;
-    all.push_back(
-        {person.crossing,
-         expect_one(person, green == greens.end() ? std::nullopt : std::optional(green->second))});
+    const auto found = greens.find(person.crossing);
+    std::optional<Green> green;
+    if (found != greens.end()) green = found->second;
+    if (person.where == Where::kBeside) {
+      if (!green || step_ > green->begin + steps(kHesitate)) continue;  // he has not taken it
+      green->end = std::min(green->end, green->begin + steps(kHesitate));
+    }
+    all.push_back({person.crossing, expect_one(person, green)});
   }
   return all;
 }

@@ -42,6 +42,7 @@ class SweptPath {
 
   /// @param path  must outlive it.
   SweptPath(const ReferencePath& path, const Vehicle& body, const Margins& margins);
+  SweptPath(ReferencePath&& path, const Vehicle& body, const Margins& margins) = delete;
 
   [[nodiscard]] std::size_t samples() const { return path_->samples(); }
   [[nodiscard]] OrientedBox box(std::size_t i) const { return footprint(grown_, path_->sample(i)); }

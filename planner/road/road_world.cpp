@@ -50,7 +50,7 @@ std::vector<RoadStepWorld::Motion> RoadStepWorld::candidates(int i, const State&
     if (a > -body.max_decel && complete_plans_ && runs_over_a_line(v, body, state, m.to)) continue;
     if (a > -body.max_decel && !wait.clear_of_forecasts(state, a, m.to)) continue;
     // Who stands where somebody passes who does not yield is run into; who cannot stop before it
-    // drives on if he is gone in time.
+    // drives on if that gets away from him.
     const bool may_stop_there =
         a <= -body.max_decel || (!can_stop_before && wait.gets_away(then, m.to));
     if (!may_stop_there && !wait.leaves_passages_free(then, m.to)) continue;

@@ -71,8 +71,10 @@ bool bodies_touch(const ReferencePath& a, const Vehicle& body_a, double s_a, con
 TEST(ContactTable, HoldsWhatACheckOfAllPairsOfSamplesFinds) {
   Draws draws(1);
   for (int round = 0; round < 12; ++round) {
-    const SweptPath a(any_path(draws), round % 3 == 0 ? kBus : kCar, Margins{});
-    const SweptPath b(any_path(draws), kCar, Margins{});
+    const ReferencePath on_a = any_path(draws);
+    const ReferencePath on_b = any_path(draws);
+    const SweptPath a(on_a, round % 3 == 0 ? kBus : kCar, Margins{});
+    const SweptPath b(on_b, kCar, Margins{});
     const ContactTable table(a, b);
     const double slack = std::max(0.0, (a.stride() + b.stride()) / 2.0 + 0.07 - 0.4);
     for (std::size_t i = 0; i < a.samples(); ++i) {
@@ -89,8 +91,10 @@ TEST(ContactTable, HoldsWhatACheckOfAllPairsOfSamplesFinds) {
 TEST(ContactTable, TransposedSaysTheSameWithTheRolesExchanged) {
   Draws draws(2);
   for (int round = 0; round < 20; ++round) {
-    const SweptPath a(any_path(draws), kCar, Margins{});
-    const SweptPath b(any_path(draws), kBus, Margins{});
+    const ReferencePath on_a = any_path(draws);
+    const ReferencePath on_b = any_path(draws);
+    const SweptPath a(on_a, kCar, Margins{});
+    const SweptPath b(on_b, kBus, Margins{});
     const ContactTable ab(a, b);
     const ContactTable ba = ab.transposed();
     for (double s_a = 0.05; s_a < 90.0; s_a += 0.25) {

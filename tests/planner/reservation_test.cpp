@@ -20,8 +20,10 @@ class ReservedGround : public testing::Test {
     return reserved_ground(r, {&east, std::span(&on_a, 1)}, {&north, std::span(&on_b, 1)}, bodies);
   }
 
-  SweptPath east{straight({-100, 0}, {100, 0}), kCar, Margins{}};
-  SweptPath north{straight({0, -100}, {0, 100}), kCar, Margins{}};
+  ReferencePath eastwards = straight({-100, 0}, {100, 0});
+  ReferencePath northwards = straight({0, -100}, {0, 100});
+  SweptPath east{eastwards, kCar, Margins{}};
+  SweptPath north{northwards, kCar, Margins{}};
   ContactTable bodies{east, north};
 };
 
@@ -52,7 +54,8 @@ TEST_F(ReservedGround, EachTakesMoreThanTheOneBefore) {
 }
 
 TEST_F(ReservedGround, AConflictAreaIsTheLeastRectangleAroundTheContacts) {
-  const SweptPath slanting(straight({-71, -71}, {71, 71}), kCar, Margins{});
+  const ReferencePath slant = straight({-71, -71}, {71, 71});
+  const SweptPath slanting(slant, kCar, Margins{});
   const ContactTable contacts(east, slanting);
   const ContactTable area =
       reserved_ground(Reservation::kConflictArea, {&east, std::span(&kFromWest, 1)},
