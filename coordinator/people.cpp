@@ -65,15 +65,7 @@ void People::see(const Pedestrian& p, Persons& now) {
   const auto on = numbers_.find(p.edge);
   if (on != numbers_.end()) see_at(p, on->second, Where::kOnIt, now);
   if (const auto before = numbers_.find(p.next); before != numbers_.end()) {
-    see_at(p, before->second, Where::kBefore, now);
-    // In the green of another crossing there he may go over that one: SUMO then sets him onto it
-    // from one step to the next, some metres away.
-    if (const auto here = meeting_.find(p.edge); here != meeting_.end()) {
-      for (const int c : here->second) {
-        if (c != before->second) see_at(p, c, Where::kBeside, now);
-      }
-    }
-    return;
+    return see_at(p, before->second, Where::kBefore, now);
   }
   // Who walks along the kerb from one sidewalk to the next is in the path of those who turn, too.
   auto near = meeting_.find(p.next);
@@ -99,8 +91,7 @@ void People::see_at(const Pedestrian& p, int crossing, Where where, Persons& now
     if (p.speed < kStands) person.stands_since = known->second.stands_since;
   }
   const bool is_on_it = where == Where::kOnIt;
-  CrossingPaths::Place place = paths_.place(crossing, person.forward, is_on_it, p.position);
-  if (where == Where::kBeside) place = {.s = CrossingPaths::kKerb};
+  const CrossingPaths::Place place = paths_.place(crossing, person.forward, is_on_it, p.position);
   if (place.s < CrossingPaths::kKerb - kNearby) return;
   person.s = place.s;
   person.aside = place.aside;
@@ -173,14 +164,10 @@ std::vector<People::Expected> People::expect(const std::vector<std::string>& gue
   }
   std::vector<Expected> all;
   for (const auto& [id, person] : people_) {
-    const auto found = greens.find(person.crossing);
-    std::optional<Green> green;
-    if (found != greens.end()) green = found->second;
-    if (person.where == Where::kBeside) {
-      if (!green || step_ > green->begin + steps(kHesitate)) continue;  // he has not taken it
-      green->end = std::min(green->end, green->begin + steps(kHesitate));
-    }
-    all.push_back({person.crossing, expect_one(person, green)});
+    const auto green = greens.find(person.crossing);
+    all.push_back(
+        {person.crossing,
+         expect_one(person, green == greens.end() ? std::nullopt : std::optional(green->second))});
   }
   return all;
 }

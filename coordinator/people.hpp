@@ -65,12 +65,10 @@ class People {
 
  private:
   /// Where somebody is, as seen from a crossing that he may walk over.
-  enum class Where { kBeside, kNear, kBefore, kOnIt };
+  enum class Where { kNear, kBefore, kOnIt };
   struct Person {
     int crossing = 0;
-    /// Beside: he waits for another crossing there; near: he may turn elsewhere; before: he wants
-    /// to go over it.
-    Where where = Where::kNear;
+    Where where = Where::kNear;  ///< near: he may turn elsewhere; before: he wants to go over it
     bool forward = true;
     double s = 0.0;
     double aside = 0.0;

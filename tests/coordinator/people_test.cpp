@@ -118,48 +118,6 @@ double arrival(bool with_person) {
   return run.traffic.time();
 }
 
-/// Somebody who stands at a corner, before one of its two crossings.
-class StandingTraffic : public FakeTraffic {
- public:
-  StandingTraffic(const NetworkShape& shape, const PedestrianCrossing& before)
-      : FakeTraffic(shape.network, {}),
-        person_{{.id = "p",
-                 .position = before.shape.front(),
-                 .edge = before.ends.front(),
-                 .next = before.id}} {}
-  [[nodiscard]] std::span<const Pedestrian> pedestrians() const override { return person_; }
-
- private:
-  std::vector<Pedestrian> person_;
-};
-
-//  Seen in SUMO: in the green of the other crossing of his corner he is set onto it, 3 m away.
-TEST(People, WhoWaitsMayGoOverTheOtherCrossingOfHisCornerAtOnce) {
-  const NetworkShape shape = under_lights();
-  const std::vector<PedestrianCrossing>& all = shape.network.junctions.at("C").crossings;
-  StandingTraffic traffic(shape, all[0]);
-  const LaneGraph graph(traffic.network());
-  PathLibrary library(Margins{});
-  SignalHeads heads(traffic, graph, std::vector<bool>(std::size_t(graph.junctions()), true), {});
-  People people(traffic, graph, library, heads, {.dt = 0.1, .steps_per_decision = 5});
-  people.begin(0, [](const std::string&) { return true; });
-  int others = 0;
-  for (const PedestrianCrossing& other : all) {
-    if (other.id == all[0].id) continue;
-    EXPECT_EQ(people.expect({}).size(), 1U);  // he stands at his own
-    const auto expected = people.expect({other.id});
-    const bool is_here = std::ranges::count(other.ends, all[0].ends.front()) > 0;
-    ASSERT_EQ(expected.size(), is_here ? 2U : 1U) << other.id;
-    for (const People::Expected& e : expected) {
-      if (people.id_of(e.crossing) != other.id) continue;
-      ++others;
-      EXPECT_GE(e.forecast.earliest.at(1).s, CrossingPaths::kKerb);
-      EXPECT_EQ(e.forecast.latest->at(0).s, CrossingPaths::kKerb);
-    }
-  }
-  EXPECT_EQ(others, 1);
-}
-
 TEST(People, HaveRightOfWayOnAZebra) { EXPECT_GT(arrival(true), arrival(false) + 1.0); }
 
 /// Notes what lights show.
