@@ -16,6 +16,15 @@ namespace {
 constexpr double kAside = 0.05;  ///< [m] of either end of a body that lies along its lane
 constexpr double kChangeLateralAccel = 3.0;  ///< [m/s^2] while changing lanes, whatever the limit
 
+/// Of a course what its path depends on.
+CorridorCourse ground_of(CorridorCourse course) {
+  course.reach = std::max(course.reach, course.end);
+  course.handback = course.end = 0.0;
+  course.slow_places.clear();
+  course.dead_end = course.cramped = false;
+  return course;
+}
+
 }  // namespace
 
 /// The lanes' centre line and where each piece begins along it [m].
@@ -147,19 +156,6 @@ DrivableArea CorridorMap::road_along(const CorridorCourse& course) const {
   for (const CorridorPiece& piece : course.pieces) add_edge(piece.lane);
   return DrivableArea(road);
 }
-
-namespace {
-
-/// Of a course what its path depends on.
-CorridorCourse ground_of(CorridorCourse course) {
-  course.reach = std::max(course.reach, course.end);
-  course.handback = course.end = 0.0;
-  course.slow_places.clear();
-  course.dead_end = course.cramped = false;
-  return course;
-}
-
-}  // namespace
 
 ReferencePath CorridorMap::path_along(const Line& line, const CorridorCourse& course,
                                       const Vehicle& body) const {

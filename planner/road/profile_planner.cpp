@@ -299,17 +299,13 @@ class WaitTest::Impl {
  public:
   Impl(const RoadPairs& pairs, const RoadVehicle& vehicle,
        std::span<const JointPlan::Entry> planned, const ProfileOptions& options)
-      : grid(pairs.scene().grid),
+      : scene(pairs.scene()),
         own(vehicle),
-        body(pairs.scene().body(vehicle)),
-        step(pairs.scene().step),
         all(pairs, vehicle, planned, options),
         forecasts(pairs, vehicle, {}, options, Surroundings::Forecasts::kWithSlack) {}
 
-  DecisionGrid grid;
+  const RoadScene& scene;
   const RoadVehicle& own;
-  const Vehicle& body;
-  std::int64_t step;
   Surroundings all;
   Surroundings forecasts;
 };
@@ -334,9 +330,10 @@ bool WaitTest::leaves_passages_free(std::int64_t k, const InertialState& state) 
 bool WaitTest::gets_away(std::int64_t k, InertialState state) const {
   constexpr int kDecisions = 16;
   const Surroundings& forecasts = impl_->forecasts;
-  const Vehicle& body = impl_->body;
-  const double h = impl_->grid.decision();
-  for (int n = 0; n < kDecisions; ++n, k += impl_->grid.steps_per_decision) {
+  const Vehicle& body = impl_->scene.body(impl_->own);
+  const DecisionGrid& grid = impl_->scene.grid;
+  const double h = grid.decision();
+  for (int n = 0; n < kDecisions; ++n, k += grid.steps_per_decision) {
     if (forecasts.leaves_passages_free(k, state)) return true;
     double a = body.max_accel;
     InertialState to = advance(state, a, h);
@@ -352,7 +349,7 @@ bool WaitTest::gets_away(std::int64_t k, InertialState state) const {
 
 bool WaitTest::clear_of_forecasts(const InertialState& from, double a,
                                   const InertialState& to) const {
-  return impl_->forecasts.step_is_clear(impl_->step, from, a, to);
+  return impl_->forecasts.step_is_clear(impl_->scene.step, from, a, to);
 }
 
 std::int64_t arrival_step(const SpeedProfile& profile, double s) {

@@ -51,9 +51,10 @@ std::vector<RoadStepWorld::Motion> RoadStepWorld::candidates(int i, const State&
     if (a > -body.max_decel && !wait.clear_of_forecasts(state, a, m.to)) continue;
     // Who stands where somebody passes who does not yield is run into; who cannot stop before it
     // drives on if that gets away from him.
-    const bool may_stop_there =
-        a <= -body.max_decel || (!can_stop_before && wait.gets_away(then, m.to));
-    if (!may_stop_there && !wait.leaves_passages_free(then, m.to)) continue;
+    const auto is_safe_there = [&] {
+      return can_stop_before ? wait.leaves_passages_free(then, m.to) : wait.gets_away(then, m.to);
+    };
+    if (a > -body.max_decel && !is_safe_there()) continue;
     const double rest = m.to.s + stopping_distance(m.to.v, body.max_decel);
     const bool keeps_clear =
         wait.stands_clear(then, m.to) &&

@@ -172,9 +172,8 @@ TEST_F(WithoutAPlan, NobodyCreepsOnBeforeOneWhoIsInsideToo) {
   EXPECT_GT(first_choice(99.0, /*has_plan=*/false), 0.0);  // waits at its line
 }
 
-//          | 1     A driver who does not yield goes over the crossing, perhaps at a crawl. Who
-//          cannot
-//   0 -----+-----  stop before his passage brakes, unless he is over it first.
+//          | 1     A driver who does not yield goes over the crossing, perhaps at a crawl.
+//   0 -----+-----  A car that cannot stop before his passage brakes, unless it is over it first.
 TEST_F(WithoutAPlan, NobodyDrivesOnIntoADriverWhoIsInTheWay) {
   const RoadVehicle driver = add(1, 90.0, 8.0);
   scene.vehicles.clear();
