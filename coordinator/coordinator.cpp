@@ -88,6 +88,7 @@ void Coordinator::decide() {
   follow_plans();
   if (greens_) greens_->observe();
   if (step_ % grid_.steps_per_decision == 0) {
+    forget_corridors();
     remember_lanes();
     replan();
     if (owns_signals()) humans_->settle();
@@ -136,6 +137,15 @@ void Coordinator::forget_the_vanished() {
     std::erase_if(plan_.entries, [&](const auto& e) { return e.key == driven.key; });
     return true;
   });
+}
+
+/// On large networks most corridors are driven once in a while: what nobody drives is found again.
+void Coordinator::forget_corridors() {
+  const auto kept = std::int64_t(std::lround(options_.corridors_kept / grid_.decision()));
+  if (step_ / grid_.steps_per_decision % std::max<std::int64_t>(1, kept) != 0) return;
+  for (const auto& [id, driven] : driven_) corridors_.use(driven.corridor);
+  corridors_.forget_unused();
+  predictor_.corridors_forgotten();
 }
 
 void Coordinator::replan() {

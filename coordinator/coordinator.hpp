@@ -36,6 +36,7 @@ struct CoordinatorOptions {
   CorridorOptions corridors;
   CorridorLimits limits;
   std::vector<std::string> junctions;  ///< ids; none: all with conflicting connections
+  double corridors_kept = 60.0;        ///< [s] at least, where nobody drives any more
   double decision = 0.5;  ///< [s] between two plans; rounded to whole steps of the traffic
   /// [ms] of processor time for the plan of one group, from `budget_from` [s] on; see GroupBudget.
   /// 0: no planning at all, as if the planner had died.
@@ -156,6 +157,7 @@ class Coordinator : public Controller {
   [[nodiscard]] RoadScene empty_scene() const;
   [[nodiscard]] InertialState here(const Driven& driven) const;
   void forget_the_vanished();
+  void forget_corridors();
   [[nodiscard]] bool planner_is_dead() const;
   void hold_departures();
   void hold_back(const std::vector<Newcomer>& newcomers);

@@ -59,17 +59,35 @@ int CorridorMap::corridor_for(const CorridorCourse& course, const Vehicle& body)
   std::vector<int>& alike = known_[{course, shape_of(body)}];
   for (const int c : alike) {
     const Vehicle& other = library_.body((*this)[c].path);
-    if (other.max_accel == body.max_accel && other.max_decel == body.max_decel) return c;
+    if (other.max_accel != body.max_accel || other.max_decel != body.max_decel) continue;
+    use(c);
+    return c;
   }
   if (alike.empty()) {
-    corridors_.push_back(build(course, body));
+    corridors_.push_back(std::make_unique<Corridor>(build(course, body)));
   } else {
-    Corridor corridor = (*this)[alike.front()];
-    corridor.path = library_.add_like(corridor.path, body);
+    auto corridor = std::make_unique<Corridor>((*this)[alike.front()]);
+    corridor->path = library_.add_like(corridor->path, body);
     corridors_.push_back(std::move(corridor));
   }
+  used_.push_back(true);
   alike.push_back(size() - 1);
   return alike.back();
+}
+
+void CorridorMap::forget_unused() {
+  std::vector<int> paths;
+  for (int c = 0; c < size(); ++c) {
+    if (!used_[std::size_t(c)] && holds(c)) {
+      paths.push_back((*this)[c].path);
+      corridors_[std::size_t(c)].reset();
+    }
+  }
+  used_.assign(used_.size(), false);
+  library_.remove(paths);
+  for (auto& [course, alike] : known_) std::erase_if(alike, [&](int c) { return !holds(c); });
+  std::erase_if(known_, [](const auto& entry) { return entry.second.empty(); });
+  std::erase_if(paths_, [&](const auto& entry) { return !library_.holds(entry.second); });
 }
 
 /// How the traffic itself moves a body: its front is on the line, and it points there from where

@@ -1,8 +1,8 @@
 #pragma once
 
 #include <array>
-#include <deque>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -59,7 +59,8 @@ struct CorridorLimits {
 [[nodiscard]] std::vector<std::pair<double, double>> inside_junctions(const Corridor& corridor,
                                                                       double length, double before);
 
-/// The corridors in use, each made when it is first asked for.
+/// The corridors in use, each made when it is first asked for. References and numbers are valid
+/// until forget_unused(), and then as long as they are used.
 class CorridorMap {
  public:
   CorridorMap(const LaneGraph& graph, const DrivableArea& area, const CorridorLimits& limits)
@@ -72,7 +73,15 @@ class CorridorMap {
   /// longer than its length.
   [[nodiscard]] double metres_per_metre(int lane) const;
 
-  [[nodiscard]] const Corridor& operator[](int c) const { return corridors_[std::size_t(c)]; }
+  /// Somebody keeps this corridor without asking for it again.
+  void use(int c) { used_[std::size_t(c)] = true; }
+  /// Forgets the corridors that nobody has used or asked for since the last call, with their
+  /// paths.
+  void forget_unused();
+  [[nodiscard]] bool holds(int c) const { return corridors_[std::size_t(c)] != nullptr; }
+
+  [[nodiscard]] const Corridor& operator[](int c) const { return *corridors_[std::size_t(c)]; }
+  /// Corridors so far, with those forgotten: numbers are never given to another.
   [[nodiscard]] int size() const { return int(corridors_.size()); }
   [[nodiscard]] PathLibrary& library() { return library_; }
   [[nodiscard]] const PathLibrary& library() const { return library_; }
@@ -116,7 +125,8 @@ class CorridorMap {
   const DrivableArea& area_;
   CorridorLimits limits_;
   PathLibrary library_;
-  std::deque<Corridor> corridors_;  ///< references stay valid
+  std::vector<std::unique_ptr<const Corridor>> corridors_;  ///< null: forgotten
+  std::vector<bool> used_;  ///< of each corridor: since forget_unused()
   std::map<std::pair<CorridorCourse, Shape>, std::vector<int>> known_;
   std::map<std::pair<CorridorCourse, Shape>, int> paths_;  ///< by what they depend on
 };

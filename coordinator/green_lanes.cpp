@@ -324,8 +324,6 @@ std::pair<double, double> GreenLanes::common_ground(int path, int link) {
 
 /// The path of a body from the lane to the lane of a connection.
 int GreenLanes::path_over(int link, const VehicleType& type) {
-  const auto [known, is_new] = paths_.try_emplace({link, type.id}, 0);
-  if (!is_new) return known->second;
   constexpr double kBefore = 30.0;  // [m] before the line where the path begins
   const LaneGraph::Link& connection = graph_.link(link);
   const std::array<int, 2> edges = {graph_.edge_of(connection.from), graph_.edge_of(connection.to)};
@@ -336,7 +334,7 @@ int GreenLanes::path_over(int link, const VehicleType& type) {
   const std::optional<CorridorCourse> course = finder_.find(query);
   const int corridor =
       corridors_.corridor_for(course ? *course : finder_.follow(query, kBefore), type.body);
-  return known->second = corridors_[corridor].path;
+  return corridors_[corridor].path;
 }
 
 /// Vehicles under control from other lanes that stay before their lines for now.

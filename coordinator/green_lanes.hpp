@@ -104,11 +104,10 @@ class GreenLanes {
   std::map<std::string, SignalProgram> programs_;
   std::map<int, std::vector<int>> at_junction_;  ///< links with a light
   std::int64_t step_ = 0;
-  std::map<int, std::vector<Sensed>> sensed_;          ///< human drivers, by lane
-  std::set<int> waiting_inside_;                       ///< links on which somebody does
-  std::map<int, std::optional<double>> earliest_;      ///< find_earliest(), by lane
-  std::map<std::string, VehicleType> types_;           ///< of all who have come so far
-  std::map<std::tuple<int, std::string>, int> paths_;  ///< by link and type
+  std::map<int, std::vector<Sensed>> sensed_;      ///< human drivers, by lane
+  std::set<int> waiting_inside_;                   ///< links on which somebody does
+  std::map<int, std::optional<double>> earliest_;  ///< find_earliest(), by lane
+  std::map<std::string, VehicleType> types_;       ///< of all who have come so far
   /// Of a path, where bodies of a type over a link share tiles with it: by path, link and type.
   std::map<std::tuple<int, int, std::string>, std::pair<double, double>> grounds_;
   std::map<std::string, std::vector<std::string>> relying_;  ///< drivers, and whom they ignore

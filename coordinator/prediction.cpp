@@ -124,6 +124,10 @@ bool Predictor::leads_where_it_goes(const Corridor& corridor, const CourseQuery&
   return graph_.edge_of(next->lane) == query.edges[1];
 }
 
+void Predictor::corridors_forgotten() {
+  std::erase_if(last_corridor_, [&](const auto& last) { return !corridors_.holds(last.second); });
+}
+
 /// The corridor that the vehicle follows, and where on it its rear axle is.
 int Predictor::path_of(const VehicleState& v, const CourseQuery& query, const Vehicle& body,
                        double& station) {
@@ -137,6 +141,7 @@ int Predictor::path_of(const VehicleState& v, const CourseQuery& query, const Ve
   if (const auto known = last_corridor_.find(v.id); known != last_corridor_.end()) {
     const Corridor& corridor = corridors_[known->second];
     if (leads_where_it_goes(corridor, query) && place_on(corridor, corridor.s_handback, kNearEnd)) {
+      corridors_.use(known->second);
       return known->second;
     }
     last_corridor_.erase(known);

@@ -37,7 +37,8 @@ class Predictor {
 
   /// The vehicle was handed back on this corridor.
   void handed_back(const std::string& id, int corridor) { last_corridor_[id] = corridor; }
-  void forget(const std::string& id) { last_corridor_.erase(id); }
+  /// Corridors have been forgotten: nobody can be on them.
+  void corridors_forgotten();
 
   /// Do vehicles on this lane matter to those under control?
   [[nodiscard]] bool watches(int lane) const { return watched_[std::size_t(lane)]; }

@@ -13,6 +13,10 @@ std::uint64_t pair_key(int a, int b) {
   return (std::uint64_t(std::uint32_t(a)) << 32U) | std::uint32_t(b);
 }
 
+std::pair<int, int> grounds_of(std::uint64_t key) {
+  return {int(key >> 32U), int(std::uint32_t(key))};
+}
+
 std::unique_ptr<const ContactTable> transpose_of(const ContactTable& table) {
   return std::make_unique<ContactTable>(table.transposed());
 }
@@ -24,9 +28,8 @@ int PathLibrary::add(ReferencePath path, const Vehicle& body,
   const int number = int(grounds_.size());
   auto added = std::make_unique<Ground>(std::move(path), body, margins_, std::move(stretches));
   for (int g = 0; g < number; ++g) {
-    if (grounds_[std::size_t(g)]->swept.bounds().overlaps(added->swept.bounds())) {
-      added->near.push_back(g);
-    }
+    const auto& other = grounds_[std::size_t(g)];
+    if (other && other->swept.bounds().overlaps(added->swept.bounds())) added->near.push_back(g);
   }
   added->near.push_back(number);
   grounds_.push_back(std::move(added));
@@ -36,7 +39,25 @@ int PathLibrary::add(ReferencePath path, const Vehicle& body,
 
 int PathLibrary::add_like(int like, const Vehicle& body) {
   entries_.push_back({ground_of(like), body});
+  ++grounds_[std::size_t(ground_of(like))]->users;
   return size() - 1;
+}
+
+void PathLibrary::remove(std::span<const int> paths) {
+  for (const int p : paths) {
+    auto& ground = grounds_[std::size_t(ground_of(p))];
+    if (--ground->users == 0) ground.reset();
+  }
+  const auto is_gone = [&](int g) { return grounds_[std::size_t(g)] == nullptr; };
+  for (const auto& ground : grounds_) {
+    if (ground) std::erase_if(ground->near, is_gone);
+  }
+  for (Tables* tables : {&tables_, &reserved_, &late_}) {
+    std::erase_if(*tables, [&](const auto& table) {
+      const auto [a, b] = grounds_of(table.first);
+      return is_gone(a) || is_gone(b);
+    });
+  }
 }
 
 const ContactTable& PathLibrary::contacts(int a, int b) const {

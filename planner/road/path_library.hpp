@@ -15,8 +15,9 @@ namespace mvtp {
 /// The reference paths in use, each for one body, and the contact tables of those pairs whose
 /// bodies come near each other.
 ///
-/// add() and build_tables() change the library and are for one thread at a time; everything else
-/// may run in many threads between them. References stay valid.
+/// add(), remove() and build_tables() change the library and are for one thread at a time;
+/// everything else may run in many threads between them. References stay valid until what they
+/// refer to is removed; numbers are never given to another path.
 class PathLibrary {
  public:
   explicit PathLibrary(const Margins& margins, Reservation reservation = Reservation::kNone)
@@ -29,6 +30,12 @@ class PathLibrary {
   /// their contacts. Returns its number.
   int add_like(int like, const Vehicle& body);
 
+  /// Nobody uses these paths any more: what is kept for them alone goes. Each number once.
+  void remove(std::span<const int> paths);
+  /// Is there what add_like() needs of the path numbered so?
+  [[nodiscard]] bool holds(int p) const { return grounds_[std::size_t(ground_of(p))] != nullptr; }
+
+  /// Paths so far, with those removed.
   [[nodiscard]] int size() const { return int(entries_.size()); }
   [[nodiscard]] const ReferencePath& path(int p) const { return ground(p).path; }
   [[nodiscard]] const Vehicle& body(int p) const { return entries_[std::size_t(p)].body; }
@@ -58,6 +65,7 @@ class PathLibrary {
     SweptPath swept;
     std::vector<JunctionStretch> stretches;
     std::vector<int> near;  ///< those added before this one, and itself, whose bounds overlap
+    int users = 1;          ///< paths
   };
   struct Entry {
     int ground;
@@ -74,7 +82,7 @@ class PathLibrary {
   Margins margins_;
   Reservation reservation_;
   std::vector<Entry> entries_;
-  std::vector<std::unique_ptr<const Ground>> grounds_;
+  std::vector<std::unique_ptr<Ground>> grounds_;  ///< null: removed
   Tables tables_;
   Tables reserved_;
   mutable std::mutex late_guard_;

@@ -214,6 +214,28 @@ TEST(Coordinator, TheSameSeedGivesTheSameRun) {
   }
 }
 
+// Whoever keeps the number of a corridor has to say so: here all others are forgotten at once.
+TEST(Coordinator, ForgettingCorridorsChangesNothing) {
+  for (const double penetration : {1.0, 0.5}) {
+    CoordinatorOptions options;
+    options.share = {.penetration = penetration, .seed = 3};
+    options.corridors_kept = 1e9;
+    ClosedLoop keeping(random_trips(300.0, 60.0, 5), options);
+    options.corridors_kept = 0.0;
+    ClosedLoop forgetting(random_trips(300.0, 60.0, 5), options);
+    while (keeping.traffic.running() && keeping.traffic.time() < 120.0) {
+      keeping.step();
+      forgetting.step();
+      ASSERT_EQ(keeping.traffic.vehicles().size(), forgetting.traffic.vehicles().size());
+      for (std::size_t i = 0; i < keeping.traffic.vehicles().size(); ++i) {
+        ASSERT_EQ(keeping.traffic.vehicles()[i].pose, forgetting.traffic.vehicles()[i].pose);
+      }
+    }
+    EXPECT_TRUE(keeping.coordinator.corridors().holds(0));
+    EXPECT_FALSE(forgetting.coordinator.corridors().holds(0));
+  }
+}
+
 TEST(Coordinator, KeepsToALateralAccelerationLimit) {
   CoordinatorOptions options;
   options.limits.max_lateral_accel = 3.0;

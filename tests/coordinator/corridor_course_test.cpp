@@ -398,6 +398,40 @@ TEST(CourseFinder, ChangesToTheLaneThatLeadsOn) {
   EXPECT_EQ(kept->pieces[0].target, LaneGraph::kNone);
 }
 
+TEST(Corridor, IsForgottenOnceNobodyUsesIt) {
+  const NetworkShape shape = crossroads_shape();
+  Walk walk(shape.network);
+  const DrivableArea area(shape.network);
+  CorridorMap map(walk.graph, area, {});
+  const Vehicle car = fake_type("car").body;
+  Vehicle weak = car;
+  weak.max_accel *= 0.5;
+  const auto course_to = [&](const std::string& exit) {
+    return *walk.finder.find(walk.at("W-C_0", 60.0, {"W-C", exit}));
+  };
+  const int straight = map.corridor_for(course_to("C-E"), car);
+  const int right = map.corridor_for(course_to("C-S"), car);
+  const int weak_right = map.corridor_for(course_to("C-S"), weak);
+  const double length = map.library().path(map[right].path).length();
+  map.forget_unused();  // all have been asked for
+  ASSERT_TRUE(map.holds(straight) && map.holds(right) && map.holds(weak_right));
+  map.use(straight);
+  EXPECT_EQ(map.corridor_for(course_to("C-S"), weak), weak_right);
+  map.forget_unused();
+  EXPECT_TRUE(map.holds(straight));
+  EXPECT_FALSE(map.holds(right));
+  ASSERT_TRUE(map.holds(weak_right)) << "though it shares the path of one that is forgotten";
+  EXPECT_EQ(map.library().path(map[weak_right].path).length(), length);
+  const int anew = map.corridor_for(course_to("C-S"), car);
+  EXPECT_GT(anew, weak_right);
+  EXPECT_EQ(&map.library().path(map[anew].path), &map.library().path(map[weak_right].path));
+  map.forget_unused();
+  map.forget_unused();
+  EXPECT_FALSE(map.library().holds(map.size() - 1));
+  const int once_more = map.corridor_for(course_to("C-S"), car);
+  EXPECT_EQ(map.library().path(map[once_more].path).length(), length);
+}
+
 TEST(Corridor, TurnsRoundInARoadOnlyIfTheBodyCan) {
   const NetworkShape shape = u_turn_shape();
   Walk walk(shape.network);

@@ -232,6 +232,34 @@ TEST_F(PathLibraryTest, BodiesThatMoveOtherwiseShareTheirContacts) {
   EXPECT_EQ(&library.contacts(0, like), &library.contacts(0, 3));
 }
 
+TEST_F(PathLibraryTest, WhatIsRemovedTakesItsTablesWithIt) {
+  library.build_tables(std::vector{0, 1, 3});
+  EXPECT_EQ(library.tables(), 9U);
+  const ContactTable& kept = library.contacts(0, 1);
+  library.remove(std::vector{3});
+  EXPECT_FALSE(library.holds(3));
+  EXPECT_EQ(library.tables(), 4U);
+  EXPECT_EQ(&library.contacts(0, 1), &kept);
+  const int again = library.add(bent({-60, 0, 0}, 55.0, 1.57, 8.0), kCar);
+  EXPECT_EQ(again, 4) << "another path never has the same number";
+  library.build_tables(std::vector{0, 1, again});
+  EXPECT_EQ(library.tables(), 9U);
+  EXPECT_FALSE(library.contacts(0, again).empty());
+}
+
+TEST_F(PathLibraryTest, APathStaysAsLongAsOneOfThoseThatShareIt) {
+  const int like = library.add_like(3, kCar);
+  library.remove(std::vector{3});
+  EXPECT_TRUE(library.holds(like));
+  library.build_tables(std::vector{0, like});
+  EXPECT_FALSE(library.contacts(0, like).empty());
+  const int another = library.add_like(3, kCar);
+  library.remove(std::vector{like});
+  EXPECT_TRUE(library.holds(another));
+  library.remove(std::vector{another});
+  EXPECT_FALSE(library.holds(3));
+}
+
 TEST_F(PathLibraryTest, ManyThreadsMayAskForTheSameTables) {
   std::vector<const ContactTable*> seen(8);
   std::vector<std::thread> threads;
