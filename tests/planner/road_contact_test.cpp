@@ -235,6 +235,23 @@ TEST_F(TooClose, WhoIsTooFastBehindAnotherBrakes) {
   EXPECT_NEAR(decision.plan.find(1)->at(5).v, 9.0 - 4.5 * 0.5, 1e-9);
 }
 
+//   [===>   Vehicle 0 stands across the path of vehicle 1, which comes from below and cannot stop
+//   any
+//    ^      more: to brake is all that is left, for what drives on gets deeper into it.
+TEST_F(TooClose, WhoCannotStopBeforeOneAcrossItsPathBrakes) {
+  const RoadVehicle across = add(0, 98.5, 0.0);
+  const RoadVehicle comes = add(1, 90.0, 7.6);
+  const RoadContact contact(scene, across, comes, 0.0);
+  ASSERT_TRUE(contact.braking_is_too_late());
+  const auto stands = [&](int) { return across.now.s; };
+  const auto touch = [&](double a) {
+    return contact.touch(
+        stands, [&](int i) { return advance(comes.now, a, 0.1 * i).s; }, 25, /*lenient=*/true);
+  };
+  EXPECT_FALSE(touch(-kCar.max_decel));
+  EXPECT_TRUE(touch(0.0));
+}
+
 TEST_F(TooClose, WhoWillBeRunIntoDrivesOn) {
   add(0, 60.0, 4.0);
   add(2, 53.0, 13.0);

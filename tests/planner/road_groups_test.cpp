@@ -112,6 +112,17 @@ TEST_F(ManyCrossings, AGroupIsPlannedAsIfItWereAlone) {
   }
 }
 
+TEST_F(ManyCrossings, EachHasItsOwnCost) {
+  fill({0, 1, 2});
+  const RoadDecision all = decide_on_road(scene, {}, keys(), {});
+  ASSERT_EQ(all.costs.size(), all.members.size());
+  double sum = 0.0;
+  for (const double cost : all.costs) sum += cost;
+  EXPECT_NEAR(all.cost, sum, 1e-9);
+  std::erase_if(scene.vehicles, [](const RoadVehicle& v) { return v.path / 2 != 1; });
+  EXPECT_EQ(decide_on_road(scene, {}, keys(), {}).cost, all.costs[1]);
+}
+
 TEST_F(Groups, VehiclesOfOneExitLaneBelongTogether) {
   add(0, 150.0, 10.0);
   add(3, 150.0, 10.0);
@@ -322,6 +333,17 @@ TEST_F(Work, TimeEndsTheSearchBeforeAGroupIsLate) {
 TEST_F(Work, AGroupThatTakesLongerThanItsBudgetIsLate) {
   add(0, 70.0, 13.0);
   EXPECT_EQ(decide_on_road(scene, {}, keys(), read_every(501.0)).late, std::vector<std::size_t>{0});
+}
+
+//   With no other clock it is the processor's.
+TEST_F(Work, NoGroupIsPlannedInNoTime) {
+  add(0, 70.0, 13.0);
+  add(1, 70.0, 13.0);
+  RoadEscotOptions options;
+  options.budget.ms = 0.0;
+  EXPECT_EQ(decide_on_road(scene, {}, keys(), options).late, std::vector<std::size_t>{0});
+  options.budget.ms = 1e6;
+  EXPECT_TRUE(decide_on_road(scene, {}, keys(), options).late.empty());
 }
 
 }  // namespace

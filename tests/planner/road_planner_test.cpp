@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "planner/road/neighbourhoods.hpp"
 #include "planner/road/road_escot.hpp"
 #include "tests/planner/crossing_fixture.hpp"
 
@@ -296,6 +297,19 @@ TEST_F(Crossing, ALeaderCountsUntilItsTailHasLeftTheLane) {
   EXPECT_FALSE(keeps_room(170.0));
   EXPECT_FALSE(keeps_room(157.0));
   EXPECT_TRUE(keeps_room(155.0));
+}
+
+TEST_F(Crossing, WhoIsPlannedAnewIsSoWithOneThatItMeets) {
+  add(0, 60.0, 10.0);
+  add(1, 60.0, 10.0);
+  const JointPlan plan = plan_crossing(scene, keys(), {}, {}, 0).plan;
+  const RoadPairs pairs(scene);
+  const Neighbourhoods neighbourhoods(pairs);
+  Draws draws(1);
+  for (const std::size_t first : {0, 1}) {
+    EXPECT_THAT(neighbourhoods.around(plan.entries, first, draws),
+                testing::UnorderedElementsAre(0, 1));
+  }
 }
 
 TEST_F(Crossing, VehiclesWhosePathsNeverMeetAreInDifferentGroups) {

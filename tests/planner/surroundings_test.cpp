@@ -356,5 +356,43 @@ TEST_F(ComesOver, WhoStandsBecauseOfItFollowsIt) {
   EXPECT_GT(held_up, 100);
 }
 
+//   From the south it turns, slowly, into the lane of a driver who comes from the west.
+class TurnsIn : public Crossing {
+ protected:
+  TurnsIn() {
+    std::vector<Point> turn = {{0, -100}, {0, -6}};
+    for (double a = 0.1; a < 1.5; a += 0.1) {
+      turn.push_back({6 - 6 * std::cos(a), 6 * std::sin(a) - 6});
+    }
+    turn.push_back({100, 0});
+    path_ = library.add(ReferencePath(turn), kCar);
+  }
+
+  /// The step in which it is in his lane; he is at `driver_from` now, and drives 10 m/s.
+  [[nodiscard]] std::int64_t turned(double driver_from) {
+    scene.vehicles.clear();
+    Forecast driver{.vehicle = add(0, driver_from, 10.0), .earliest = {.states = {}}};
+    scene.vehicles.clear();
+    driver.vehicle.key = -1;
+    for (double s = driver_from; s < 190.0; s += 1.0) driver.earliest.states.push_back({s, 10.0});
+    scene.forecasts = {driver};
+    RoadVehicle& slow = add(path_, 84.0, 5.0);
+    slow.cruise_speed = 5.0;
+    slow.envelope = std::make_shared<SpeedEnvelope>(std::vector<double>(801, 5.0), 3.5);
+    const auto plan = plan_vehicle(RoadPairs(scene), slow, {}, {});
+    if (!plan) throw std::runtime_error("no plan");
+    return arrival_step(*plan, 110.0);
+  }
+
+  int path_ = 0;
+};
+
+// He would run into it if he went on at his speed, but sees it in his lane in time.
+TEST_F(TurnsIn, ADriverWhoIsFarFollowsIt) {
+  const std::int64_t at_once = 60;  // 26 m at 5 m/s, in steps of 0.1 s
+  EXPECT_LE(turned(30.0), at_once);
+  EXPECT_GT(turned(60.0), at_once) << "one who is near has to be let through";
+}
+
 }  // namespace
 }  // namespace mvtp
