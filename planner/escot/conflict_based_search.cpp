@@ -155,7 +155,7 @@ class ConflictTree {
 
   [[nodiscard]] std::vector<Constraint> constraints_on(int i, int n) const {
     std::vector<Constraint> constraints;
-    for (; n >= 0; n = nodes_[std::size_t(n)].parent) {
+    for (; n > 0; n = nodes_[std::size_t(n)].parent) {  // the root has none
       if (nodes_[std::size_t(n)].robot == i) {
         constraints.push_back(*nodes_[std::size_t(n)].constraint);
       }
