@@ -235,9 +235,8 @@ TEST_F(TooClose, WhoIsTooFastBehindAnotherBrakes) {
   EXPECT_NEAR(decision.plan.find(1)->at(5).v, 9.0 - 4.5 * 0.5, 1e-9);
 }
 
-//   [===>   Vehicle 0 stands across the path of vehicle 1, which comes from below and cannot stop
-//   any
-//    ^      more: to brake is all that is left, for what drives on gets deeper into it.
+//   [===>   Vehicle 0 stands across the path of vehicle 1, which comes from below and cannot
+//     ^     stop any more: to brake is all that is left, for what drives on gets deeper into it.
 TEST_F(TooClose, WhoCannotStopBeforeOneAcrossItsPathBrakes) {
   const RoadVehicle across = add(0, 98.5, 0.0);
   const RoadVehicle comes = add(1, 90.0, 7.6);
