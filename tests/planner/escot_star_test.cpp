@@ -87,6 +87,18 @@ TEST(EscotStar, SolvesNothingAndStandingStill) {
   EXPECT_EQ(plan.statistics.makespan, 0.0);
 }
 
+//   At half the speed all takes twice as long, and nothing else changes.
+TEST(EscotStar, SlowRobotsDriveTheSamePlan) {
+  const Instance quick = circle(2);
+  Instance slow = quick;
+  slow.dt *= 2;
+  for (Agent& a : slow.agents) a.vehicle.max_speed /= 2;
+  const Plan plan = star(quick, {.gap = 0.2});
+  const Plan slow_plan = star(slow, {.gap = 0.2});
+  EXPECT_DOUBLE_EQ(slow_plan.statistics.dt, 2 * plan.statistics.dt);
+  EXPECT_EQ(slow_plan.statistics.makespan_steps, plan.statistics.makespan_steps);
+}
+
 /// A crowd, made ready for the parts of the algorithm.
 class StarParts : public testing::Test, protected JointScene {
  protected:
@@ -209,6 +221,23 @@ TEST(Repair, GivesUpWithoutProgress) {
   EXPECT_FALSE(repair.run(20'000, [] { return false; }));
   EXPECT_EQ(motion.conflicts().size(), 1U);
   EXPECT_GE(repair.expansions(), 20'000);
+}
+
+//   The goal of robot 1 is in a lane for one that robot 0 has to drive through: however robot 0 is
+//   planned anew, robot 1 is there before it. It is robot 1 that has to wait.
+TEST(Repair, TakesTurnsWithinAPair) {
+  Map lane = empty_map(40);
+  lane.polygons = {{{14, -1}, {30, -1}, {30, 18.5}, {14, 18.5}},
+                   {{14, 21.5}, {30, 21.5}, {30, 41}, {14, 41}}};
+  const JointScene scene(
+      {.agents = {agent({4, 8, 0}, {36, 20, 0}, 0), agent({8, 20, 0}, {22, 20, 0}, 1)},
+       .map = lane});
+  JointMotion motion(scene.robots, scene.time);
+  Repair repair(motion, scene.alone, {}, 1, scene.never);
+  motion.place_all(scene.alone);
+  ASSERT_EQ(motion.conflicts().size(), 1U);
+  EXPECT_TRUE(repair.run(20'000, [] { return false; }));
+  scene.expect_valid(motion);
 }
 
 TEST_F(StarParts, ShorteningKeepsThePlanValidAndNeverDelays) {

@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <numbers>
+
 #include "planner/anytime/windows.hpp"
 #include "tests/planner/joint_scene.hpp"
 #include "tests/planner/scenes.hpp"
@@ -58,6 +61,52 @@ TEST(FirstPlan, CrowdsAndOthersEndWithoutConflicts) {
   }
 }
 
+//   So much later than the one with the longest path may they arrive, unless there is no such plan.
+TEST(FirstPlan, ACrowdKeepsToItsLimit) {
+  for (const std::uint64_t seed : {0, 5, 8, 10}) {
+    const JointScene scene(random_instance(seed, 14, 6, 30));
+    JointMotion motion(scene.robots, scene.time);
+    motion.place_all(scene.alone);
+    ASSERT_TRUE(needs_windows(motion)) << motion.conflicts().size();
+    Repair repair(motion, scene.alone, {}, 1, scene.never);
+    ASSERT_TRUE(FirstPlan(motion, repair, scene.alone, scene.never, kNever).find());
+    int longest = 0;
+    for (const ArcTrajectory& path : scene.alone) longest = std::max(longest, path.arrival());
+    EXPECT_LE(motion.makespan(), 1.25 * longest) << seed;
+  }
+}
+
+//   Nose to nose in a lane for one, nobody ever gets to its goal: to stand at the start is no plan.
+TEST(FirstPlan, ThereIsNoneForTwoThatCannotPass) {
+  Map lane{.width = 40, .height = 3.0};
+  lane.bounds = Bounds::kAxle;
+  lane.polygons = {{{-9, -3}, {49, -3}, {49, 0}, {-9, 0}}, {{-9, 3}, {49, 3}, {49, 6}, {-9, 6}}};
+  const JointScene scene(
+      {.agents = {agent({5, 1.5, 0}, {30, 1.5, 0}, 0), agent({35, 1.5, 0}, {10, 1.5, 0}, 1)},
+       .map = lane});
+  JointMotion motion(scene.robots, scene.time);
+  Repair repair(motion, scene.alone, {}, 1, scene.never);
+  const auto enough = [&] { return repair.expansions() > 10'000; };
+  EXPECT_FALSE(FirstPlan(motion, repair, scene.alone, scene.never, enough).find());
+}
+
+//   Robot 0 gets out of its place between two walls by a path that a small search does not find.
+TEST(FirstPlan, WhoFindsNoOtherPathDrivesItsOwn) {
+  Instance tight{
+      .agents = {agent({15.2, 15, 0}, {15.2, 22, 0}, 0), agent({4, 26, 0}, {24, 26, 0}, 1)},
+      .map = empty_map(30),
+      .dt = 1.0};
+  tight.map.polygons = {{{13, 13}, {14, 13}, {14, 17}, {13, 17}},
+                        {{18.4, 13}, {19.4, 13}, {19.4, 17}, {18.4, 17}}};
+  const JointScene scene(tight);
+  JointMotion motion(scene.robots, scene.time);
+  Repair repair(motion, scene.alone, {}, 1, scene.never);
+  ASSERT_TRUE(FirstPlan(motion, repair, scene.alone, scene.never, kNever).find());
+  EXPECT_TRUE(motion.present(0));
+  EXPECT_TRUE(motion.present(1));
+  scene.expect_valid(motion);
+}
+
 TEST(Windows, EndOnceNobodyOverlapsAtAnyTime) {
   const JointScene scene(random_instance(11, 30, 5, 45));
   JointMotion motion(scene.robots, scene.time);
@@ -76,6 +125,20 @@ TEST(Windows, EndOnceNobodyOverlapsAtAnyTime) {
   EXPECT_FALSE(motion.has_horizon());
   EXPECT_TRUE(motion.conflicts().empty());
   scene.expect_valid(motion);
+}
+
+//   Whoever takes the horizon away has resolved all that there is.
+TEST(Windows, EndWithTheHorizon) {
+  const JointScene scene(random_instance(11, 30, 5, 45));
+  JointMotion motion(scene.robots, scene.time);
+  motion.place_all(scene.alone);
+  int windows = 0;
+  EXPECT_TRUE(resolve_by_windows(motion, [&] {
+    ++windows;
+    return motion.place_all(scene.alone);
+  }));
+  EXPECT_EQ(windows, 1);
+  EXPECT_FALSE(motion.has_horizon());
 }
 
 TEST(Windows, EndWhenOneIsGivenUp) {

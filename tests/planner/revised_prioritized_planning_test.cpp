@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <numbers>
+
 #include "planner/problem/validate.hpp"
 #include "tests/planner/joint_scene.hpp"
 #include "tests/planner/scenes.hpp"
@@ -10,6 +12,7 @@ namespace mvtp {
 namespace {
 
 constexpr std::int64_t kEnough = 1'000'000;
+constexpr double kNorth = std::numbers::pi / 2;
 
 /// Everyone in turn, and what the referee says of it.
 class RevisedPrioritizedPlanningTest : public testing::Test {
@@ -71,6 +74,28 @@ TEST_F(RevisedPrioritizedPlanningTest, WhoFindsNoWayStandsAtItsStart) {
   EXPECT_EQ(departed_, std::vector<bool>({false, false}));
   EXPECT_TRUE(motion_->conflicts().empty());
   EXPECT_EQ(motion_->makespan(), 0);
+}
+
+//   Parked 0.7 m behind one and before another, who stay: only a larger and finer search gets it
+//   out.
+TEST_F(RevisedPrioritizedPlanningTest, WhoFailsIsLookedAtMoreFinely) {
+  take({.agents = {agent({15.2, 15, 0}, {15.2, 22, 0}, 0), agent({18.9, 15, 0}, {18.9, 15, 0}, 1),
+                   agent({11.5, 15, 0}, {11.5, 15, 0}, 2)},
+        .map = empty_map(30)});
+  expect_all_departed();
+}
+
+//   Robot 1 rests in a gap of a wall. The next gap is far, but nobody drives through a robot at
+//   rest.
+TEST_F(RevisedPrioritizedPlanningTest, WhoStaysIsGoneRoundHoweverFar) {
+  Instance wall{.agents = {agent({3, 6, 0}, {20, 6, 0}, 0),
+                           agent({10.5, 4.8, kNorth}, {10.5, 4.8, kNorth}, 1)},
+                .map = {.width = 30, .height = 50}};
+  wall.map.polygons = {{{10, 0}, {11, 0}, {11, 4}, {10, 4}},
+                       {{10, 8}, {11, 8}, {11, 40}, {10, 40}},
+                       {{10, 46}, {11, 46}, {11, 50}, {10, 50}}};
+  take(wall);
+  expect_all_departed();
 }
 
 TEST_F(RevisedPrioritizedPlanningTest, WithoutPatienceNobodyGoes) {
