@@ -135,6 +135,32 @@ TEST(PlanBySampling, IsTheReedsSheppPathWhereNothingIsInTheWay) {
   EXPECT_NEAR(length, shortest_length(from, to, 3.0), 1e-6);
 }
 
+//   What the trees find is the same, whatever a cusp counts; of the paths over its vertices the
+//   best is taken.
+TEST(PlanBySampling, NoPathIsBetterThanTheOneThatCountsItsCusps) {
+  const Aisle aisle(7.0);
+  const auto cost = [](const std::vector<Arc>& arcs, double cusp) {
+    double sum = 0.0;
+    for (std::size_t k = 0; k < arcs.size(); ++k) {
+      sum += std::abs(arcs[k].length);
+      if (k > 0 && arcs[k].length * arcs[k - 1].length < 0.0) sum += cusp;
+    }
+    return sum;
+  };
+  double saved = 0.0;
+  for (std::uint64_t seed = 0; seed < 6; ++seed) {
+    for (const Pose& to : {Pose{8.0, 9.0, kPi}, Pose{8.0, 9.0, 0.0}}) {
+      const auto shortest = aisle.plan(to, {.cusp = 0.0, .seed = seed});
+      const auto plain = aisle.plan(to, {.cusp = 6.0, .seed = seed});
+      ASSERT_TRUE(shortest && plain) << seed;
+      EXPECT_LE(cost(*shortest, 0.0), cost(*plain, 0.0) + 1e-6) << seed;
+      EXPECT_LE(cost(*plain, 6.0), cost(*shortest, 6.0) + 1e-6) << seed;
+      saved += cost(*shortest, 6.0) - cost(*plain, 6.0);
+    }
+  }
+  EXPECT_GT(saved, 1.0);
+}
+
 TEST(PlanBySampling, NeedsNoPathToWhereItStands) {
   const auto free = [](const Pose&, const Arc&) { return true; };
   const auto path = plan_by_sampling({3, 4, kPi}, {3, 4, -kPi}, 3.0, {40, 30}, {}, free);

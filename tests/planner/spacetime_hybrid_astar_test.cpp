@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <numbers>
+#include <set>
 
 #include "planner/escot/planning_problem.hpp"
 #include "tests/planner/scenes.hpp"
@@ -97,6 +98,35 @@ TEST_F(SpacetimeSearch, KeepsClearOfARobotThatComesTowardsIt) {
   EXPECT_LE(path->cost, 1.5 * path->lower_bound + 1e-9);
   const SweptTrajectory own(planning_problem.car(0), planning_problem.starts()[0], path->steps);
   for (int t = 0; t < 60; ++t) EXPECT_FALSE(collide(own.at(t), oncoming.at(t)));
+}
+
+//   Out of expansions, it is the best path so far that counts: the more of them, the fewer
+//   conflicts.
+TEST_F(SpacetimeSearch, FindsPathsWithFewerAndFewerConflicts) {
+  const Instance instance = random_instance(12, 12, 0, 30);
+  const PlanningProblem planning_problem(instance, CollisionRule::kContinuous);
+  std::vector<SweptTrajectory> straight_on;
+  for (int i = 1; i < planning_problem.size(); ++i) {
+    straight_on.emplace_back(planning_problem.car(i), planning_problem.starts()[std::size_t(i)],
+                             std::vector<Arc>(30, Arc{1, 0}));
+  }
+  std::vector<const SweptTrajectory*> others;
+  for (const SweptTrajectory& other : straight_on) others.push_back(&other);
+  const TimedObstacles traffic(others);
+  const std::vector<const TimedObstacles*> to_avoid = {&traffic};
+  SearchProblem avoiding = problem(planning_problem, 0);
+  avoiding.to_avoid = to_avoid;
+  std::set<int> conflicts;
+  for (int most = 1; most <= 100; ++most) {
+    const auto path = SpacetimeHybridAstar(planning_problem.curves())
+                          .search(avoiding, {.max_expansions = most}, kNever);
+    ASSERT_TRUE(path);
+    if (!conflicts.empty()) {
+      EXPECT_LE(path->conflicts, *conflicts.begin()) << most;
+    }
+    conflicts.insert(path->conflicts);
+  }
+  EXPECT_GT(conflicts.size(), 3U);
 }
 
 //   The robot stands at its goal when another one has to pass: it leaves and comes back.
@@ -208,6 +238,19 @@ TEST(TimedObstacles, NobodyIsLookedAtFromTheGivenStepOn) {
   EXPECT_FALSE(traffic.hit(there, 3));
   EXPECT_EQ(traffic.count(there, 7), 0);
   EXPECT_EQ(traffic.end(), 3);
+}
+
+//   Robot 0 has parked 44 m away from the one that asks, long before that one can be there.
+TEST(TimedObstacles, WhoIsReachedLateIsKeptInMind) {
+  const Instance instance = circle(2);
+  const PlanningProblem planning_problem(instance, CollisionRule::kContinuous);
+  const SteppedCar& car = planning_problem.car(0);
+  const SweptTrajectory parks(car, {40, 4, 0}, std::vector<Arc>(4, Arc{1, 0}));
+  const std::vector<const SweptTrajectory*> pointers = {&parks};
+  const std::vector<Reach> asks = {{.from = {0, 4}, .at_start = 3.0, .per_step = 1.0}};
+  const TimedObstacles traffic(pointers, TimedObstacles::kForEver, asks);
+  EXPECT_TRUE(traffic.hit(car.sweep({44, 4, 0}, {}), 44));
+  EXPECT_FALSE(traffic.hit(car.sweep({36, 4, 0}, {}), 44));
 }
 
 TEST(TimedObstacles, CountsWhoeverCollidesAtAStep) {
