@@ -2,12 +2,14 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstdint>
 #include <numbers>
 #include <optional>
 #include <span>
 #include <vector>
 
+#include "planner/lot/lot_ground.hpp"
 #include "tests/planner/small_instances.hpp"
 
 namespace mvtp {
@@ -102,6 +104,69 @@ TEST(LotPlanner, LetsACarInFromAnEntryLaneWhileItMoves) {
   for (double s = 0.0; s <= planner.prefix_length(2.5); s += 0.5) {
     EXPECT_NEAR(car.path.at(s).x, 12.5, 1e-6) << "it cannot turn before it could brake";
   }
+}
+
+//   <....    A lorry stands in the lane, with a wall to its west. Who goes round it by the east,
+//   and
+//      | :   then to the west, comes back into the lane if that is so long; and others follow
+//      there.
+//     |# :
+//     |^.'
+TEST(LotPlanner, LetsNobodyComeBackIntoItsEntryLane) {
+  const auto admits = [](double lane_to) {
+    ParkingLot lot = open_ground();
+    lot.obstacles = {{{18, 0}, {18.5, 0}, {18.5, 13}, {18, 13}}};
+    lot.entries.push_back({"in", {20, 1, kUp}, lane_to - 1.0, 0});
+    LotPlanner planner(lot, {});
+    LotMotion motion;
+    LotRequest coming = request(1, {20, 2, kUp}, {6, 20, 2 * kUp});
+    coming.entry = 0;
+    const std::vector<StandingCar> lorry = {
+        {{20, 11, kUp}, {.front = 2.0, .rear = 0.5, .width = 2.6}}};
+    return planner.admit(motion, coming, lorry).has_value();
+  };
+  EXPECT_FALSE(admits(26.0));
+  EXPECT_TRUE(admits(10.0));
+}
+
+/// A lane out to the east at the height of the middle.
+ParkingLot with_exit() {
+  ParkingLot lot = open_ground();
+  lot.exits.push_back({"out", {30, 15, 0}, 10, 0});
+  return lot;
+}
+
+LotRequest leaving(std::int64_t key, const Pose& from, double along) {
+  LotRequest result = request(key, from, {30 + along, 15, 0});
+  result.leaves = true;
+  return result;
+}
+
+TEST(LotPlanner, LetsCarsLeaveOneBehindTheOther) {
+  LotPlanner planner(with_exit(), {});
+  LotMotion motion;
+  ASSERT_TRUE(planner.admit(motion, leaving(1, {5, 5, 0}, 3.0), {}));
+  ASSERT_TRUE(planner.admit(motion, leaving(2, {5, 25, 0}, 3.0), {}));
+  EXPECT_TRUE(motion.forecast().complete);
+}
+
+TEST(LotGround, AStripIsAsLongAsItsPartOfTheLane) {
+  const Polygon corners = strip({"in", {10, 5, kUp}, 20, 0}, 2.0, 12.0);
+  ASSERT_EQ(corners.size(), 4U);
+  for (const Point& p : corners) {
+    EXPECT_NEAR(std::abs(p.x - 10.0), 1.2, 1e-9);
+    EXPECT_NEAR(std::abs(p.y - 12.0), 5.0, 1e-9);
+  }
+}
+
+//   Two that do not meet lose nothing: there is nothing to look for.
+TEST(LotPlanner, WhoLosesNothingKeepsItsPlan) {
+  LotPlanner planner(open_ground(), {});
+  LotMotion motion;
+  ASSERT_TRUE(planner.admit(motion, request(1, {5, 5, 0}, {30, 5, 0}), {}));
+  ASSERT_TRUE(planner.admit(motion, request(2, {5, 25, 0}, {30, 25, 0}), {}));
+  EXPECT_EQ(planner.decide(motion, {}), 0);
+  EXPECT_EQ(planner.failures_kept(), 0U);
 }
 
 /// Two rows of five change sides, each car to the place of a random one of the other row, which
