@@ -106,12 +106,9 @@ TEST(LotPlanner, LetsACarInFromAnEntryLaneWhileItMoves) {
   }
 }
 
-//   <....    A lorry stands in the lane, with a wall to its west. Who goes round it by the east,
-//   and
-//      | :   then to the west, comes back into the lane if that is so long; and others follow
-//      there.
-//     |# :
-//     |^.'
+//   <...   A lorry stands in the lane, with a wall to its west. Who goes round it by the east, and
+//     |#:  then to the west, comes back into the lane if that is so long.
+//     |^:
 TEST(LotPlanner, LetsNobodyComeBackIntoItsEntryLane) {
   const auto admits = [](double lane_to) {
     ParkingLot lot = open_ground();
@@ -171,7 +168,7 @@ TEST(LotPlanner, WhoLosesNothingKeepsItsPlan) {
 
 /// Two rows of five change sides, each car to the place of a random one of the other row, which
 /// stands 4 m further on by then.
-LotMotion crowd(LotPlanner& planner, Dice& dice) {
+LotMotion crowd(LotPlanner& planner, Dice& dice, int* replanned = nullptr) {
   LotMotion motion;
   std::vector<LotRequest> requests;
   for (const bool up : {true, false}) {
@@ -189,9 +186,49 @@ LotMotion crowd(LotPlanner& planner, Dice& dice) {
     for (std::size_t j = k + 1; j < requests.size(); ++j) {
       standing.push_back({requests[j].pose, kCar});
     }
-    (void)planner.admit(motion, requests[k], standing);
+    const auto admission = planner.admit(motion, requests[k], standing);
+    if (admission && replanned != nullptr) *replanned += admission->replanned;
   }
   return motion;
+}
+
+TEST(LotPlanner, WhoWouldWaitLongGoesBeforeOthersIfGroupsArePlanned) {
+  for (const bool regroup : {false, true}) {
+    LotPlannerOptions options;
+    options.regroup = regroup;
+    Dice dice(11);
+    int replanned = 0;
+    for (int scene = 0; scene < 3; ++scene) {
+      LotPlanner planner(open_ground(), options);
+      EXPECT_TRUE(crowd(planner, dice, &replanned).forecast().complete);
+    }
+    if (regroup) {
+      EXPECT_GT(replanned, 0);
+    } else {
+      EXPECT_EQ(replanned, 0);
+    }
+  }
+}
+
+//   Far from all others, one more changes nothing for them.
+TEST(LotPlanner, CarsThatKeepTheirPathsKeepTheirOrder) {
+  ParkingLot wide = open_ground();
+  wide.ground = {{0, 0}, {80, 0}, {80, 30}, {0, 30}};
+  Dice dice(11);
+  for (int scene = 0; scene < 4; ++scene) {
+    LotPlanner planner(wide, {});
+    LotMotion motion = crowd(planner, dice);
+    for (int second = 1; second < 10; ++second) {
+      for (int step = 0; step < 10; ++step) {
+        motion.step(0.1, std::vector<double>(motion.cars().size(), 1e9));
+      }
+      LotMotion with_another = motion;
+      ASSERT_TRUE(planner.admit(with_another, request(99, {50, 15, 0}, {70, 15, 0}), {}));
+      LotForecast after = with_another.forecast();
+      after.driven.pop_back();
+      EXPECT_EQ(after.driven, motion.forecast().driven) << scene << ", " << second << " s";
+    }
+  }
 }
 
 //   Plans change under way, but only for better ones that are complete as well.
