@@ -88,6 +88,25 @@ TEST(LotPlanner, FindsAWayOutOfATightSlot) {
   EXPECT_TRUE(motion.forecast().complete);
 }
 
+//   The last metres are those that it would drive alone: among others, too, a lattice would not
+//   find into the slot, and somebody stands on the path to it.
+TEST(LotPlanner, GoesRoundOthersOnThePathIntoATightSlot) {
+  const Vehicle long_car{.front = 4.0, .rear = 1.0, .width = 1.9, .min_turning_radius = 4.5};
+  ParkingLot lot;
+  lot.id = "lot";
+  lot.ground = {{0, 0}, {40, 0}, {40, 18}, {0, 18}};
+  lot.obstacles = {{{20, 0}, {31.2, 0}, {31.2, 5.5}, {20, 5.5}},
+                   {{33.8, 0}, {40, 0}, {40, 5.5}, {33.8, 5.5}},
+                   {{20, 10.7}, {40, 10.7}, {40, 18}, {20, 18}}};
+  LotPlanner planner(lot, {});
+  LotMotion motion;
+  const LotRequest parks = {
+      .key = 1, .body = long_car, .pose = {3, 8, 0}, .goals = {{32.5, 1.3, kUp}}};
+  const std::vector<StandingCar> somebody = {{{12, 8, 0}, {.front = 1, .rear = 1, .width = 1.8}}};
+  ASSERT_TRUE(planner.admit(motion, parks, somebody));
+  EXPECT_TRUE(motion.forecast().complete);
+}
+
 //   It comes down the lane at speed, to the south of the lot, and the next one stands behind it.
 TEST(LotPlanner, LetsACarInFromAnEntryLaneWhileItMoves) {
   ParkingLot lot = open_ground();
@@ -229,6 +248,40 @@ TEST(LotPlanner, CarsThatKeepTheirPathsKeepTheirOrder) {
       EXPECT_EQ(after.driven, motion.forecast().driven) << scene << ", " << second << " s";
     }
   }
+}
+
+/// Wherever the two meet, `first` passes before `second`.
+void let_pass(LotMotion& motion, std::int64_t first, std::int64_t second) {
+  const LotCar& a = motion.cars()[std::size_t(motion.find(first))];
+  const LotCar& b = motion.cars()[std::size_t(motion.find(second))];
+  std::vector<float> early(std::size_t(a.cells.size()));
+  std::vector<float> late(std::size_t(b.cells.size()));
+  for (std::size_t c = 0; c < early.size(); ++c) early[c] = float(c);
+  for (std::size_t c = 0; c < late.size(); ++c) late[c] = float(early.size() + c);
+  late[0] = -1.0F;  // where it is
+  auto [order, other] = precedence({&a.cells, 0, early}, {&b.cells, 0, late});
+  motion.set_order(first, second, std::move(order));
+  motion.set_order(second, first, std::move(other));
+}
+
+//       : 2     Car 1 waits for long until car 2, which is far, has passed. Car 3 does not wait for
+//   1 --=.....  it, but goes round behind it.
+//      ^:
+//      3
+TEST(LotPlanner, WhoWaitsIsGoneRound) {
+  ParkingLot lot = open_ground();
+  lot.ground = {{0, 0}, {40, 0}, {40, 60}, {0, 60}};
+  LotPlannerOptions options;
+  options.regroup = false;
+  LotPlanner planner(lot, options);
+  LotMotion motion;
+  ASSERT_TRUE(planner.admit(motion, request(1, {11, 15, 0}, {35, 15, 0}), {}));
+  ASSERT_TRUE(planner.admit(motion, request(2, {20, 56, -kUp}, {20, 8, -kUp}), {}));
+  let_pass(motion, 2, 1);
+  ASSERT_TRUE(planner.admit(motion, request(3, {16.5, 3, kUp}, {16.5, 38, kUp}), {}));
+  const LotForecast forecast = motion.forecast();
+  EXPECT_LT(forecast.arrival(2), forecast.arrival(1));
+  EXPECT_LT(forecast.arrival(1), forecast.arrival(0));
 }
 
 //   Plans change under way, but only for better ones that are complete as well.
