@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <set>
 
 #include "tools/coordinate/drawn_path.hpp"
 #include "tools/coordinate/drivers.hpp"
@@ -175,6 +174,7 @@ void RunRecorder::observe(const Snapshot& now, const Audit& audit) {
     states.push_back({index_of(p), pose, p.speed, ReplayState::kWalking});
   }
   recorder_.add_frame(now.time, states, audit.latest_clearance());
+  observe_corridors();
   observe_events(audit);
 }
 
@@ -196,25 +196,25 @@ void RunRecorder::observe_events(const Audit& audit) {
   }
 }
 
-/// The corridors that were used, each once however many types of vehicles had it.
-void RunRecorder::add_corridors(const RunReport& report) {
+/// Corridors on which somebody is driven, each once however many types of vehicles have it; the
+/// coordinator forgets them in time.
+void RunRecorder::observe_corridors() {
   if (coordinator_ == nullptr) return;
   const CorridorMap& corridors = coordinator_->corridors();
-  std::set<std::vector<std::pair<int, int>>> known;
-  for (int c = 0; c < corridors.size(); ++c) {
-    const Corridor& corridor = corridors[c];
-    const bool is_driven = corridor.undriven.empty() && !corridor.course.human_driven;
-    if (!is_driven || corridor.lines.empty()) continue;
+  for (const auto& [id, driven] : coordinator_->driven()) {
+    if (!seen_corridors_.insert(driven.corridor).second) continue;
+    const Corridor& corridor = corridors[driven.corridor];
+    if (corridor.lines.empty()) continue;
     std::vector<std::pair<int, int>> lanes;
     for (const CorridorPiece& piece : corridor.course.pieces) {
       lanes.emplace_back(piece.lane, piece.target);
     }
-    if (!known.insert(lanes).second) continue;
+    const auto [drawn, is_new] = corridors_.try_emplace(std::move(lanes));
+    if (!is_new) continue;
     const ReferencePath& path = corridors.library().path(corridor.path);
     const double line = corridor.lines.front();
-    recorder_.add_corridor({.zone = zone_at(path.at(line), report.zones, traffic_.network()),
-                            .shape = drawn_path(path, std::max(0.0, line - options_.zone_radius),
-                                                corridor.s_handback)});
+    drawn->second = {path.at(line), drawn_path(path, std::max(0.0, line - options_.zone_radius),
+                                               corridor.s_handback)};
   }
 }
 
@@ -226,7 +226,10 @@ std::string RunRecorder::page(const RunReport& r) {
     const auto known = indices_.find(v.id);
     if (known != indices_.end()) recorder_.vehicle(known->second).movement = v.movement;
   }
-  add_corridors(r);
+  for (const auto& [lanes, corridor] : corridors_) {
+    const int zone = zone_at(corridor.line, r.zones, traffic_.network());
+    recorder_.add_corridor({.zone = zone, .shape = corridor.shape});
+  }
   const Headline h = headline(r);
   recorder_.add_figure({"status", r.status, ""});
   figure("mean delay", h.mean_delay, "s", 2);

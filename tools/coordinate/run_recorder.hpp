@@ -37,11 +37,17 @@ class RunRecorder {
     int rank = 0;           ///< in the order in which they were planned, 1 first
   };
 
+  /// As it is drawn.
+  struct DrawnCorridor {
+    Pose line;                 ///< where its first stop line is
+    std::vector<Point> shape;  ///< [m]
+  };
+
   std::size_t index_of(const Observation& observation);
   std::size_t index_of(const Pedestrian& person);
   [[nodiscard]] std::map<std::string, Member> members() const;
   void observe_events(const Audit& audit);
-  void add_corridors(const RunReport& report);
+  void observe_corridors();
 
   const CoordinateOptions& options_;
   const Traffic& traffic_;
@@ -54,6 +60,8 @@ class RunRecorder {
   std::map<std::string, std::size_t> people_;
   std::map<std::string, std::optional<double>> co2_;  ///< [g/s] as of the last frame that is kept
   std::size_t events_seen_ = 0;
+  std::set<int> seen_corridors_;                                         ///< numbers
+  std::map<std::vector<std::pair<int, int>>, DrawnCorridor> corridors_;  ///< by lanes and targets
 };
 
 }  // namespace mvtp
