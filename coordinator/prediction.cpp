@@ -152,7 +152,10 @@ int Predictor::path_of(const VehicleState& v, const CourseQuery& query, const Ve
   }
   const int own = corridors_.corridor_for(finder_.follow(query, kHorizon), body);
   const Corridor& corridor = corridors_[own];
-  if (place_on(corridor, corridor.stations.front(), kRest)) return own;
+  if (place_on(corridor, corridor.stations.front(), kRest)) {
+    expected_on_[v.id] = {own, station};
+    return own;
+  }
   if (!corridor.course.dead_end) return LaneGraph::kNone;
   station = corridors_.library().path(corridor.path).length() - kRest;  // it waits at the very end
   return own;
@@ -231,7 +234,6 @@ std::vector<Forecast> Predictor::predict(const VehicleState& v, const CourseQuer
     forecast.earliest = predict_passage(road, body.max_accel, grid, step);
     forecast.latest = predict_crawl(road, stop, grid, step);
     forecast.yields = false;
-    expected_on_[v.id] = {placed->corridor, s};
     return {forecast};
   }
   bool is_held = false;

@@ -87,8 +87,8 @@ class Predictor {
     int corridor = 0;
     double s = 0.0;  ///< [m] rear axle
   };
-  /// Of vehicles that were handed back, or that pass: those stay on the path on which they were
-  /// last expected, as others plan around a passage to a hair's breadth.
+  /// Where each vehicle was last expected: it stays on its path, as others plan around it to a
+  /// hair's breadth.
   std::map<std::string, Station> expected_on_;
 };
 
