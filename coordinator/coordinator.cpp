@@ -154,7 +154,6 @@ void Coordinator::replan() {
   std::map<std::string, Driven> arrivals = leave_corridors(/*may_go_on=*/true);
   const std::vector<Newcomer> newcomers = find_newcomers();
   if (planner_is_dead()) return hold_back(newcomers);
-  hold_before_the_standing();
   if (newcomers.empty() && driven_.empty()) return admit_guests_freely();
 
   const auto begin = std::chrono::steady_clock::now();

@@ -238,8 +238,9 @@ class Coordinator : public Controller {
       const std::map<std::string, const Driven*>& present, const std::vector<std::string>& guests);
   [[nodiscard]] std::vector<Forecast> predict_one(const VehicleState& v,
                                                   const std::vector<std::string>& guests);
+  [[nodiscard]] Trial best_trial(const std::map<std::string, Driven>& arrivals,
+                                 const std::vector<std::int64_t>& upset);
   [[nodiscard]] bool touches_guests(const std::vector<std::string>& guests, const Trial& trial);
-  void hold_before_the_standing();
   [[nodiscard]] bool waits_inside(const Trial& trial, std::optional<int> zone = {}) const;
   [[nodiscard]] std::set<std::string> better_later(const Trial& trial,
                                                    const std::map<std::string, Driven>& arrivals,
@@ -275,8 +276,9 @@ class Coordinator : public Controller {
   [[nodiscard]] ZoneVerdict verdict(const Trial& trial, int zone) const;
   [[nodiscard]] bool allows(const std::vector<std::string>& guests, int zone, const Trial& with,
                             const Trial& without);
-  [[nodiscard]] Trial best_trial(const std::map<std::string, Driven>& arrivals,
-                                 const std::vector<std::int64_t>& upset);
+  [[nodiscard]] Trial best_trial_with_lights(const std::map<std::string, Driven>& arrivals,
+                                             const std::set<std::string>& excluded,
+                                             const std::vector<std::int64_t>& upset);
 
   /// The normal lane that a vehicle is on, and the one it was on before.
   struct Trail {

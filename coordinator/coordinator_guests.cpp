@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "coordinator/coordinator.hpp"
 #include "coordinator/human_drivers.hpp"
@@ -18,37 +19,15 @@ bool Coordinator::touches_guests(const std::vector<std::string>& guests, const T
     if (state == nullptr) continue;  // people: see is_clear_of()
     const std::vector<Forecast> passages = predict_one(*state, trial.guests);
     for (const JointPlan::Entry& e : trial.decision.plan.entries) {
-      const int path = trial.paths.at(e.key);
       const bool is_hit = std::ranges::any_of(passages, [&](const Forecast& passage) {
-        const RoadVehicle& driver = passage.vehicle;
-        // Who is behind him waits for him, and goes on as he does.
-        return !drives_ahead(corridors_.library(), {driver.path, driver.now.s},
-                             {path, e.profile->at(step_).s}) &&
-               touches_passage(corridors_.library(), path, *e.profile, passage, step_);
+        return touches_passage(corridors_.library(), trial.paths.at(e.key), *e.profile, passage,
+                               step_);
       });
       if (is_hit) blocking_guests_.insert(e.key);
       touches |= is_hit;
     }
   }
   return touches;
-}
-
-/// Who was let through over several lines waits at the next one, if somebody has come to stand in
-/// its path behind it.
-void Coordinator::hold_before_the_standing() {
-  const std::int64_t a_while = step_ + 4 * grid_.steps_per_decision;
-  for (const std::string& guest : gate_.between_lines()) {
-    const std::vector<Forecast> passages = predict_one(*find_state(guest), {});
-    const bool is_barred = std::ranges::any_of(driven_, [&](const auto& entry) {
-      const RoadVehicle& v = entry.second.road;
-      const SpeedProfile& plan = *plan_.find(v.key);
-      if (v.now.v > 0.0 || state_at(plan, a_while).s > v.now.s) return false;
-      return std::ranges::any_of(passages, [&](const Forecast& passage) {
-        return touches_passage(corridors_.library(), v.path, plan, passage, step_);
-      });
-    });
-    if (is_barred) gate_.hold(guest);
-  }
 }
 
 /// Does somebody behind its line, not yet out of the junction, stand there for a while? It may be
@@ -149,12 +128,10 @@ bool Coordinator::is_at_gate(const std::vector<std::string>& guests) const {
   });
 }
 
-/// What it is worth to those under control that these pass now [s].
+/// What it is worth to those under control that these pass now [s]; at the gate whatever it costs.
 double Coordinator::worth(const std::vector<std::string>& guests) const {
-  double at_gate = 0.0;
-  for (const std::string& guest : guests) at_gate += gate_.waited(guest) * grid_.decision();
-  return at_gate + (people_ ? people_->worth(guests) : 0.0) +
-         (humans_ ? humans_->worth(guests) : 0.0);
+  if (is_at_gate(guests)) return std::numeric_limits<double>::infinity();
+  return (people_ ? people_->worth(guests) : 0.0) + (humans_ ? humans_->worth(guests) : 0.0);
 }
 
 }  // namespace mvtp

@@ -130,13 +130,12 @@ bool Coordinator::allows(const std::vector<std::string>& guests, int zone, const
   return !comparable || then.cost - before.cost <= worth(guests);
 }
 
-/// The plan with all arrivals but those that come too late, that get no complete plan, or one that
-/// the referee refuses; and with as many guests going over junctions as is possible, and worth what
-/// it costs the vehicles under control. Zones share no ground: each has its own offers and its own
-/// verdict, and one trial plans an offer of every zone.
-Coordinator::Trial Coordinator::best_trial(const std::map<std::string, Driven>& arrivals,
-                                           const std::vector<std::int64_t>& upset) {
-  const std::set<std::string> excluded = too_late(arrivals);
+/// The plan with as many drivers and people getting green as is possible, and worth what it costs
+/// the vehicles under control. Zones share no ground: each has its own offers and its own verdict,
+/// and one trial plans an offer of every zone.
+Coordinator::Trial Coordinator::best_trial_with_lights(
+    const std::map<std::string, Driven>& arrivals, const std::set<std::string>& excluded,
+    const std::vector<std::int64_t>& upset) {
   Trial without =
       without_the_late(plan_trial(arrivals, excluded, upset, {}), arrivals, excluded, upset);
   std::map<int, ZoneOffers> offers = offers_of_zones();

@@ -2,12 +2,40 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "coordinator/coordinator.hpp"
 #include "coordinator/human_drivers.hpp"
 #include "coordinator/referee.hpp"
 
 namespace mvtp {
+
+/// The plan with all arrivals; with guests that go over junctions too, if that leaves nobody
+/// without a plan; without those arrivals that come too late, that get no complete plan, or one
+/// that the referee refuses.
+Coordinator::Trial Coordinator::best_trial(const std::map<std::string, Driven>& arrivals,
+                                           const std::vector<std::int64_t>& upset) {
+  std::set<std::string> excluded = too_late(arrivals);
+  if (heads_) return best_trial_with_lights(arrivals, excluded, upset);
+  std::optional<Trial> with_guests;
+  for (const std::vector<std::string>& guests : in_order(groups_of_guests())) {
+    with_guests = plan_trial(arrivals, excluded, upset, guests);
+    if (touches_guests(guests, *with_guests)) {
+      with_guests.reset();
+      continue;
+    }
+    if (with_guests->decision.stepped == 0 && with_guests->refused.empty() &&
+        !waits_inside(*with_guests)) {
+      return *with_guests;
+    }
+  }
+  Trial trial = plan_trial(arrivals, excluded, upset, {});
+  const bool worse = with_guests && (with_guests->decision.stepped > trial.decision.stepped ||
+                                     with_guests->refused.size() > trial.refused.size() ||
+                                     (waits_inside(*with_guests) && !waits_inside(trial)));
+  if (with_guests && !worse) trial = *std::move(with_guests);
+  return without_the_late(std::move(trial), arrivals, std::move(excluded), upset);
+}
 
 /// The same trial without those arrivals that get no complete plan, or one that is refused.
 Coordinator::Trial Coordinator::without_the_late(Trial trial,

@@ -35,7 +35,6 @@ void Gate::see(const VehicleState& v, const Place& place, const Vehicle& body) {
   guest.pose = v.pose;
   if (!guest.passes) guest.lane = v.lane;
   guest.stands = v.speed < kStands ? guest.stands + 1 : 0;
-  guest.waited = guest.held ? guest.waited + int(v.speed < kStands) : 0;
   const bool crawls = place.to_line < kNear && v.speed < kCrawl;
   guest.waits = place.leads_on && place.is_first && (crawls || v.speed < kStands);
   const double room = stopping_distance(v.speed, 0.8 * body.max_decel) + kReaction * v.speed;
@@ -50,8 +49,6 @@ void Gate::see(const VehicleState& v, const Place& place, const Vehicle& body) {
       let_through(v.id);
     }
   }
-  guest.was_inside |= guest.passes && place.to_hold == 0.0;
-  guest.can_be_held = place.to_hold > room;
   guest.enters = place.leads_on && place.to_hold <= kInside;
   keep_in_lane(v.id, guest);
 }
@@ -129,22 +126,8 @@ void Gate::let_through(const std::string& id) {
   traffic_.let_through(id, passage_);
   visitor.held = false;
   visitor.passes = true;
-  visitor.was_inside = false;
   visitor.stands = 0;
   keep_in_lane(id, visitor);
-}
-
-int Gate::waited(const std::string& id) const {
-  const auto visitor = visitors_.find(id);
-  return visitor == visitors_.end() ? 0 : visitor->second.waited;
-}
-
-std::vector<std::string> Gate::between_lines() const {
-  std::vector<std::string> ids;
-  for (const auto& [id, visitor] : visitors_) {
-    if (visitor.passes && visitor.was_inside && visitor.can_be_held) ids.push_back(id);
-  }
-  return ids;
 }
 
 void Gate::release(const std::string& id) {

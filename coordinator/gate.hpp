@@ -45,11 +45,6 @@ class Gate {
   /// many as do not come near each other, or near those who pass.
   [[nodiscard]] std::vector<std::string> propose();
   void let_through(const std::string& id);
-  /// Decisions for which a guest has stood before its line.
-  [[nodiscard]] int waited(const std::string& id) const;
-  /// Guests who were let through over several lines, have one behind them, and can still be held
-  /// before the next.
-  [[nodiscard]] std::vector<std::string> between_lines() const;
   /// It is under control now, or on its own again.
   void release(const std::string& id);
   void release_all();
@@ -59,13 +54,10 @@ class Gate {
     bool guest = false;  ///< else it is to be taken over
     bool passes = false;
     bool held = false;
-    bool was_inside = false;   ///< since it was let through
-    bool can_be_held = false;  ///< before its next line
     bool seen = false;
     bool waits = false;      ///< near its line, the first on a lane that leads on
     bool enters = false;     ///< at the end of a lane that leads on, or inside
     int stands = 0;          ///< for so many decisions
-    int waited = 0;          ///< decisions for which it has stood, held
     std::int64_t asked = 0;  ///< when it was last proposed, or came
     Pose pose;
     std::string lane;  ///< where it was held

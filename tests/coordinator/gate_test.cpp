@@ -145,39 +145,6 @@ TEST_F(GateTest, DoesNotHoldWhoStandsInsideTheJunction) {
   EXPECT_TRUE(gate.passes("a"));
 }
 
-TEST_F(GateTest, KnowsWhoCanBeHeldBetweenTwoLines) {
-  decide({"a"});
-  const auto between_at = [&](double to_line, double speed) {
-    gate.begin();
-    see("a", to_line, speed);
-    gate.end();
-    return gate.between_lines();
-  };
-  gate.let_through("a");
-  EXPECT_THAT(between_at(1.0, 0.0), IsEmpty()) << "before its first line";
-  EXPECT_THAT(between_at(0.0, 8.0), IsEmpty()) << "inside the junction";
-  EXPECT_THAT(between_at(40.0, 10.0), UnorderedElementsAre("a"));
-  EXPECT_THAT(between_at(10.0, 10.0), IsEmpty()) << "it cannot stop any more";
-  between_at(40.0, 10.0);
-  gate.hold("a");
-  EXPECT_THAT(between_at(30.0, 8.0), IsEmpty()) << "it is held";
-  gate.let_through("a");
-  EXPECT_THAT(between_at(1.0, 0.0), IsEmpty()) << "this line is its first again";
-}
-
-TEST_F(GateTest, CountsHowLongAGuestHasStoodBeforeItsLine) {
-  EXPECT_EQ(gate.waited("a"), 0);
-  gate.begin();
-  see("a", 60.0, 13.0);
-  gate.end();
-  EXPECT_EQ(gate.waited("a"), 0) << "it still drives";
-  for (int i = 0; i < 3; ++i) decide({"a"});
-  EXPECT_EQ(gate.waited("a"), 3);
-  gate.let_through("a");
-  decide({"a"});
-  EXPECT_EQ(gate.waited("a"), 0);
-}
-
 TEST_F(GateTest, KeepsWhoPassesInItsLaneInsideTheJunction) {
   decide({"a"});
   EXPECT_THAT(traffic.in_lane, IsEmpty()) << "before the line it may look for a better one";
