@@ -18,14 +18,13 @@ constexpr std::size_t kLongest = 3000;  ///< steps that are predicted
 /// The acceleration of a driver who would take `a` but is to stop before a line [m/s^2].
 double before_line(const InertialState& now, double a, const StopLine& line, double dt) {
   constexpr double kBraking = StopLine::kBraking;
-  constexpr double kShort = 1.0;   // [m] before the line
-  constexpr double kRolls = 1e-3;  // [m/s]: who is slower stands
+  constexpr double kShort = 1.0;  // [m] before the line
   const auto stays_short = [&](double acceleration) {
     const InertialState next = advance(now, acceleration, dt);
     return next.s + stopping_distance(next.v, kBraking) <= line.s - kShort;
   };
   if (stays_short(a)) return a;
-  if (now.v > kRolls && stays_short(0.0)) return 0.0;
+  if (stays_short(0.0)) return 0.0;
   const double room = line.s - now.s;
   const auto needed = [&](double within) {
     return within > 0.0 ? now.v * now.v / (2.0 * within) : now.v / dt;
@@ -126,8 +125,7 @@ bool Predictor::leads_where_it_goes(const Corridor& corridor, const CourseQuery&
 }
 
 void Predictor::corridors_forgotten() {
-  std::erase_if(expected_on_,
-                [&](const auto& entry) { return !corridors_.holds(entry.second.corridor); });
+  std::erase_if(last_corridor_, [&](const auto& last) { return !corridors_.holds(last.second); });
 }
 
 /// The corridor that the vehicle follows, and where on it its rear axle is.
@@ -140,22 +138,17 @@ int Predictor::path_of(const VehicleState& v, const CourseQuery& query, const Ve
     station = path.project({v.pose.x, v.pose.y}, *s - 3.0, *s + 3.0);
     return station < path.length() - room;
   };
-  if (const auto known = expected_on_.find(v.id); known != expected_on_.end()) {
-    const auto [corridor, s] = known->second;
-    if (leads_where_it_goes(corridors_[corridor], query) &&
-        place_on(corridors_[corridor], s, kNearEnd)) {
-      corridors_.use(corridor);
-      known->second.s = station;
-      return corridor;
+  if (const auto known = last_corridor_.find(v.id); known != last_corridor_.end()) {
+    const Corridor& corridor = corridors_[known->second];
+    if (leads_where_it_goes(corridor, query) && place_on(corridor, corridor.s_handback, kNearEnd)) {
+      corridors_.use(known->second);
+      return known->second;
     }
-    expected_on_.erase(known);
+    last_corridor_.erase(known);
   }
   const int own = corridors_.corridor_for(finder_.follow(query, kHorizon), body);
   const Corridor& corridor = corridors_[own];
-  if (place_on(corridor, corridor.stations.front(), kRest)) {
-    expected_on_[v.id] = {own, station};
-    return own;
-  }
+  if (place_on(corridor, corridor.stations.front(), kRest)) return own;
   if (!corridor.course.dead_end) return LaneGraph::kNone;
   station = corridors_.library().path(corridor.path).length() - kRest;  // it waits at the very end
   return own;

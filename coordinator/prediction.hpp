@@ -36,9 +36,7 @@ class Predictor {
             double takeover);
 
   /// The vehicle was handed back on this corridor.
-  void handed_back(const std::string& id, int corridor) {
-    expected_on_[id] = {corridor, corridors_[corridor].s_handback};
-  }
+  void handed_back(const std::string& id, int corridor) { last_corridor_[id] = corridor; }
   /// Corridors have been forgotten: nobody can be on them.
   void corridors_forgotten();
 
@@ -82,14 +80,7 @@ class Predictor {
   double takeover_;
   std::vector<bool> watched_;
   std::vector<ExitRoot> exit_roots_;
-  /// A place along a corridor.
-  struct Station {
-    int corridor = 0;
-    double s = 0.0;  ///< [m] rear axle
-  };
-  /// Where each vehicle was last expected: it stays on its path, as others plan around it to a
-  /// hair's breadth.
-  std::map<std::string, Station> expected_on_;
+  std::map<std::string, int> last_corridor_;  ///< of vehicles handed back and still in range
 };
 
 /// A driver on his way: holds his speed for a while, then speeds up gently. Predicting that a

@@ -267,20 +267,6 @@ TEST(Predictor, WhoWaitsBrakesAsHardAsHeHasToBeforeHisLine) {
   EXPECT_FALSE(stands(20.5));
 }
 
-// What rolls on by a rounding error would never be found to wait.
-TEST(Predictor, WhoHasAllButStoppedBeforeHisLineIsHeldThere) {
-  Prediction p(crossroads_shape());
-  const double line = p.shape.network.lanes.at("W-C_0").length;
-  for (const double speed : {0.0, 1e-12, 1e-9, 1e-3}) {
-    for (double before = 0.5; before < 1.5; before += 0.002) {
-      const auto forecasts =
-          p.predict("W-C_0", line - before, speed, {"W-C", "C-E"}, Intent::kWaits);
-      ASSERT_THAT(forecasts, SizeIs(1));
-      EXPECT_TRUE(forecasts[0].held) << speed << ", " << before;
-    }
-  }
-}
-
 TEST(Predictor, ALeaderStaysOnTheCorridorThatItWasHandedBackOn) {
   Prediction p(crossroads_shape());
   const auto course = p.walk.finder.find(p.walk.at("W-C_0", 60.0, {"W-C", "C-E"}));
@@ -298,29 +284,6 @@ TEST(Predictor, ALeaderStaysOnTheCorridorThatItWasHandedBackOn) {
   p.map.forget_unused();
   p.predictor.corridors_forgotten();
   EXPECT_NE(p.predict("C-E_0", 20.0, 9.0, {"C-E"}, Intent::kWaits)[0].vehicle.path, path);
-}
-
-// Plans stop a hair's breadth before a driver's path: another one of the same lanes may be in them.
-TEST(Predictor, ADriverStaysOnThePathThatHeWasExpectedOn) {
-  Prediction p(crossroads_shape());
-  const auto path_at = [&](const std::string& lane, double position) {
-    const auto forecasts =
-        p.predict(lane, position, 8.0, {"W-C", "C-E"}, Intent::kPasses, 0.0, "C-E_0");
-    EXPECT_THAT(forecasts, SizeIs(1));
-    return forecasts.at(0).vehicle.path;
-  };
-  const int path = path_at("W-C_0", 80.0);
-  EXPECT_EQ(path_at("W-C_0", 90.0), path);
-  const LaneGraph& graph = p.walk.graph;
-  for (int k = 0; k < graph.links(); ++k) {
-    const LaneGraph::Link& link = graph.link(k);
-    const bool is_his = graph.lane(link.from).id == "W-C_0" && graph.lane(link.to).id == "C-E_0";
-    if (is_his) {
-      EXPECT_EQ(path_at(graph.lane(link.via.front()).id, 1.0), path);
-    }
-  }
-  EXPECT_NE(p.predict("W-C_0", 90.0, 8.0, {"W-C", "C-S"}, Intent::kPasses)[0].vehicle.path, path)
-      << "he turns elsewhere";
 }
 
 TEST(Predictor, WhereSeveralLanesLeadOnADriverGoesOntoHis) {
