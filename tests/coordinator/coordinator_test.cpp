@@ -201,10 +201,9 @@ TEST(Coordinator, WhoWasTurnedAwayForLongIsNotExpectedToLeave) {
   EXPECT_GT(waits_long, 100);
 }
 
-TEST(Coordinator, TheSameSeedGivesTheSameRun) {
-  ClosedLoop a(random_trips(500.0, 60.0, 5));
-  ClosedLoop b(random_trips(500.0, 60.0, 5));
-  while (a.traffic.running() && a.traffic.time() < 150.0) {
+/// Until `end` [s] everybody is at the same place in both runs.
+void expect_same_poses(ClosedLoop& a, ClosedLoop& b, double end) {
+  while (a.traffic.running() && a.traffic.time() < end) {
     a.step();
     b.step();
     ASSERT_EQ(a.traffic.vehicles().size(), b.traffic.vehicles().size());
@@ -212,6 +211,12 @@ TEST(Coordinator, TheSameSeedGivesTheSameRun) {
       ASSERT_EQ(a.traffic.vehicles()[i].pose, b.traffic.vehicles()[i].pose);
     }
   }
+}
+
+TEST(Coordinator, TheSameSeedGivesTheSameRun) {
+  ClosedLoop a(random_trips(500.0, 60.0, 5));
+  ClosedLoop b(random_trips(500.0, 60.0, 5));
+  expect_same_poses(a, b, 150.0);
 }
 
 // Whoever keeps the number of a corridor has to say so: here all others are forgotten at once.
@@ -223,14 +228,7 @@ TEST(Coordinator, ForgettingCorridorsChangesNothing) {
     ClosedLoop keeping(random_trips(300.0, 60.0, 5), options);
     options.corridors_kept = 0.0;
     ClosedLoop forgetting(random_trips(300.0, 60.0, 5), options);
-    while (keeping.traffic.running() && keeping.traffic.time() < 120.0) {
-      keeping.step();
-      forgetting.step();
-      ASSERT_EQ(keeping.traffic.vehicles().size(), forgetting.traffic.vehicles().size());
-      for (std::size_t i = 0; i < keeping.traffic.vehicles().size(); ++i) {
-        ASSERT_EQ(keeping.traffic.vehicles()[i].pose, forgetting.traffic.vehicles()[i].pose);
-      }
-    }
+    expect_same_poses(keeping, forgetting, 120.0);
     EXPECT_TRUE(keeping.coordinator.corridors().holds(0));
     EXPECT_FALSE(forgetting.coordinator.corridors().holds(0));
   }
