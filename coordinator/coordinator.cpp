@@ -90,6 +90,7 @@ void Coordinator::decide() {
   if (step_ % grid_.steps_per_decision == 0) {
     forget_corridors();
     remember_lanes();
+    predictor_.see(halted_queues());
     replan();
     if (owns_signals()) humans_->settle();
     if (greens_) greens_->settle();

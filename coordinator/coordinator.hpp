@@ -233,7 +233,8 @@ class Coordinator : public Controller {
   // The plan to be accepted: coordinator_trials.cpp
   [[nodiscard]] static std::vector<std::int64_t> without_plan(
       const RoadScene& now, const JointPlan& incumbent, const std::vector<std::int64_t>& upset);
-  [[nodiscard]] double time_at_stop(const VehicleState& state) const;
+  [[nodiscard]] Stand stand_of(const VehicleState& state) const;
+  [[nodiscard]] HaltedQueues halted_queues();
   [[nodiscard]] std::vector<Forecast> predict_others(
       const std::map<std::string, const Driven*>& present, const std::vector<std::string>& guests);
   [[nodiscard]] std::vector<Forecast> predict_one(const VehicleState& v,
@@ -285,6 +286,7 @@ class Coordinator : public Controller {
     int lane = LaneGraph::kNone;
     int before = LaneGraph::kNone;
     std::optional<Pose> watched;  ///< where it was last on a lane that matters; see is_watched()
+    int stood = 0;                ///< decisions in a row
   };
   Traffic& traffic_;
   CoordinatorOptions options_;

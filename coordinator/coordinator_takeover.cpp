@@ -280,6 +280,7 @@ std::vector<int> Coordinator::route_of(const VehicleState& v) const {
 
 /// Which normal lanes vehicles have come over: their tails may still be there.
 void Coordinator::remember_lanes() {
+  constexpr double kStanding = 0.1;  // [m/s]
   std::unordered_map<std::string, Trail> trails;
   for (const VehicleState& v : traffic_.vehicles()) {
     Trail trail;
@@ -293,6 +294,7 @@ void Coordinator::remember_lanes() {
       trail.lane = lane;
     }
     if (lane != LaneGraph::kNone && predictor_.watches(lane)) trail.watched = v.pose;
+    trail.stood = v.speed < kStanding ? trail.stood + 1 : 0;
     trails.emplace(v.id, trail);
   }
   trails_ = std::move(trails);

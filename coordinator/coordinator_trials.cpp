@@ -267,7 +267,7 @@ std::vector<Forecast> Coordinator::predict_one(const VehicleState& v,
                         : passes             ? Intent::kPasses
                                              : Intent::kWaits;
   std::vector<Forecast> forecasts =
-      predictor_.predict(v, query, type_of(v.type).body, intent, time_at_stop(v), grid_,
+      predictor_.predict(v, query, type_of(v.type).body, intent, stand_of(v), grid_,
                          step_ - std::int64_t(std::lround(v.age / grid_.dt)));
   // Mostly it is taken over as soon as it has a plan.
   if (gate_.holds_guest(v.id) || is_impatient(v.id)) return forecasts;
@@ -275,13 +275,30 @@ std::vector<Forecast> Coordinator::predict_one(const VehicleState& v,
   return forecasts;
 }
 
-/// How long a vehicle still stands at a scheduled stop [s].
-double Coordinator::time_at_stop(const VehicleState& v) const {
+/// Those who stand for longer than somebody who is about to go on.
+HaltedQueues Coordinator::halted_queues() {
+  constexpr double kBriefly = 3.0;  // [s]
+  std::vector<HaltedDriver> halted;
+  for (const VehicleState& v : traffic_.vehicles()) {
+    const Stand stand = stand_of(v);
+    const double stands = std::max(stand.scheduled, stand.so_far);
+    if (stands <= kBriefly || driven_.contains(v.id)) continue;
+    const int lane = graph_.find_lane(v.lane);
+    if (lane == LaneGraph::kNone || finder_.may_approach(lane, v.lane_position)) continue;
+    halted.push_back(
+        {lane, v.lane_position, v.lane_position - type_of(v.type).body.length(), stands});
+  }
+  return HaltedQueues(std::move(halted));
+}
+
+Stand Coordinator::stand_of(const VehicleState& v) const {
   constexpr double kBoarding = 5.0;  // [s] at least: stops last longer than they are planned to
-  if (!v.halted_by_stop) return 0.0;
+  const auto trail = trails_.find(v.id);
+  const int decisions = trail == trails_.end() ? 0 : trail->second.stood;
+  if (!v.halted_by_stop) return {.so_far = decisions * grid_.decision()};
   const std::optional<Stop> stop = traffic_.next_stop(v.id);
-  if (!stop) return kBoarding;
-  return std::max({kBoarding, stop->duration, stop->until - traffic_.time()});
+  if (!stop) return {.scheduled = kBoarding};
+  return {.scheduled = std::max({kBoarding, stop->duration, stop->until - traffic_.time()})};
 }
 
 }  // namespace mvtp

@@ -134,7 +134,7 @@ void GreenLanes::sense_inside(const VehicleState& v, const CourseQuery& query,
 std::vector<Forecast> GreenLanes::expect(const VehicleState& v, const CourseQuery& query,
                                          const VehicleType& type, std::int64_t step) {
   const auto predict = [&](Intent intent) {
-    return predictor_.predict(v, query, type.body, intent, 0.0, grid_, step);
+    return predictor_.predict(v, query, type.body, intent, {}, grid_, step);
   };
   const int link = link_of(query);
   const SignalProgram* program = program_of(link);
@@ -153,10 +153,9 @@ std::vector<Forecast> GreenLanes::expect(const VehicleState& v, const CourseQuer
 
 /// One who stops there, until those across his path have passed.
 Forecast GreenLanes::waits_at(const RoadVehicle& road, double stop, std::int64_t step) const {
-  Forecast forecast{.vehicle = road,
-                    .earliest = predict_leader(road, std::nullopt, grid_, step),
-                    .latest = std::nullopt};
-  SpeedProfile held = predict_leader(road, StopLine{stop}, grid_, step);
+  Forecast forecast{
+      .vehicle = road, .earliest = predict_leader(road, {}, grid_, step), .latest = std::nullopt};
+  SpeedProfile held = predict_leader(road, {StopLine{stop}}, grid_, step);
   const auto rest = std::ranges::find(held.states, 0.0, &InertialState::v);
   if (rest == held.states.end()) return forecast;
   held.states.erase(rest + 1, held.states.end());

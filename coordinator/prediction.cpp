@@ -18,13 +18,14 @@ constexpr std::size_t kLongest = 3000;  ///< steps that are predicted
 /// The acceleration of a driver who would take `a` but is to stop before a line [m/s^2].
 double before_line(const InertialState& now, double a, const StopLine& line, double dt) {
   constexpr double kBraking = StopLine::kBraking;
-  constexpr double kShort = 1.0;  // [m] before the line
+  constexpr double kShort = 1.0;   // [m] before the line
+  constexpr double kRolls = 1e-3;  // [m/s]: who is slower stands
   const auto stays_short = [&](double acceleration) {
     const InertialState next = advance(now, acceleration, dt);
     return next.s + stopping_distance(next.v, kBraking) <= line.s - kShort;
   };
   if (stays_short(a)) return a;
-  if (stays_short(0.0)) return 0.0;
+  if (now.v > kRolls && stays_short(0.0)) return 0.0;
   const double room = line.s - now.s;
   const auto needed = [&](double within) {
     return within > 0.0 ? now.v * now.v / (2.0 * within) : now.v / dt;
@@ -35,24 +36,31 @@ double before_line(const InertialState& now, double a, const StopLine& line, dou
 }
 
 /// Appends states until the end of the path, each with the acceleration that `wish` asks for, with
-/// a stand at `line`.
+/// a stand at each of the `lines`.
 template <class Wish>
 void drive_on(SpeedProfile& t, const RoadVehicle& v, const DecisionGrid& grid,
-              const std::optional<StopLine>& line, const Wish& wish) {
-  double stood = 0.0;
+              const std::vector<StopLine>& lines, const Wish& wish) {
+  std::vector<double> stood(lines.size(), 0.0);
   while (t.states.back().s < v.s_end && t.states.size() < kLongest) {
     const InertialState last = t.states.back();
+    const double time = double(t.states.size() - 1) * grid.dt;
     double a = wish(last);
-    if (line && stood < kStand) a = before_line(last, a, *line, grid.dt);
+    std::size_t at = lines.size();  // the line that holds him
+    for (std::size_t i = 0; i < lines.size(); ++i) {
+      if (time >= lines[i].until || stood[i] >= kStand) continue;
+      const double braking = before_line(last, a, lines[i], grid.dt);
+      if (braking < a) at = i;
+      a = std::min(a, braking);
+    }
     t.states.push_back(advance(last, a, grid.dt));
-    if (line && t.states.back().v == 0.0) stood += grid.dt;
+    if (at < lines.size() && t.states.back().v == 0.0) stood[at] += grid.dt;
   }
 }
 
 /// Held speed until step `hold`, then gentle acceleration.
 void drive_on(SpeedProfile& t, const RoadVehicle& v, const DecisionGrid& grid, std::size_t hold,
-              const std::optional<StopLine>& line = std::nullopt) {
-  drive_on(t, v, grid, line, [&](const InertialState& last) {
+              const std::vector<StopLine>& lines = {}) {
+  drive_on(t, v, grid, lines, [&](const InertialState& last) {
     const bool holds = t.states.size() <= hold || last.v >= v.cruise_speed;
     return holds ? 0.0 : kAcceleration;
   });
@@ -188,8 +196,35 @@ std::optional<StopLine> Predictor::lane_end(const Placed& placed) const {
                   std::numeric_limits<double>::infinity()};  // his lane does not lead on
 }
 
+/// Where the rear axle is when it waits behind those who stand ahead.
+std::optional<StopLine> Predictor::behind_queue(const Placed& placed,
+                                                const CourseQuery& query) const {
+  constexpr double kGap = 1.0;  // [m] at least
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  const Corridor& corridor = corridors_[placed.corridor];
+  const auto& pieces = corridor.course.pieces;
+  for (std::size_t p = corridor.piece_at(placed.road.now.s); p < pieces.size(); ++p) {
+    const int lane = pieces[p].last_lane();
+    const double from = lane == query.lane ? query.position : -kInfinity;
+    const HaltedDriver* ahead = queues_.first_ahead(lane, from);
+    if (ahead == nullptr) continue;
+    const auto s = corridor.station(lane, ahead->tail - kGap, corridor.stations[p]);
+    return s ? std::optional(StopLine{*s, kInfinity, ahead->stands}) : std::nullopt;
+  }
+  return std::nullopt;
+}
+
+std::vector<StopLine> Predictor::lines_ahead(const Placed& placed, const CourseQuery& query,
+                                             const std::optional<StopLine>& own) const {
+  std::vector<StopLine> lines;
+  for (const auto& line : {own, behind_queue(placed, query)}) {
+    if (line) lines.push_back(*line);
+  }
+  return lines;
+}
+
 std::vector<Forecast> Predictor::predict(const VehicleState& v, const CourseQuery& query,
-                                         const Vehicle& body, Intent intent, double stands,
+                                         const Vehicle& body, Intent intent, const Stand& stand,
                                          const DecisionGrid& grid, std::int64_t step) {
   const ExitRoot root = exit_roots_[std::size_t(query.lane)];
   const std::optional<double> to_line = finder_.distance_to_line(query);
@@ -204,8 +239,8 @@ std::vector<Forecast> Predictor::predict(const VehicleState& v, const CourseQuer
   const RoadVehicle& road = placed->road;
   const double s = road.now.s;
   Forecast forecast{.vehicle = road, .earliest = {}, .latest = std::nullopt};
-  if (stands > 0.0) {
-    forecast.earliest = predict_stop(road, stands, grid, step);
+  if (stand.scheduled > 0.0) {
+    forecast.earliest = predict_stop(road, stand.scheduled, grid, step);
     return {forecast};
   }
   if (is_unknown) {
@@ -225,7 +260,7 @@ std::vector<Forecast> Predictor::predict(const VehicleState& v, const CourseQuer
     // How quickly it goes nobody knows: it may speed up as it can, or slow down to a crawl, and
     // wait where its lane ends.
     forecast.earliest = predict_passage(road, body.max_accel, grid, step);
-    forecast.latest = predict_crawl(road, stop, grid, step);
+    forecast.latest = predict_crawl(road, lines_ahead(*placed, query, stop), grid, step);
     forecast.yields = false;
     return {forecast};
   }
@@ -237,15 +272,16 @@ std::vector<Forecast> Predictor::predict(const VehicleState& v, const CourseQuer
     const double line = s + (is_held ? std::min(*to_line, to_end) : *to_line);
     if (!stop || line < stop->s - kSame) stop = StopLine{line, body.max_decel};
   }
-  forecast.earliest = predict_leader(road, stop, grid, step);
+  const std::vector<StopLine> lines = lines_ahead(*placed, query, stop);
+  forecast.earliest = predict_leader(road, lines, grid, step, at_line ? 0.0 : stand.so_far);
   if (is_held) forecast.held = held_at_line(forecast.earliest, grid);
   return {forecast};
 }
 
-SpeedProfile predict_leader(const RoadVehicle& v, std::optional<StopLine> line,
-                            const DecisionGrid& grid, std::int64_t step) {
+SpeedProfile predict_leader(const RoadVehicle& v, const std::vector<StopLine>& lines,
+                            const DecisionGrid& grid, std::int64_t step, double stood) {
   SpeedProfile t{.begin = step, .states = {v.now}};
-  drive_on(t, v, grid, std::size_t(kHold / grid.dt), line);
+  drive_on(t, v, grid, std::size_t(std::clamp(stood, kHold, kStand) / grid.dt), lines);
   return t;
 }
 
@@ -267,10 +303,10 @@ SpeedProfile predict_breakdown(const RoadVehicle& v, double decel, const Decisio
   return t;
 }
 
-SpeedProfile predict_crawl(const RoadVehicle& v, std::optional<StopLine> line,
+SpeedProfile predict_crawl(const RoadVehicle& v, const std::vector<StopLine>& lines,
                            const DecisionGrid& grid, std::int64_t step) {
   SpeedProfile t{.begin = step, .states = {v.now}};
-  drive_on(t, v, grid, line, [&](const InertialState& last) {
+  drive_on(t, v, grid, lines, [&](const InertialState& last) {
     const double wanted = (std::min(kCrawl, v.cruise_speed) - last.v) / grid.dt;
     return std::clamp(wanted, -kEasing, kHesitant);
   });

@@ -1,11 +1,13 @@
 #pragma once
 
+#include <limits>
 #include <map>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "coordinator/corridor.hpp"
+#include "coordinator/halted_queues.hpp"
 #include "planner/road/road_scene.hpp"
 
 namespace mvtp {
@@ -27,6 +29,13 @@ struct StopLine {
 
   double s = 0.0;             ///< station [m]
   double hardest = kBraking;  ///< [m/s^2] he does not brake harder, but drives over it
+  double until = std::numeric_limits<double>::infinity();  ///< [s] from now on
+};
+
+/// How long somebody stands where he is.
+struct Stand {
+  double scheduled = 0.0;  ///< [s] still, at a stop of his
+  double so_far = 0.0;     ///< [s]
 };
 
 /// What vehicles that nobody controls are expected to do.
@@ -44,6 +53,9 @@ class Predictor {
   [[nodiscard]] bool watches(int lane) const { return watched_[std::size_t(lane)]; }
   /// From now on vehicles on the lanes of a corridor matter.
   void watch(const Corridor& corridor);
+
+  /// Who stands now.
+  void see(HaltedQueues queues) { queues_ = std::move(queues); }
 
   /// kNone where no coordinated junction is near behind.
   [[nodiscard]] ExitRoot exit_root(int lane) const { return exit_roots_[std::size_t(lane)]; }
@@ -63,14 +75,18 @@ class Predictor {
   /// The motions to be expected of a vehicle along its route; none if it is leaving the range of
   /// all.
   /// @param intent  what it does at the next coordinated stop line.
-  /// @param stands  [s] that it still stands where it is, at a scheduled stop.
   [[nodiscard]] std::vector<Forecast> predict(const VehicleState& vehicle, const CourseQuery& query,
-                                              const Vehicle& body, Intent intent, double stands,
-                                              const DecisionGrid& grid, std::int64_t step);
+                                              const Vehicle& body, Intent intent,
+                                              const Stand& stand, const DecisionGrid& grid,
+                                              std::int64_t step);
 
  private:
   [[nodiscard]] ExitRoot find_exit_root(int lane, double within) const;
   [[nodiscard]] bool leads_where_it_goes(const Corridor& corridor, const CourseQuery& query) const;
+  [[nodiscard]] std::optional<StopLine> behind_queue(const Placed& placed,
+                                                     const CourseQuery& query) const;
+  [[nodiscard]] std::vector<StopLine> lines_ahead(const Placed& placed, const CourseQuery& query,
+                                                  const std::optional<StopLine>& own) const;
   [[nodiscard]] int path_of(const VehicleState& vehicle, const CourseQuery& query,
                             const Vehicle& body, double& station);
 
@@ -80,14 +96,19 @@ class Predictor {
   double takeover_;
   std::vector<bool> watched_;
   std::vector<ExitRoot> exit_roots_;
+  HaltedQueues queues_;
   std::map<std::string, int> last_corridor_;  ///< of vehicles handed back and still in range
 };
 
 /// A driver on his way: holds his speed for a while, then speeds up gently. Predicting that a
-/// standing leader stands for ever would leave the vehicles behind it without a complete plan.
-/// @param line  none: he need not wait
-[[nodiscard]] SpeedProfile predict_leader(const RoadVehicle& vehicle, std::optional<StopLine> line,
-                                          const DecisionGrid& grid, std::int64_t step);
+/// standing leader stands for ever would leave the vehicles behind it without a complete plan; who
+/// has stood for a while, and nobody knows why, is expected to stand as long again.
+/// @param lines  where he has to wait
+/// @param stood  [s]
+[[nodiscard]] SpeedProfile predict_leader(const RoadVehicle& vehicle,
+                                          const std::vector<StopLine>& lines,
+                                          const DecisionGrid& grid, std::int64_t step,
+                                          double stood = 0.0);
 
 /// A driver at a scheduled stop: he goes on after `stands` seconds.
 [[nodiscard]] SpeedProfile predict_stop(const RoadVehicle& vehicle, double stands,
@@ -103,8 +124,9 @@ class Predictor {
                                              const DecisionGrid& grid, std::int64_t step);
 
 /// The slowest passage to be expected of him: at a crawl in the end.
-/// @param line  where he may have to wait behind the junction
-[[nodiscard]] SpeedProfile predict_crawl(const RoadVehicle& vehicle, std::optional<StopLine> line,
+/// @param lines  where he may have to wait behind the junction
+[[nodiscard]] SpeedProfile predict_crawl(const RoadVehicle& vehicle,
+                                         const std::vector<StopLine>& lines,
                                          const DecisionGrid& grid, std::int64_t step);
 
 }  // namespace mvtp

@@ -19,8 +19,8 @@ class Prediction {
   explicit Prediction(NetworkShape s) : shape(std::move(s)) {}
 
   std::vector<Forecast> predict(const std::string& lane, double position, double speed,
-                                std::vector<std::string> edges, Intent intent, double stands = 0.0,
-                                const std::string& next_lane = {}) {
+                                std::vector<std::string> edges, Intent intent,
+                                const Stand& stand = {}, const std::string& next_lane = {}) {
     const Lane& l = shape.network.lanes.at(lane);
     const Point a = l.shape[l.shape.size() - 2];
     const Point b = l.shape.back();
@@ -34,7 +34,7 @@ class Prediction {
                          .lane_position = position};
     CourseQuery query = walk.at(lane, position, std::move(edges));
     query.next_lane = walk.graph.find_lane(next_lane);
-    return predictor.predict(v, query, car, intent, stands, grid, 7);
+    return predictor.predict(v, query, car, intent, stand, grid, 7);
   }
 
   /// Of the front bumper.
@@ -214,10 +214,72 @@ TEST(Predictor, NoForecastIsFasterThanTheBodyCan) {
 
 TEST(Predictor, WhoStandsAtAStopStandsThereAsLongAsItTakes) {
   Prediction p(crossroads_shape());
-  const auto forecasts = p.predict("W-C_0", 80.0, 0.0, {"W-C", "C-E"}, Intent::kWaits, 20.0);
+  const auto forecasts =
+      p.predict("W-C_0", 80.0, 0.0, {"W-C", "C-E"}, Intent::kWaits, {.scheduled = 20.0});
   ASSERT_THAT(forecasts, SizeIs(1));
   for (std::int64_t k = 7; k < 7 + 199; ++k) ASSERT_EQ(forecasts[0].earliest.at(k).v, 0.0);
   EXPECT_GT(forecasts[0].earliest.at(7 + 220).v, 0.0);
+}
+
+TEST(Predictor, WhoHasStoodForLongIsExpectedToStandAsLongAgain) {
+  Prediction p(crossroads_shape());
+  const auto stands = [&](double so_far) {
+    const auto forecasts =
+        p.predict("C-E_0", 20.0, 0.0, {"C-E"}, Intent::kWaits, {.so_far = so_far});
+    const auto& states = forecasts.at(0).earliest.states;
+    const auto goes =
+        std::ranges::find_if(states, [](const InertialState& x) { return x.v > 0.0; });
+    return double(goes - states.begin()) * p.grid.dt;
+  };
+  EXPECT_NEAR(stands(0.0), stands(2.0), 1e-9);
+  for (const double so_far : {5.0, 17.5, 40.0}) EXPECT_NEAR(stands(so_far), so_far, 0.3) << so_far;
+  EXPECT_NEAR(stands(1000.0), stands(100.0), 1e-9);
+}
+
+TEST(Predictor, NobodyIsExpectedToDriveThroughAQueue) {
+  Prediction p(crossroads_shape());
+  const double tail = 40.0;
+  p.predictor.see(HaltedQueues({{p.walk.graph.find_lane("C-E_0"), tail + 4.5, tail, 15.0}}));
+  const auto& lanes = p.shape.network.lanes;
+  const double exit = lanes.at("C-E_0").shape.front().x;
+  const auto check = [&](const SpeedProfile& t, const Forecast& f) {
+    const auto front = [&](std::int64_t k) {
+      return p.place({.vehicle = f.vehicle, .earliest = t}, k).x - exit;
+    };
+    for (std::int64_t k = 7; k < 7 + 145; ++k) ASSERT_LT(front(k), tail) << k;
+    EXPECT_GT(front(7 + 145), tail - 4.0);
+    EXPECT_GT(front(7 + 220), tail);
+  };
+  const auto behind = p.predict("C-E_0", 10.0, 8.0, {"C-E"}, Intent::kWaits);
+  check(behind.at(0).earliest, behind[0]);
+  const auto passes = p.predict("W-C_0", 110.0, 8.0, {"W-C", "C-E"}, Intent::kPasses);
+  check(*passes.at(0).latest, passes[0]);
+}
+
+// The queue goes on, but the line behind it is still a line.
+TEST(Predictor, WhoStoodInAQueueStopsAtHisLineToo) {
+  Prediction p(crossroads_shape());
+  const int lane = p.walk.graph.find_lane("W-C_0");
+  p.predictor.see(HaltedQueues({{lane, 100.0, 95.5, 10.0}}));
+  const auto forecasts = p.predict("W-C_0", 60.0, 8.0, {"W-C", "C-E"}, Intent::kWaits);
+  const double line = p.shape.network.lanes.at("W-C_0").length;
+  const double begin = p.shape.network.lanes.at("W-C_0").shape.front().x;
+  for (std::int64_t k = 7; k < 7 + 600; ++k) {
+    ASSERT_LT(p.place(forecasts.at(0), k).x - begin, line) << k;
+  }
+  EXPECT_GT(p.place(forecasts[0], 7 + 600).x - begin, 100.0);
+}
+
+TEST(HaltedQueues, NobodyGoesOnBeforeTheOneAhead) {
+  const HaltedQueues queues(
+      {{1, 50.0, 45.5, 4.0}, {1, 57.0, 52.5, 30.0}, {1, 20.0, 15.5, 5.0}, {2, 3.0, -1.5, 9.0}});
+  EXPECT_EQ(queues.first_ahead(1, 30.0)->stands, 30.0);
+  EXPECT_EQ(queues.first_ahead(1, 30.0)->tail, 45.5);
+  EXPECT_EQ(queues.first_ahead(1, 0.0)->stands, 5.0);  // too far behind to be in that queue
+  EXPECT_EQ(queues.first_ahead(1, 52.6), nullptr);
+  EXPECT_EQ(queues.first_ahead(3, 0.0), nullptr);
+  EXPECT_EQ(queues.first_ahead(2, 0.0), nullptr);
+  EXPECT_EQ(queues.first_ahead(2, -2.0)->stands, 9.0);
 }
 
 TEST(Predictor, ALeaderBehindTheExitIsKnownByItsExitLane) {
@@ -267,6 +329,20 @@ TEST(Predictor, WhoWaitsBrakesAsHardAsHeHasToBeforeHisLine) {
   EXPECT_FALSE(stands(20.5));
 }
 
+// What rolls on by a rounding error would never be found to wait.
+TEST(Predictor, WhoHasAllButStoppedBeforeHisLineIsHeldThere) {
+  Prediction p(crossroads_shape());
+  const double line = p.shape.network.lanes.at("W-C_0").length;
+  for (const double speed : {0.0, 1e-12, 1e-9, 1e-3}) {
+    for (double before = 0.5; before < 1.5; before += 0.002) {
+      const auto forecasts =
+          p.predict("W-C_0", line - before, speed, {"W-C", "C-E"}, Intent::kWaits);
+      ASSERT_THAT(forecasts, SizeIs(1));
+      EXPECT_TRUE(forecasts[0].held) << speed << ", " << before;
+    }
+  }
+}
+
 TEST(Predictor, ALeaderStaysOnTheCorridorThatItWasHandedBackOn) {
   Prediction p(crossroads_shape());
   const auto course = p.walk.finder.find(p.walk.at("W-C_0", 60.0, {"W-C", "C-E"}));
@@ -290,7 +366,7 @@ TEST(Predictor, WhereSeveralLanesLeadOnADriverGoesOntoHis) {
   Prediction p(fan_out_shape());
   const auto behind = [&](const std::string& next_lane) {
     const auto forecasts =
-        p.predict("W-C_0", 60.0, 12.0, {"W-C", "C-E"}, Intent::kPasses, 0.0, next_lane);
+        p.predict("W-C_0", 60.0, 12.0, {"W-C", "C-E"}, Intent::kPasses, {}, next_lane);
     EXPECT_THAT(forecasts, SizeIs(1));
     return p.place(forecasts.at(0), 7 + 150).y;
   };
@@ -307,7 +383,7 @@ TEST(Predictor, ALeaderThatTurnsElsewhereLeavesItsCorridor) {
   p.predictor.handed_back("v", p.map.corridor_for(course, p.car));
   const auto end = [&](const std::string& to, const std::string& next_lane) {
     const auto forecasts =
-        p.predict("W-C_0", 60.0, 12.0, {"W-C", to}, Intent::kPasses, 0.0, next_lane);
+        p.predict("W-C_0", 60.0, 12.0, {"W-C", to}, Intent::kPasses, {}, next_lane);
     return p.place(forecasts.at(0), 7 + 150);
   };
   const auto place_of = [&](const std::string& lane) {
