@@ -420,4 +420,18 @@ std::vector<std::pair<double, double>> inside_junctions(const Corridor& corridor
   return inside;
 }
 
+std::vector<std::pair<double, double>> run_ups(const Corridor& corridor, double length) {
+  constexpr double kLongest = 20.0;   // [m]: a car that starts there is 10 m/s fast at its line
+  constexpr double kShare = 0.3;      // at most, of the road from one junction to the next
+  constexpr double kJunction = 15.0;  // [m]
+  std::vector<std::pair<double, double>> stretches;
+  double begin = 0.0;
+  for (const double line : corridor.stops) {
+    const double room = line - begin;
+    if (room > 0.0) stretches.emplace_back(line - std::min(kLongest, kShare * room), line);
+    begin = line + kJunction + length;
+  }
+  return stretches;
+}
+
 }  // namespace mvtp

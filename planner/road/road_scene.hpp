@@ -70,9 +70,11 @@ struct RoadVehicle {
   /// Rear axle when the front bumper is at each stop line, ascending [m]: a vehicle without a
   /// complete plan waits before the next.
   std::vector<double> stop_lines;
-  /// Where its rear axle must not come to rest to wait, from and to [m]: inside junctions where
-  /// signals, ours or the network's, let human drivers go.
+  /// Where its rear axle must not come to rest to wait, from and to [m]: inside junctions.
   std::vector<std::pair<double, double>> no_waiting;
+  /// Likewise before junctions, for who can still stop before them with half its deceleration: from
+  /// further back it is faster on the junction, and sooner off it.
+  std::vector<std::pair<double, double>> run_ups;
   std::vector<ClosedStretch> closed;  ///< ground that others have a right to
   /// Its plan gives way to a better one around all others at every decision, as soon as there is
   /// one; else only where the order of passage is searched.

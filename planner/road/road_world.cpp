@@ -58,8 +58,9 @@ std::vector<RoadStepWorld::Motion> RoadStepWorld::candidates(int i, const State&
     const double rest = m.to.s + stopping_distance(m.to.v, body.max_decel);
     const bool keeps_clear =
         wait.stands_clear(then, m.to) &&
-        (complete_plans_ ? is_clear_of_those_inside(i, rest) : is_clear_of_earlier(i, rest));
-    (!keeps_clear ? blocking : wait.can_wait(then, m.to) ? clear : inside).push_back(m);
+        (complete_plans_ ? is_clear_of_those_without_plan(i, rest) : is_clear_of_earlier(i, rest));
+    const bool may_rest = !complete_plans_ || wait.can_wait(then, m.to);
+    (!keeps_clear ? blocking : may_rest ? clear : inside).push_back(m);
   }
   clear.insert(clear.end(), inside.begin(), inside.end());
   clear.insert(clear.end(), blocking.begin(), blocking.end());
@@ -78,13 +79,13 @@ bool RoadStepWorld::is_clear_of_earlier(int i, double rest) const {
   return true;
 }
 
-/// Does it rest off all that those who are beyond a line, and have lost their plans, have still
-/// before them? Two that creep on stand nose to nose for ever.
-bool RoadStepWorld::is_clear_of_those_inside(int i, double rest) const {
+/// Does it rest off all that others without a plan have still before them, but for those whom it
+/// blocks already? Two that creep on stand nose to nose for ever.
+bool RoadStepWorld::is_clear_of_those_without_plan(int i, double rest) const {
   return std::ranges::none_of(near(i), [&](int j) {
     const RoadVehicle& other = vehicle(j);
-    const bool is_beyond = !other.stop_lines.empty() && other.stop_lines.front() < other.now.s;
-    if (!is_beyond || complete_.find(other.key) != nullptr) return false;
+    const bool is_blocked = pairs_.leads(std::size_t(i), std::size_t(j));
+    if (is_blocked || complete_.find(other.key) != nullptr) return false;
     const ContactView contact = pairs_.between(std::size_t(i), std::size_t(j));
     return contact.table().blocks(rest, other.now.s, other.s_end);
   });

@@ -14,7 +14,7 @@ namespace mvtp {
 /// The world of PBCR on roads: a motion is one decision's acceleration and full braking after it.
 ///
 /// Keep-clear: candidates after which a vehicle could not stand clear of the complete plans of
-/// others, and of those beyond their lines without one, come last, since all-brake alone is safe
+/// others, and of the paths of those without one, come last, since all-brake alone is safe
 /// but ends in gridlock.
 class RoadStepWorld {
  public:
@@ -41,7 +41,7 @@ class RoadStepWorld {
 
  private:
   [[nodiscard]] bool is_clear_of_earlier(int i, double rest) const;
-  [[nodiscard]] bool is_clear_of_those_inside(int i, double rest) const;
+  [[nodiscard]] bool is_clear_of_those_without_plan(int i, double rest) const;
   [[nodiscard]] const RoadScene& scene() const { return pairs_.scene(); }
   [[nodiscard]] const RoadVehicle& vehicle(int i) const { return scene().vehicles[std::size_t(i)]; }
 

@@ -16,6 +16,10 @@ Surroundings::Surroundings(const RoadPairs& pairs, const RoadVehicle& vehicle,
       is_new_(forecasts == Forecasts::kWithSlack) {
   const RoadScene& scene = pairs.scene();
   const std::size_t self = pairs.index(vehicle.key);
+  const double rest = vehicle.now.s + stopping_distance(vehicle.now.v, 0.5 * body_.max_decel);
+  run_ups_ = {
+      std::ranges::lower_bound(vehicle.run_ups, rest, {}, [](const auto& r) { return r.first; }),
+      vehicle.run_ups.end()};
   const bool count = forecasts != Forecasts::kIgnore;
   if (count) closed_ = vehicle.closed;
   for (std::size_t f = 0; count && f < scene.forecasts.size(); ++f) {
@@ -66,9 +70,9 @@ bool Surroundings::step_is_clear(std::int64_t k, const InertialState& from, doub
 }
 
 bool Surroundings::may_stand_at(double s) const {
-  return std::ranges::none_of(vehicle_.no_waiting, [s](const auto& stretch) {
-    return s > stretch.first && s < stretch.second;
-  });
+  const auto holds_s = [s](const auto& stretch) { return s > stretch.first && s < stretch.second; };
+  return std::ranges::none_of(vehicle_.no_waiting, holds_s) &&
+         std::ranges::none_of(run_ups_, holds_s);
 }
 
 bool Surroundings::can_wait(std::int64_t k, const InertialState& state) const {

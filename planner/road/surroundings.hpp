@@ -166,6 +166,7 @@ class Surroundings {
   const Vehicle& body_;
   const ProfileOptions& options_;
   std::span<const ClosedStretch> closed_;
+  std::span<const std::pair<double, double>> run_ups_;  ///< those that are still ahead
   std::vector<Other> others_;
   std::vector<Stretch> stretches_;    ///< of each of the others
   std::vector<std::size_t> on_exit_;  ///< those of the others that use this vehicle's exit lane

@@ -173,6 +173,56 @@ TEST(Coordinator, StopsBehindACarThatBreaksDownAfterItsHandBack) {
   EXPECT_EQ(run.traffic.arrived(), 1);  // d; b and c wait behind a
 }
 
+TEST(Coordinator, WhoStandsForNoReasonIsExpectedToStandAndNobodyToPassHim) {
+  FakeTrip cyclist{"cyclist", 40.0, "E_out", "E_out", "bike"};
+  cyclist.at = std::pair(4.0, 5.0);
+  ClosedLoop run({{"stands", 0.0, "W_in", "E_out"}, cyclist, {"watches", 40.0, "W_in", "E_out"}});
+  const auto x_of = [&](const std::string& id) {
+    const auto v = std::ranges::find(run.traffic.vehicles(), id, &VehicleState::id);
+    return v == run.traffic.vehicles().end() ? 1e9 : v->pose.x;
+  };
+  int seen = 0;
+  while (run.traffic.time() < 60.0) {
+    run.step();
+    for (const std::string& id : run.coordinator.handed_back()) {
+      if (id == "stands") run.traffic.freeze("stands");
+    }
+    if (run.traffic.time() < 41.0 || run.coordinator.driven().empty()) continue;
+    const RoadScene scene = run.coordinator.scene();
+    for (const Forecast& f : scene.forecasts) {
+      const double later = f.earliest.at(std::min(scene.step + 150, f.earliest.end() - 1)).s;
+      const double x = scene.library->path(f.vehicle.path).at(later).x;
+      ASSERT_LT(x, x_of("stands") + 0.5) << run.traffic.time();
+      ++seen;
+    }
+  }
+  EXPECT_GT(seen, 100);
+  EXPECT_GT(x_of("cyclist"), 30.0);
+}
+
+// Whoever would have to stop there for the queue behind it waits at its line, and the others cross.
+TEST(Coordinator, NobodyStopsOnTheJunctionForAQueueBehindIt) {
+  std::vector<FakeTrip> trips;
+  constexpr int kEach = 24;
+  for (int i = 0; i < kEach; ++i) {
+    trips.push_back({"queues" + std::to_string(i), 3.0 * i, "W_in", "E_out"});
+    trips.push_back({"crosses" + std::to_string(i), 3.0 * i, "S_in", "N_out"});
+  }
+  ClosedLoop run(trips);
+  while (run.traffic.time() < 150.0) {
+    run.step();
+    for (const std::string& id : run.coordinator.handed_back()) {
+      if (id == "queues0") run.traffic.freeze("queues0");
+    }
+    for (const VehicleState& v : run.traffic.vehicles()) {
+      const bool inside = std::abs(v.pose.x) < 6.0 && std::abs(v.pose.y) < 6.0;
+      ASSERT_FALSE(inside && v.speed == 0.0) << v.id << " at " << run.traffic.time();
+    }
+  }
+  EXPECT_EQ(run.audit.figures().overlap_pairs, 0);
+  EXPECT_EQ(run.traffic.arrived(), kEach);  // those who cross
+}
+
 /// A car whose exit is closed by a cyclist waits at its line, turned away by every decision.
 TEST(Coordinator, WhoWasTurnedAwayForLongIsNotExpectedToLeave) {
   FakeTrip cyclist{"cyclist", 0.0, "E_out", "E_out", "bike"};

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <random>
 
+#include "tests/coordinator/closed_loop.hpp"
 #include "tests/coordinator/fake_traffic.hpp"
 #include "tests/coordinator/shapes.hpp"
 #include "tests/coordinator/walk.hpp"
@@ -81,6 +82,34 @@ TEST(Corridor, ItsStationsGrowAndItsLimitsCoverThePath) {
     ASSERT_TRUE(s);
     EXPECT_EQ(c.piece_at(*s), 0U);
     EXPECT_NEAR(map.library().path(c.path).at(*s + car.body.front).x, -50.0, 0.05);
+  }
+}
+
+TEST(Corridor, ARunUpLeavesMostOfTheRoadBeforeTheLine) {
+  const Vehicle body = fake_type("car").body;
+  for (const NetworkShape& shape : {crossroads_shape(), chain_shape(), short_arms_shape()}) {
+    Walk walk(shape.network);
+    const DrivableArea area(walk.network);
+    CorridorMap map(walk.graph, area, {});
+    int lines = 0;
+    for (const FakeTrip& trip : random_trips(shape, {.vehicles = 20})) {
+      const std::vector<std::string> route = shortest_route(shape.network, trip.from, trip.to);
+      const double length = shape.network.lanes.at(trip.from + "_0").length;
+      const auto course =
+          walk.finder.find(walk.at(trip.from + "_0", std::max(1.0, length - 60.0), route));
+      if (!course) continue;
+      const Corridor& c = map[map.corridor_for(*course, body)];
+      double out = 0.0;
+      for (const auto& [from, to] : run_ups(c, body.length())) {
+        const double line = *std::ranges::lower_bound(c.stops, to);
+        EXPECT_EQ(to, line);
+        EXPECT_GE(from, out + 0.5 * (line - out));
+        EXPECT_LE(to - from, 20.0);
+        out = to;
+        ++lines;
+      }
+    }
+    EXPECT_GT(lines, 0) << shape.name;
   }
 }
 

@@ -158,9 +158,9 @@ TEST_F(WithoutAPlan, NobodyIsPlannedThroughTheBodyOfOneThatBrakes) {
   }
 }
 
-//   Two who have lost their plans beyond their lines, where nobody is to come to rest. Were the
-//   first to creep on, the two would stand nose to nose.
-TEST_F(WithoutAPlan, NobodyCreepsOnBeforeOneWhoIsInsideToo) {
+//   Two who have lost their plans, where nobody is to come to rest. Were the first to creep on, the
+//   two would stand nose to nose; at their lines long lorries block each other, too.
+TEST_F(WithoutAPlan, NobodyCreepsOnBeforeOneWhoHasNoneEither) {
   add(0, 94.5, 1.5);
   add(1, 94.0, 0.0);
   for (RoadVehicle& v : scene.vehicles) v.no_waiting = {{80.0, 115.0}};
@@ -180,7 +180,9 @@ TEST_F(WithoutAPlan, NobodyCreepsOnBeforeOneWhoIsInsideToo) {
   };
   EXPECT_LT(first_choice(80.0, /*has_plan=*/false), 0.0);
   EXPECT_LT(first_choice(80.0, /*has_plan=*/true), 0.0);
-  EXPECT_GT(first_choice(99.0, /*has_plan=*/false), 0.0);  // waits at its line
+  EXPECT_LT(first_choice(99.0, /*has_plan=*/false), 0.0) << "it waits at its line";
+  scene.vehicles[1].now.s = 120.0;
+  EXPECT_GT(first_choice(80.0, /*has_plan=*/false), 0.0) << "it is out";
 }
 
 //          | 1     A driver who does not yield goes over the crossing, perhaps at a crawl.

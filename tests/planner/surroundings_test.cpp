@@ -67,19 +67,27 @@ TEST_F(OnTheCrossing, WhereBrakingIsNoWayOutDrivingOnIs) {
 
 TEST_F(OnTheCrossing, DrivingOnIsNoneIfItIsMetMeanwhile) { EXPECT_FALSE(may_drive_on(9.0)); }
 
-using NoWaiting = Crossing;
+class NoWaiting : public Crossing {
+ protected:
+  /// It stands on the crossing for so many seconds, and drives on.
+  static SpeedProfile standing(double seconds) {
+    SpeedProfile stands{.states =
+                            std::vector<InertialState>(std::size_t(10.0 * seconds), {100.0, 0.0})};
+    while (stands.states.back().s < 190.0) {
+      const InertialState last = stands.states.back();
+      stands.states.push_back(advance(last, last.v < 13.0 ? 2.0 : 0.0, 0.1));
+    }
+    return stands;
+  }
+};
 
 // Another one stands on the crossing for 20 s, and drives on. Who waits for it does so right before
 // the crossing, or as far away as it has to.
 TEST_F(NoWaiting, KeepsAStretchFree) {
   add(0, 40.0, 10.0);
   add(1, 100.0, 0.0);
-  SpeedProfile stands{.states = std::vector<InertialState>(200, {100.0, 0.0})};
-  while (stands.states.back().s < 190.0) {
-    const InertialState last = stands.states.back();
-    stands.states.push_back(advance(last, last.v < 13.0 ? 2.0 : 0.0, 0.1));
-  }
-  const std::vector<JointPlan::Entry> before = {{1, std::make_shared<SpeedProfile>(stands)}};
+  const std::vector<JointPlan::Entry> before = {
+      {1, std::make_shared<SpeedProfile>(standing(20.0))}};
   const auto rests_within = [&](double from, double to) {
     const RoadPairs pairs(scene);
     const auto plan = plan_vehicle(pairs, scene.vehicles[0], before, {});
@@ -90,6 +98,28 @@ TEST_F(NoWaiting, KeepsAStretchFree) {
   EXPECT_TRUE(rests_within(80.0, 100.0)) << "where it may wait anywhere";
   scene.vehicles[0].no_waiting = {{80.0, 110.0}};
   EXPECT_FALSE(rests_within(80.0, 110.0));
+}
+
+TEST_F(NoWaiting, KeepsTheRunUpFreeForWhoIsNotOnItYet) {
+  add(0, 40.0, 10.0);
+  add(1, 100.0, 0.0);
+  const std::vector<JointPlan::Entry> before = {
+      {1, std::make_shared<SpeedProfile>(standing(20.0))}};
+  const auto rest_from = [&](const InertialState& now) {
+    scene.vehicles[0].now = now;
+    scene.vehicles[0].run_ups = {{70.0, 85.0}};
+    scene.vehicles[0].no_waiting = {{85.0, 110.0}};
+    const RoadPairs pairs(scene);
+    const auto plan = plan_vehicle(pairs, scene.vehicles[0], before, {});
+    if (!plan) throw std::runtime_error("no plan");
+    const auto rest = std::ranges::find(plan->states, 0.0, &InertialState::v);
+    return rest == plan->states.end() ? 1e9 : rest->s;
+  };
+  EXPECT_LE(rest_from({40.0, 10.0}), 70.0);
+  EXPECT_EQ(rest_from({75.0, 0.0}), 75.0) << "it may stay where it is";
+  const double rest = rest_from({65.0, 10.0});  // it would have to brake hard
+  EXPECT_GT(rest, 70.0);
+  EXPECT_LE(rest, 85.0);
 }
 
 //   4 ----.        Path 4 comes over into the lane of path 0 from 60 m to 40 m before the origin,
