@@ -110,8 +110,12 @@ Driven Coordinator::admit(const Newcomer& newcomer, std::int64_t key) {
   road.min_gap = type.min_gap;
   road.tau = type.tau;
   road.stop_lines = people_ ? lines_beside_people(c.stops) : c.stops;
-  if (!greens_) road.no_waiting = inside_junctions(c, type.body.length(), kBeforeCrossing);
-  if (!heads_ && !greens_) road.run_ups = run_ups(c, type.body.length());
+  // Who reserves ground waits at the line, as published.
+  const bool reserves = options_.limits.reservation != Reservation::kNone;
+  if (heads_ || !reserves) {
+    road.no_waiting = inside_junctions(c, type.body.length(), kBeforeCrossing);
+  }
+  if (!heads_ && !reserves) road.run_ups = run_ups(c, type.body.length());
   road.asks_again = humans_ != nullptr;  // the further they are, the less is uncertain of drivers
   road.entry_lanes = entry_lanes(c, predictor_, type.body.length());
   road.exit_lane = c.exit_lane;
