@@ -277,9 +277,9 @@ class Coordinator : public Controller {
   [[nodiscard]] ZoneVerdict verdict(const Trial& trial, int zone) const;
   [[nodiscard]] bool allows(const std::vector<std::string>& guests, int zone, const Trial& with,
                             const Trial& without);
-  [[nodiscard]] Trial best_trial_with_lights(const std::map<std::string, Driven>& arrivals,
-                                             const std::set<std::string>& excluded,
-                                             const std::vector<std::int64_t>& upset);
+  [[nodiscard]] Trial best_trial_by_zones(const std::map<std::string, Driven>& arrivals,
+                                          const std::set<std::string>& excluded,
+                                          const std::vector<std::int64_t>& upset);
 
   /// The normal lane that a vehicle is on, and the one it was on before.
   struct Trail {

@@ -133,9 +133,9 @@ bool Coordinator::allows(const std::vector<std::string>& guests, int zone, const
 /// The plan with as many drivers and people getting green as is possible, and worth what it costs
 /// the vehicles under control. Zones share no ground: each has its own offers and its own verdict,
 /// and one trial plans an offer of every zone.
-Coordinator::Trial Coordinator::best_trial_with_lights(
-    const std::map<std::string, Driven>& arrivals, const std::set<std::string>& excluded,
-    const std::vector<std::int64_t>& upset) {
+Coordinator::Trial Coordinator::best_trial_by_zones(const std::map<std::string, Driven>& arrivals,
+                                                    const std::set<std::string>& excluded,
+                                                    const std::vector<std::int64_t>& upset) {
   Trial without =
       without_the_late(plan_trial(arrivals, excluded, upset, {}), arrivals, excluded, upset);
   std::map<int, ZoneOffers> offers = offers_of_zones();

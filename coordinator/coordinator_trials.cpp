@@ -10,31 +10,21 @@
 
 namespace mvtp {
 
-/// The plan with all arrivals; with guests that go over junctions too, if that leaves nobody
-/// without a plan; without those arrivals that come too late, that get no complete plan, or one
-/// that the referee refuses.
+/// The plan with all arrivals but those that come too late, that get no complete plan, or one that
+/// the referee refuses; with guests that go over junctions too, where that leaves nobody without a
+/// plan.
 Coordinator::Trial Coordinator::best_trial(const std::map<std::string, Driven>& arrivals,
                                            const std::vector<std::int64_t>& upset) {
-  std::set<std::string> excluded = too_late(arrivals);
-  if (heads_) return best_trial_with_lights(arrivals, excluded, upset);
-  std::optional<Trial> with_guests;
-  for (const std::vector<std::string>& guests : in_order(groups_of_guests())) {
-    with_guests = plan_trial(arrivals, excluded, upset, guests);
-    if (touches_guests(guests, *with_guests)) {
-      with_guests.reset();
-      continue;
-    }
-    if (with_guests->decision.stepped == 0 && with_guests->refused.empty() &&
-        !waits_inside(*with_guests)) {
-      return *with_guests;
-    }
+  const std::set<std::string> excluded = too_late(arrivals);
+  if (!heads_) {  // mostly all can go, and nobody asks what it costs
+    const auto offers = in_order(groups_of_guests());
+    Trial all = plan_trial(arrivals, excluded, upset,
+                           offers.empty() ? std::vector<std::string>() : offers.front());
+    const bool nobody_loses =
+        all.decision.stepped == 0 && all.refused.empty() && !waits_inside(all);
+    if (nobody_loses && !touches_guests(all.guests, all)) return all;
   }
-  Trial trial = plan_trial(arrivals, excluded, upset, {});
-  const bool worse = with_guests && (with_guests->decision.stepped > trial.decision.stepped ||
-                                     with_guests->refused.size() > trial.refused.size() ||
-                                     (waits_inside(*with_guests) && !waits_inside(trial)));
-  if (with_guests && !worse) trial = *std::move(with_guests);
-  return without_the_late(std::move(trial), arrivals, std::move(excluded), upset);
+  return best_trial_by_zones(arrivals, excluded, upset);
 }
 
 /// The same trial without those arrivals that get no complete plan, or one that is refused.
