@@ -11,7 +11,7 @@ namespace mvtp {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kBeforeCrossing = 0.4;  ///< [m] before a line who waits leaves to people there
+constexpr double kBeforeCrossing = 0.4;  ///< [m] before a line are left to people, long turns
 constexpr double kLeastShare = 0.5;      ///< of its acceleration, however it comes onto its path
 constexpr double kWholeShare = 0.99;     ///< from here on it uses all of it
 constexpr double kShareStep = 0.05;      ///< vehicles of about the same share use one corridor
