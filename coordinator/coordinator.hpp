@@ -273,13 +273,15 @@ class Coordinator : public Controller {
   [[nodiscard]] std::vector<std::vector<std::string>> groups_of_guests();
   [[nodiscard]] std::vector<std::vector<std::string>> in_order(
       std::vector<std::vector<std::string>> groups);
-  [[nodiscard]] std::map<int, ZoneOffers> offers_of_zones();
+  [[nodiscard]] std::map<int, ZoneOffers> offers_of_zones(
+      const std::vector<std::vector<std::string>>& groups);
   [[nodiscard]] ZoneVerdict verdict(const Trial& trial, int zone) const;
   [[nodiscard]] bool allows(const std::vector<std::string>& guests, int zone, const Trial& with,
                             const Trial& without);
   [[nodiscard]] Trial best_trial_by_zones(const std::map<std::string, Driven>& arrivals,
                                           const std::set<std::string>& excluded,
-                                          const std::vector<std::int64_t>& upset);
+                                          const std::vector<std::int64_t>& upset,
+                                          std::map<int, ZoneOffers> offers);
 
   /// The normal lane that a vehicle is on, and the one it was on before.
   struct Trail {

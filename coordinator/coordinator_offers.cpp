@@ -90,11 +90,12 @@ std::vector<std::vector<std::string>> Coordinator::in_order(
 }
 
 /// What may be offered, by control zone.
-std::map<int, Coordinator::ZoneOffers> Coordinator::offers_of_zones() {
-  std::map<int, std::vector<std::vector<std::string>>> groups;
-  for (auto& group : groups_of_guests()) groups[zone_of(group.front())].push_back(std::move(group));
+std::map<int, Coordinator::ZoneOffers> Coordinator::offers_of_zones(
+    const std::vector<std::vector<std::string>>& groups) {
+  std::map<int, std::vector<std::vector<std::string>>> by_zone;
+  for (const auto& group : groups) by_zone[zone_of(group.front())].push_back(group);
   std::map<int, ZoneOffers> offers;
-  for (auto& [zone, its_own] : groups) offers[zone].sets = in_order(std::move(its_own));
+  for (auto& [zone, its_own] : by_zone) offers[zone].sets = in_order(std::move(its_own));
   return offers;
 }
 
@@ -135,10 +136,10 @@ bool Coordinator::allows(const std::vector<std::string>& guests, int zone, const
 /// and one trial plans an offer of every zone.
 Coordinator::Trial Coordinator::best_trial_by_zones(const std::map<std::string, Driven>& arrivals,
                                                     const std::set<std::string>& excluded,
-                                                    const std::vector<std::int64_t>& upset) {
+                                                    const std::vector<std::int64_t>& upset,
+                                                    std::map<int, ZoneOffers> offers) {
   Trial without =
       without_the_late(plan_trial(arrivals, excluded, upset, {}), arrivals, excluded, upset);
-  std::map<int, ZoneOffers> offers = offers_of_zones();
   const auto guests_of_all = [&] {
     std::vector<std::string> guests;
     for (const auto& [zone, offer] : offers) {

@@ -16,15 +16,17 @@ namespace mvtp {
 Coordinator::Trial Coordinator::best_trial(const std::map<std::string, Driven>& arrivals,
                                            const std::vector<std::int64_t>& upset) {
   const std::set<std::string> excluded = too_late(arrivals);
-  if (!heads_) {  // mostly all can go, and nobody asks what it costs
-    const auto offers = in_order(groups_of_guests());
-    Trial all = plan_trial(arrivals, excluded, upset,
-                           offers.empty() ? std::vector<std::string>() : offers.front());
+  using Groups = std::vector<std::vector<std::string>>;
+  const Groups groups = groups_of_guests();
+  // Where everybody is taken over mostly all can go, and nobody asks what it costs.
+  const Groups offers = heads_ ? Groups() : in_order(groups);
+  if (!offers.empty()) {
+    Trial all = plan_trial(arrivals, excluded, upset, offers.front());
     const bool nobody_loses =
         all.decision.stepped == 0 && all.refused.empty() && !waits_inside(all);
     if (nobody_loses && !touches_guests(all.guests, all)) return all;
   }
-  return best_trial_by_zones(arrivals, excluded, upset);
+  return best_trial_by_zones(arrivals, excluded, upset, offers_of_zones(groups));
 }
 
 /// The same trial without those arrivals that get no complete plan, or one that is refused.
