@@ -283,7 +283,7 @@ class Coordinator : public Controller {
                                           const std::vector<std::int64_t>& upset,
                                           std::map<int, ZoneOffers> offers);
 
-  /// The normal lane that a vehicle is on, and the one it was on before.
+  /// The normal lane that a vehicle is on, and the one it was on before; how long it has stood.
   struct Trail {
     int lane = LaneGraph::kNone;
     int before = LaneGraph::kNone;

@@ -278,7 +278,8 @@ std::vector<int> Coordinator::route_of(const VehicleState& v) const {
   return route;
 }
 
-/// Which normal lanes vehicles have come over: their tails may still be there.
+/// Which normal lanes vehicles have come over: their tails may still be there; and how long they
+/// have stood.
 void Coordinator::remember_lanes() {
   constexpr double kStanding = 0.1;  // [m/s]
   std::unordered_map<std::string, Trail> trails;

@@ -272,17 +272,19 @@ HaltedQueues Coordinator::halted_queues() {
   constexpr double kBriefly = 3.0;  // [s]
   std::vector<HaltedDriver> halted;
   for (const VehicleState& v : traffic_.vehicles()) {
-    const Stand stand = stand_of(v);
-    const double stands = std::max(stand.scheduled, stand.so_far);
-    if (stands <= kBriefly || driven_.contains(v.id)) continue;
     const int lane = graph_.find_lane(v.lane);
     if (lane == LaneGraph::kNone || finder_.may_approach(lane, v.lane_position)) continue;
+    if (driven_.contains(v.id)) continue;
+    const Stand stand = stand_of(v);
+    const double stands = std::max(stand.scheduled, stand.so_far);
+    if (stands <= kBriefly) continue;
     halted.push_back(
         {lane, v.lane_position, v.lane_position - type_of(v.type).body.length(), stands});
   }
   return HaltedQueues(std::move(halted));
 }
 
+/// How long a vehicle has stood, or still stands at a scheduled stop.
 Stand Coordinator::stand_of(const VehicleState& v) const {
   constexpr double kBoarding = 5.0;  // [s] at least: stops last longer than they are planned to
   const auto trail = trails_.find(v.id);

@@ -52,6 +52,12 @@ struct ClosedLoop {
     audit.observe(traffic.time(), observations);
   }
 
+  /// A step after which this vehicle, once its driver has it again, stands still.
+  void step_freezing(const std::string& id) {
+    step();
+    if (std::ranges::count(coordinator.handed_back(), id) > 0) traffic.freeze(id);
+  }
+
   void run_until(double end) {
     while (traffic.running() && traffic.time() < end) step();
   }
@@ -163,12 +169,7 @@ TEST(Coordinator, StopsBehindACarThatBreaksDownAfterItsHandBack) {
                   {"b", 3.0, "W_in", "E_out"},
                   {"c", 6.0, "S_in", "E_out"},
                   {"d", 6.0, "N_in", "S_out"}});
-  while (run.traffic.running() && run.traffic.time() < 120.0) {
-    run.step();
-    for (const std::string& id : run.coordinator.handed_back()) {
-      if (id == "a") run.traffic.freeze("a");
-    }
-  }
+  while (run.traffic.running() && run.traffic.time() < 120.0) run.step_freezing("a");
   EXPECT_EQ(run.audit.figures().overlap_pairs, 0);
   EXPECT_EQ(run.traffic.arrived(), 1);  // d; b and c wait behind a
 }
@@ -183,10 +184,7 @@ TEST(Coordinator, WhoStandsForNoReasonIsExpectedToStandAndNobodyToPassHim) {
   };
   int seen = 0;
   while (run.traffic.time() < 60.0) {
-    run.step();
-    for (const std::string& id : run.coordinator.handed_back()) {
-      if (id == "stands") run.traffic.freeze("stands");
-    }
+    run.step_freezing("stands");
     if (run.traffic.time() < 41.0 || run.coordinator.driven().empty()) continue;
     const RoadScene scene = run.coordinator.scene();
     for (const Forecast& f : scene.forecasts) {
@@ -210,10 +208,7 @@ TEST(Coordinator, NobodyStopsOnTheJunctionForAQueueBehindIt) {
   }
   ClosedLoop run(trips);
   while (run.traffic.time() < 150.0) {
-    run.step();
-    for (const std::string& id : run.coordinator.handed_back()) {
-      if (id == "queues0") run.traffic.freeze("queues0");
-    }
+    run.step_freezing("queues0");
     for (const VehicleState& v : run.traffic.vehicles()) {
       const bool inside = std::abs(v.pose.x) < 6.0 && std::abs(v.pose.y) < 6.0;
       ASSERT_FALSE(inside && v.speed == 0.0) << v.id << " at " << run.traffic.time();

@@ -70,20 +70,26 @@ TEST(LotPlanner, KeepsNothingForThoseWhoWait) {
   EXPECT_LE(goals_and_tails, 2U);
 }
 
-//   A lattice finds no path out between two long cars, across an aisle of 5.2 m.
-TEST(LotPlanner, FindsAWayOutOfATightSlot) {
-  const Vehicle long_car{.front = 4.0, .rear = 1.0, .width = 1.9, .min_turning_radius = 4.5};
+constexpr Vehicle kLongCar{.front = 4.0, .rear = 1.0, .width = 1.9, .min_turning_radius = 4.5};
+
+/// A slot of 2.6 m around `x` [m], across an aisle of 5.2 m; walls from `begin` [m] on.
+ParkingLot tight_slot(double x, double begin) {
   ParkingLot lot;
   lot.id = "lot";
   lot.ground = {{0, 0}, {40, 0}, {40, 18}, {0, 18}};
-  lot.obstacles = {{{0, 0}, {19.2, 0}, {19.2, 5.5}, {0, 5.5}},
-                   {{21.8, 0}, {40, 0}, {40, 5.5}, {21.8, 5.5}},
-                   {{0, 10.7}, {40, 10.7}, {40, 18}, {0, 18}}};
-  LotPlanner planner(lot, {});
+  lot.obstacles = {{{begin, 0}, {x - 1.3, 0}, {x - 1.3, 5.5}, {begin, 5.5}},
+                   {{x + 1.3, 0}, {40, 0}, {40, 5.5}, {x + 1.3, 5.5}},
+                   {{begin, 10.7}, {40, 10.7}, {40, 18}, {begin, 18}}};
+  return lot;
+}
+
+//   A lattice finds no path out between two long cars.
+TEST(LotPlanner, FindsAWayOutOfATightSlot) {
+  LotPlanner planner(tight_slot(20.5, 0.0), {});
   LotMotion motion;
   const Pose slot{20.5, 1.3, std::numbers::pi / 2};
   LotRequest leaving = {
-      .key = 1, .body = long_car, .pose = slot, .goals = {{8.0, 8.0, std::numbers::pi}}};
+      .key = 1, .body = kLongCar, .pose = slot, .goals = {{8.0, 8.0, std::numbers::pi}}};
   ASSERT_TRUE(planner.admit(motion, leaving, {}));
   EXPECT_TRUE(motion.forecast().complete);
 }
@@ -91,17 +97,10 @@ TEST(LotPlanner, FindsAWayOutOfATightSlot) {
 //   The last metres are those that it would drive alone: among others, too, a lattice would not
 //   find into the slot, and somebody stands on the path to it.
 TEST(LotPlanner, GoesRoundOthersOnThePathIntoATightSlot) {
-  const Vehicle long_car{.front = 4.0, .rear = 1.0, .width = 1.9, .min_turning_radius = 4.5};
-  ParkingLot lot;
-  lot.id = "lot";
-  lot.ground = {{0, 0}, {40, 0}, {40, 18}, {0, 18}};
-  lot.obstacles = {{{20, 0}, {31.2, 0}, {31.2, 5.5}, {20, 5.5}},
-                   {{33.8, 0}, {40, 0}, {40, 5.5}, {33.8, 5.5}},
-                   {{20, 10.7}, {40, 10.7}, {40, 18}, {20, 18}}};
-  LotPlanner planner(lot, {});
+  LotPlanner planner(tight_slot(32.5, 20.0), {});
   LotMotion motion;
   const LotRequest parks = {
-      .key = 1, .body = long_car, .pose = {3, 8, 0}, .goals = {{32.5, 1.3, kUp}}};
+      .key = 1, .body = kLongCar, .pose = {3, 8, 0}, .goals = {{32.5, 1.3, kUp}}};
   const std::vector<StandingCar> somebody = {{{12, 8, 0}, {.front = 1, .rear = 1, .width = 1.8}}};
   ASSERT_TRUE(planner.admit(motion, parks, somebody));
   EXPECT_TRUE(motion.forecast().complete);

@@ -135,8 +135,8 @@ TEST(SteppedWorld, ARobotThatRepeatsItselfMayActAtRandom) {
   EXPECT_LT(random, 50);
 }
 
-//   In a lane as wide as one car they only push each other to and fro. What they did in vain is cut
-//   out, again and again.
+//   In a lane as wide as one car they only push each other to and fro. Configurations between two
+//   equal ones are removed, again and again.
 TEST(Escot, NoConfigurationComesTwice) {
   Instance lane{
       .agents = {agent({5, 1.5, 0}, {25, 1.5, 0}, 0), agent({14, 1.5, kPi}, {4, 1.5, kPi}, 1)},
