@@ -33,7 +33,7 @@ void SumoControlled::take_over(const std::string& id, double front) {
 
 void SumoControlled::hand_back(const std::string& id) {
   const Controlled& vehicle = vehicles_.at(id);
-  settle(id);
+  settle(id, 0.0);
   if (!routes_.restore(id, clock_.now)) unrestored_.insert(id);
   if (api::Vehicle::getLaneID(id).empty()) put_onto_route(id, vehicle);
   // SUMO only knows a speed it has measured itself, cut off at the limit of the lane.
@@ -79,7 +79,7 @@ void SumoControlled::send(const std::set<std::string>& waiting) {
                 [&](const std::string& id) { return routes_.restore(id, clock_.now); });
   for (const auto& [id, vehicle] : vehicles_) {
     if (waiting.contains(id)) continue;
-    settle(id);
+    settle(id, vehicle.speed);
     if (const std::size_t next = routes_.next_cut(id, clock_.now)) {
       routes_.cut(id, next, clock_.now);
     }
@@ -108,12 +108,12 @@ void SumoControlled::forget_if(const std::function<bool(const std::string&)>& ha
   std::erase_if(unrestored_, has_left);
 }
 
-void SumoControlled::settle(const std::string& id) {
-  lanes_.settle(id, routes_.rest(id, clock_.now), clock_.step_length);
+void SumoControlled::settle(const std::string& id, double speed) {
+  lanes_.settle(id, routes_.rest(id, clock_.now), speed, clock_.step_length);
 }
 
 void SumoControlled::cut_route(const std::string& id, std::size_t length) {
-  settle(id);
+  settle(id, 0.0);
   routes_.cut(id, length, clock_.now);
 }
 

@@ -62,7 +62,7 @@ class SumoControlled {
     int lane_index = -1;                     ///< this lane
   };
 
-  void settle(const std::string& id);
+  void settle(const std::string& id, double speed);
   void cut_route(const std::string& id, std::size_t length);
   static void put_onto_route(const std::string& id, const Controlled& vehicle);
 

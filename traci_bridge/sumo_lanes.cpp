@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "traci_bridge/tail_lanes.hpp"
+
 namespace mvtp::MVTP_SUMO_NAMESPACE {
 namespace {
 
@@ -28,11 +30,11 @@ SumoLanes::SumoLanes(const RoadNetwork& network, SumoLog& log) : network_(networ
 }
 
 void SumoLanes::note_before(const std::string& lane, const Lane& before) {
-  double& shortest = shortest_before_.emplace(lane, before.length).first->second;
-  shortest = std::min(shortest, before.length);
+  const Lane*& shortest = shortest_before_.emplace(lane, &before).first->second;
+  if (before.length < shortest->length) shortest = &before;
 }
 
-void SumoLanes::settle(const std::string& id, std::span<const std::string> rest,
+void SumoLanes::settle(const std::string& id, std::span<const std::string> rest, double speed,
                        double step_length) {
   const auto found = network_.lanes.find(api::Vehicle::getLaneID(id));
   if (found == network_.lanes.end()) return;
@@ -43,7 +45,10 @@ void SumoLanes::settle(const std::string& id, std::span<const std::string> rest,
   if (!other) return;
   try {
     api::Vehicle::moveTo(id, other->lane, other->position);
-    api::Vehicle::moveTo(id, lane.id, position);
+    const double length = api::Vehicle::getLength(id);
+    const double to = where_tail_is_found(position, length, speed * step_length, lane.length,
+                                          lengths_before(lane, length));
+    api::Vehicle::moveTo(id, lane.id, to);
   } catch (const libsumo::TraCIException&) {
     static_cast<void>(log_.take_errors());  // not on the route: it is placed all the same
   }
@@ -55,8 +60,20 @@ bool SumoLanes::has_stale_tail(const std::string& id, const Lane& lane, double p
   const auto before = shortest_before_.find(lane.id);
   if (before == shortest_before_.end()) return false;
   const double length = api::Vehicle::getLength(id);
-  return before->second < length &&
+  return before->second->length < length &&
          position - length < std::max(kTailRoom, kTailTime * step_length);
+}
+
+/// Of the shortest lanes that lead here, the next one first [m].
+std::vector<double> SumoLanes::lengths_before(const Lane& lane, double reach) const {
+  std::vector<double> lengths;
+  auto before = shortest_before_.find(lane.id);
+  for (double covered = 0.0; covered <= reach && before != shortest_before_.end();) {
+    lengths.push_back(before->second->length);
+    covered += lengths.back();
+    before = shortest_before_.find(before->second->id);
+  }
+  return lengths;
 }
 
 /// Does SUMO take another edge for the one that leads to this internal lane?

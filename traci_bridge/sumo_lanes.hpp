@@ -4,6 +4,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "coordinator/road_network.hpp"
 #include "traci_bridge/sumo_api.hpp"
@@ -25,7 +26,9 @@ class SumoLanes {
   /// enters a lane, so it goes onto another one first. Only where need be: each time, SUMO counts
   /// the lane once more as driven (routeLength of its tripinfo).
   /// @param rest  of its route.
-  void settle(const std::string& id, std::span<const std::string> rest, double step_length);
+  /// @param speed  [m/s] in the next step; see where_tail_is_found().
+  void settle(const std::string& id, std::span<const std::string> rest, double speed,
+              double step_length);
 
  private:
   struct Place {
@@ -36,6 +39,7 @@ class SumoLanes {
   void note_before(const std::string& lane, const Lane& before);
   [[nodiscard]] bool has_stale_tail(const std::string& id, const Lane& lane, double position,
                                     double step_length) const;
+  [[nodiscard]] std::vector<double> lengths_before(const Lane& lane, double reach) const;
   [[nodiscard]] bool is_misplaced(const Lane& lane, std::span<const std::string> rest) const;
   [[nodiscard]] std::optional<Place> place_beside(const Lane& lane, double position,
                                                   std::span<const std::string> rest) const;
@@ -44,7 +48,7 @@ class SumoLanes {
   SumoLog& log_;
   std::multimap<std::string, const Connection*> leaving_;  ///< by the lane they leave
   std::map<std::string, const Connection*> inside_;        ///< by internal lane
-  std::map<std::string, double> shortest_before_;  ///< of the lanes that lead onto each lane [m]
+  std::map<std::string, const Lane*> shortest_before_;     ///< of those that lead onto each lane
 };
 
 }  // namespace mvtp::MVTP_SUMO_NAMESPACE
