@@ -199,12 +199,10 @@ class CrossingPlanner {
     return t;
   }
 
-  /// What is left when no order works. Whoever has no plan looks for one among those that stand, or
-  /// brakes, and then those who would meet it there look for other plans.
+  /// What is left when no order works: whoever has no plan looks for one among those that stand.
   CrossingResult around_the_stuck(const Order& order, const JointPlan& incumbent,
                                   bool old_plans_stand) {
     std::vector<Entry> planned;
-    std::vector<Entry> bodies;
     Order open;
     for (const std::int64_t key : order) {
       const bool stands = old_plans_stand || leaving_.find(key) != nullptr;
@@ -212,6 +210,24 @@ class CrossingPlanner {
       if (old != nullptr) planned.push_back(*old);
       if (old == nullptr) open.push_back(key);
     }
+    CrossingResult result = fit_in_or_brake(std::move(open), std::move(planned), incumbent);
+    // Those who lost their plans because of it have made room for who found none before; but nobody
+    // counts on room that a driver would have to make.
+    while (result.unplanned.size() > 1 && work_.left > 0) {
+      open = orders_.in_lane_order(result.unplanned);
+      std::ranges::stable_partition(open, [&](std::int64_t key) { return leaving_.find(key); });
+      CrossingResult again = fit_in_or_brake(open, result.plan.entries, incumbent);
+      if (again.unplanned.size() >= result.unplanned.size()) break;
+      result = std::move(again);
+    }
+    return result;
+  }
+
+  /// Plans for those who are `open` among those `planned`. Whoever finds none brakes, and then
+  /// those who would meet it there look for other plans.
+  CrossingResult fit_in_or_brake(Order open, std::vector<Entry> planned,
+                                 const JointPlan& incumbent) {
+    std::vector<Entry> bodies;
     CrossingResult result;
     std::set<std::int64_t> tried;
     for (std::size_t next = 0; next < open.size(); ++next) {

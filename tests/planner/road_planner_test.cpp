@@ -3,8 +3,10 @@
 
 #include <cmath>
 #include <numeric>
+#include <random>
 
 #include "planner/road/neighbourhoods.hpp"
+#include "planner/road/passing_order.hpp"
 #include "planner/road/road_escot.hpp"
 #include "tests/planner/crossing_fixture.hpp"
 
@@ -69,6 +71,36 @@ TEST_F(Crossing, NobodyStopsWhereAnotherOneWillPass) {
       EXPECT_LT(x.s + kCar.front, 100.0 - kCar.width / 2)
           << "vehicle " << v.key << " at step " << k;
     }
+  }
+}
+
+// Who finds no plan brakes, and others may lose theirs because of it: then he asks again, and so do
+// they. In the end those without one do not all find one, in lane order, around the others.
+TEST_F(Crossing, WhoeverIsLeftWithoutAPlanIsInSomebodysWay) {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> share(0.0, 1.0);
+  CrossingOptions options;
+  options.repairs = 0;  // most orders that work are found at once, else
+  for (int n = 0; n < 300; ++n) {
+    scene.vehicles.clear();
+    for (int path : {0, 1, 3}) {
+      double s = 92.0;
+      for (int i = 0; i < 4; ++i) add(path, s -= 6.0 + 12.0 * share(random), 14.0 * share(random));
+    }
+    scene.vehicles.erase(scene.vehicles.begin() + 9, scene.vehicles.end());
+    JointPlan incumbent;
+    for (const RoadVehicle& v : scene.vehicles) {
+      if (v.key == 0) continue;
+      auto plan = plan_vehicle(scene, v, incumbent.entries, {});
+      if (plan) incumbent.entries.push_back({v.key, std::make_shared<SpeedProfile>(*plan)});
+    }
+    const CrossingResult result = plan_crossing(scene, keys(), incumbent, options, 0);
+    std::vector<JointPlan::Entry> entries = result.plan.entries;
+    for (const std::int64_t key : PassingOrders(scene).in_lane_order(result.unplanned)) {
+      auto plan = plan_vehicle(scene, scene.vehicle(key), entries, {});
+      if (plan) entries.push_back({key, std::make_shared<SpeedProfile>(*std::move(plan))});
+    }
+    EXPECT_TRUE(result.unplanned.empty() || entries.size() < scene.vehicles.size()) << n;
   }
 }
 
