@@ -133,7 +133,8 @@ std::optional<std::size_t> CourseFinder::first_line(const CourseQuery& query, co
 CourseFinder::Exit CourseFinder::exit_behind(const CourseQuery& query, std::size_t edge,
                                              double driven) const {
   using Kind = Exit::Kind;
-  const double far = options_.exit + kRunOut + kObservedBehind + options_.takeover;
+  // Up to where a next takeover still puts off the hand-back.
+  const double far = options_.exit + kBridge + options_.takeover;
   Exit exit{.kind = Kind::kOpen, .room = 0.0, .edge = edge};
   for (std::size_t i = edge;; ++i) {
     exit.edge = i;

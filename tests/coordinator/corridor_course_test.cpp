@@ -155,6 +155,45 @@ TEST(Corridor, LeavesRoomToStopBeforeTheNextLine) {
   }
 }
 
+// W ──A──────(B)──────C── E   Whether a road is one piece or two, where nobody meets anybody
+//     │               │       between them: its vehicles are driven on up to the next takeover.
+TEST(CourseFinder, ASeamInTheRoadDoesNotBringTheHandBackForward) {
+  const auto handback = [](bool seam) {
+    NetworkMaker maker;
+    maker.node("W", {-150.0, 0.0}, 0.0);
+    maker.node("A", {0.0, 0.0});
+    maker.node("N", {0.0, 150.0}, 0.0);
+    maker.node("S", {0.0, -150.0}, 0.0);
+    maker.node("C", {236.0, 0.0});
+    maker.node("T", {236.0, 150.0}, 0.0);
+    maker.node("U", {236.0, -150.0}, 0.0);
+    maker.node("E", {430.0, 0.0}, 0.0);
+    maker.one_way("W", "A");
+    maker.one_way("S", "A");
+    maker.one_way("A", "N");
+    if (seam) {
+      maker.node("B", {200.0, 0.0}, 0.0);
+      maker.one_way("A", "B");
+      maker.one_way("B", "C");
+    } else {
+      maker.one_way("A", "C");
+    }
+    maker.one_way("U", "C");
+    maker.one_way("C", "T");
+    maker.one_way("C", "E");
+    const NetworkShape shape{.name = "seam", .network = maker.make()};
+    Walk walk(shape.network);
+    const std::vector<std::string> route =
+        seam ? std::vector<std::string>{"W-A", "A-B", "B-C", "C-E"}
+             : std::vector<std::string>{"W-A", "A-C", "C-E"};
+    const auto course = walk.finder.find(walk.at("W-A_0", 100.0, route));
+    EXPECT_TRUE(course);
+    return course ? course->handback : 0.0;
+  };
+  EXPECT_GT(handback(false), CorridorOptions{}.exit);
+  EXPECT_NEAR(handback(true), handback(false), 2.0);
+}
+
 /// A crossroads A, and `behind` metres behind it a bend B of a road on which nobody meets anybody,
 /// whose lanes may be marked as slow as such a bend is.
 NetworkShape bend_behind(double behind, bool marked = true) {
