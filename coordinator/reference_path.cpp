@@ -187,11 +187,10 @@ class ShapeSearch {
         turns_(turns_of(line_)),
         body_(body),
         own_(own),
-        area_(area) {
-    evaluations_left_ = 40 + 40 * int(turns_.size());
-  }
+        area_(area) {}
 
   ReferencePath best() {
+    evaluations_left_ = evaluations();
     // Most bodies are short enough for a path that hugs the centre line.
     for (const double share : {0.0, 0.5, 1.0}) {
       for (const double sigma : {2.5, 1.5, 4.0}) {
@@ -200,11 +199,21 @@ class ShapeSearch {
         if (!done()) improve_to(shape);
       }
     }
-    for (double scale = 1.0; scale > 0.1 && !done(); scale *= 0.5) {
-      while (!done() && improve_once(scale)) {
-      }
-    }
-    return ReferencePath(shaped(Base(line_, kFine), turns_, best_.shape));
+    return climbed();
+  }
+
+  [[nodiscard]] double follow() const { return best_.shape.follow; }
+
+  /// Does the best path all but keep to its own side of the road?
+  [[nodiscard]] bool keeps_to_own_side() const { return best_.badness < 1.0; }
+
+  /// The best path that is found from this swing in all turns.
+  /// @param follow  as of Shape.
+  ReferencePath best_from(const Swing& swing, double follow) {
+    best_ = {};
+    evaluations_left_ = evaluations();
+    improve_to({.follow = follow, .swings = std::vector<Swing>(turns_.size(), swing)});
+    return climbed();
   }
 
   /// Can the path that best() gave not be steered, or does it leave the road? It is judged as it is
@@ -219,6 +228,17 @@ class ShapeSearch {
   }
 
  private:
+  [[nodiscard]] int evaluations() const { return 40 + 40 * int(turns_.size()); }
+
+  /// The best path that is found by small changes to the best so far.
+  ReferencePath climbed() {
+    for (double scale = 1.0; scale > 0.1 && !done(); scale *= 0.5) {
+      while (!done() && improve_once(scale)) {
+      }
+    }
+    return ReferencePath(shaped(Base(line_, kFine), turns_, best_.shape));
+  }
+
   /// Can the best path be steered, with the footprint where it should be; or is it time to end?
   [[nodiscard]] bool done() const { return best_.badness < kTolerable || evaluations_left_ <= 0; }
 
@@ -372,13 +392,23 @@ bool leaves_road(const ReferencePath& path, double s, const Vehicle& body,
 ReferencePath make_reference_path(std::span<const Point> centre_line, double from, double to,
                                   const Vehicle& body, const DrivableArea& own,
                                   const DrivableArea& area) {
-  // Where the search ends depends on where it looks: one that fails looks again, more finely.
+  // Where the search ends depends on where it looks, and from where: one that fails looks again,
+  // from wide swings, since round a sharp corner a little swing is no better than none, and more
+  // finely. A path over the lanes of others is not worth that: they and who drives it would wait
+  // for each other.
+  constexpr std::array<Swing, 4> kSwings = {
+      {{0.0, 0.0, 5.0, 5.0}, {1.5, 1.5}, {3.0, 0.0, 11.0, 11.0}, {0.0, 1.5, 11.0, 11.0}}};
   std::optional<ReferencePath> first;
   for (const double spacing : {0.5, 0.3}) {
     ShapeSearch search(centre_line, {from, to}, body, own, area, spacing);
     ReferencePath path = search.best();
     if (!search.fails(path)) return path;
     if (!first) first = std::move(path);
+    const double follow = search.follow();
+    for (const Swing& swing : kSwings) {
+      path = search.best_from(swing, follow);
+      if (search.keeps_to_own_side() && !search.fails(path)) return path;
+    }
   }
   return *std::move(first);
 }

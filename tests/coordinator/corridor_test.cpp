@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 #include <random>
 
 #include "tests/coordinator/closed_loop.hpp"
@@ -240,6 +241,37 @@ TEST(Corridor, ALongBusStaysOnTheRoadInTheTightestTurn) {
     for (double s = 30.0; s < c.s_handback; s += 0.5) {
       EXPECT_EQ(area.share_outside(path.at(s), bus, 0.05), 0.0) << to << " at s = " << s;
     }
+  }
+}
+
+//      N     W has two lanes. The car turns sharply to the right, round a corner that is not
+//   W ─A─ E  rounded off: it swings into the lane beside, and wide behind the corner.
+//     X
+TEST(Corridor, ACarGetsRoundASharpCorner) {
+  struct Corner {
+    double radius;  ///< [m] of the junction
+    double degrees;
+  };
+  for (const Corner& corner : {Corner{5, 100}, {5, 115}, {5, 120}, {6, 125}, {7.2, 130}}) {
+    const double heading = -corner.degrees * std::numbers::pi / 180.0;
+    NetworkMaker maker;
+    maker.node("W", {-150.0, 0.0}, 0.0);
+    maker.node("A", {0.0, 0.0}, corner.radius);
+    maker.node("E", {150.0, 0.0}, 0.0);
+    maker.node("X", {150.0 * std::cos(heading), 150.0 * std::sin(heading)}, 0.0);
+    maker.node("N", {0.0, 150.0}, 0.0);
+    maker.one_way("W", "A", 2);
+    maker.one_way("A", "E");
+    maker.one_way("A", "X");
+    maker.one_way("N", "A");
+    const RoadNetwork network = maker.make();
+    Walk walk(network);
+    const DrivableArea area(network);
+    CorridorMap map(walk.graph, area, {});
+    const auto course = walk.finder.find(walk.at("W-A_0", 100.0, {"W-A", "A-X"}));
+    ASSERT_TRUE(course);
+    const Corridor& c = map[map.corridor_for(*course, fake_type("car").body)];
+    EXPECT_EQ(c.undriven, "") << corner.radius << " m, " << corner.degrees << " degrees";
   }
 }
 
