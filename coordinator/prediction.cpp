@@ -133,7 +133,8 @@ bool Predictor::leads_where_it_goes(const Corridor& corridor, const CourseQuery&
 }
 
 void Predictor::corridors_forgotten() {
-  std::erase_if(last_corridor_, [&](const auto& last) { return !corridors_.holds(last.second); });
+  std::erase_if(expected_on_,
+                [&](const auto& entry) { return !corridors_.holds(entry.second.corridor); });
 }
 
 /// The corridor that the vehicle follows, and where on it its rear axle is.
@@ -146,13 +147,15 @@ int Predictor::path_of(const VehicleState& v, const CourseQuery& query, const Ve
     station = path.project({v.pose.x, v.pose.y}, *s - 3.0, *s + 3.0);
     return station < path.length() - room;
   };
-  if (const auto known = last_corridor_.find(v.id); known != last_corridor_.end()) {
-    const Corridor& corridor = corridors_[known->second];
-    if (leads_where_it_goes(corridor, query) && place_on(corridor, corridor.s_handback, kNearEnd)) {
-      corridors_.use(known->second);
-      return known->second;
+  if (const auto known = expected_on_.find(v.id); known != expected_on_.end()) {
+    const auto [number, s] = known->second;
+    const Corridor& corridor = corridors_[number];
+    if (leads_where_it_goes(corridor, query) && place_on(corridor, s, kNearEnd)) {
+      corridors_.use(number);
+      known->second.s = station;
+      return number;
     }
-    last_corridor_.erase(known);
+    expected_on_.erase(known);
   }
   const int own = corridors_.corridor_for(finder_.follow(query, kHorizon), body);
   const Corridor& corridor = corridors_[own];
@@ -262,6 +265,7 @@ std::vector<Forecast> Predictor::predict(const VehicleState& v, const CourseQuer
     forecast.earliest = predict_passage(road, body.max_accel, grid, step);
     forecast.latest = predict_crawl(road, lines_ahead(*placed, query, stop), grid, step);
     forecast.yields = false;
+    expected_on_[v.id] = {placed->corridor, s};
     return {forecast};
   }
   bool is_held = false;

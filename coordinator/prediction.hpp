@@ -45,7 +45,9 @@ class Predictor {
             double takeover);
 
   /// The vehicle was handed back on this corridor.
-  void handed_back(const std::string& id, int corridor) { last_corridor_[id] = corridor; }
+  void handed_back(const std::string& id, int corridor) {
+    expected_on_[id] = {corridor, corridors_[corridor].s_handback};
+  }
   /// Corridors have been forgotten: nobody can be on them.
   void corridors_forgotten();
 
@@ -97,7 +99,15 @@ class Predictor {
   std::vector<bool> watched_;
   std::vector<ExitRoot> exit_roots_;
   HaltedQueues queues_;
-  std::map<std::string, int> last_corridor_;  ///< of vehicles handed back and still in range
+  /// A place along a corridor.
+  struct Station {
+    int corridor = 0;
+    double s = 0.0;  ///< [m] rear axle
+  };
+  /// Of vehicles that were handed back, or that pass, while in range: those stay on the path on
+  /// which they were last expected. Plans end a hair's breadth before a passage: another path of
+  /// the same lanes may be in them.
+  std::map<std::string, Station> expected_on_;
 };
 
 /// A driver on his way: holds his speed for a while, then speeds up gently. Predicting that a

@@ -362,6 +362,29 @@ TEST(Predictor, ALeaderStaysOnTheCorridorThatItWasHandedBackOn) {
   EXPECT_NE(p.predict("C-E_0", 20.0, 9.0, {"C-E"}, Intent::kWaits)[0].vehicle.path, path);
 }
 
+// Plans stop a hair's breadth before a driver's path: another one of the same lanes may be in them.
+TEST(Predictor, WhoPassesStaysOnThePathThatHeWasExpectedOn) {
+  Prediction p(crossroads_shape());
+  const auto path_at = [&](const std::string& lane, double position) {
+    const auto forecasts =
+        p.predict(lane, position, 8.0, {"W-C", "C-E"}, Intent::kPasses, {}, "C-E_0");
+    EXPECT_THAT(forecasts, SizeIs(1));
+    return forecasts.at(0).vehicle.path;
+  };
+  const int path = path_at("W-C_0", 80.0);
+  EXPECT_EQ(path_at("W-C_0", 90.0), path);
+  const LaneGraph& graph = p.walk.graph;
+  for (int k = 0; k < graph.links(); ++k) {
+    const LaneGraph::Link& link = graph.link(k);
+    const bool is_his = graph.lane(link.from).id == "W-C_0" && graph.lane(link.to).id == "C-E_0";
+    if (is_his) {
+      EXPECT_EQ(path_at(graph.lane(link.via.front()).id, 1.0), path);
+    }
+  }
+  EXPECT_NE(p.predict("W-C_0", 90.0, 8.0, {"W-C", "C-S"}, Intent::kPasses)[0].vehicle.path, path)
+      << "he turns elsewhere";
+}
+
 TEST(Predictor, WhereSeveralLanesLeadOnADriverGoesOntoHis) {
   Prediction p(fan_out_shape());
   const auto behind = [&](const std::string& next_lane) {
