@@ -373,9 +373,10 @@ class ShapeSearch {
 bool leaves_road(const ReferencePath& path, double s, const Vehicle& body,
                  const DrivableArea& area) {
   constexpr double kFinely = 0.05;    // [m]
+  constexpr double kReserve = 0.98;   // for what lies between these places
   constexpr double kStraight = 1e-3;  // [1/m]
   const auto is_off = [&](double at) {
-    return area.share_outside(path.at(at), body, Audit::kRoadTolerance) > 0.0;
+    return area.share_outside(path.at(at), body, kReserve * Audit::kRoadTolerance) > 0.0;
   };
   if (is_off(s)) return true;
   bool bends = false;
