@@ -377,7 +377,7 @@ void CorridorMap::set_limits(const ReferencePath& path, const Vehicle& body,
 /// taken over behind it. Anything later makes the corridor undriven.
 void CorridorMap::set_drivable(const ReferencePath& path, const Vehicle& body,
                                Corridor& corridor) const {
-  constexpr double kRoom = 20.0;    // [m] that are left before the first line
+  constexpr double kRoom = 20.0;   // [m] that are left before the first line
   constexpr double kAslant = 0.1;  // [m] off its lane: its driver would take it back with a jerk
   if (corridor.course.cramped || corridor.aside > kAslant) {
     corridor.undriven = "there is no room behind the junction to hand it back";
