@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "coordinator/coordinator.hpp"
+#include "coordinator/no_waiting.hpp"
 
 namespace mvtp {
 namespace {

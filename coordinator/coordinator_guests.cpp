@@ -134,4 +134,50 @@ double Coordinator::worth(const std::vector<std::string>& guests) const {
   return (people_ ? people_->worth(guests) : 0.0) + (humans_ ? humans_->worth(guests) : 0.0);
 }
 
+/// A human-driven vehicle near a stop line.
+void Coordinator::see_guest(const VehicleState& v, const CourseQuery& query) {
+  const std::optional<double> to_line = finder_.distance_to_line(query);
+  const bool is_inside = graph_.edge_of(query.lane) == LaneGraph::kNone;
+  if (see_human(v, query, to_line)) return;
+  if (to_line && *to_line <= options_.corridors.takeover) {
+    ++guest_sightings_;
+    const double lane_end = graph_.lane(query.lane).length - query.position;
+    const bool leads_on = is_inside || query.edges.size() < 2 ||
+                          !graph_.links_between(query.lane, query.edges[1]).empty();
+    gate_.see(v,
+              {.to_line = *to_line,
+               .to_hold = is_inside ? 0.0 : std::min(*to_line, lane_end),
+               .is_first = is_first_on_lane(v),
+               .leads_on = leads_on},
+              type_of(v.type).body);
+  } else if (is_inside && gate_.passes(v.id)) {
+    gate_.see(v, {}, type_of(v.type).body);
+  }
+}
+
+/// A driver who gets his green from us, or who has had it and is still inside the junction.
+bool Coordinator::see_human(const VehicleState& v, const CourseQuery& query,
+                            std::optional<double> to_line) {
+  if (greens_ && greens_->governs(query)) return true;
+  if (!humans_) return false;
+  if (!owns_signals()) return humans_->decides_for(query);  // the signal's own program does
+  if (graph_.edge_of(query.lane) == LaneGraph::kNone) {
+    if (!humans_->knows(v.id)) return false;
+    humans_->see(v, query, 0.0, type_of(v.type));
+    return true;
+  }
+  const bool near = to_line && *to_line <= options_.corridors.takeover;
+  if (!near || !humans_->decides_for(query)) return false;
+  ++guest_sightings_;
+  humans_->see(v, query, *to_line, type_of(v.type));
+  return true;
+}
+
+/// Is nobody ahead of it on its lane but guests who are let through?
+bool Coordinator::is_first_on_lane(const VehicleState& v) const {
+  return std::ranges::none_of(traffic_.vehicles(), [&](const VehicleState& other) {
+    return other.lane_position > v.lane_position && other.lane == v.lane && !gate_.passes(other.id);
+  });
+}
+
 }  // namespace mvtp

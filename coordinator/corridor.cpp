@@ -8,6 +8,7 @@
 
 #include "coordinator/audit.hpp"
 #include "coordinator/corridor_line.hpp"
+#include "coordinator/drivers_path.hpp"
 #include "coordinator/reference_path.hpp"
 
 namespace mvtp {
@@ -88,27 +89,6 @@ void CorridorMap::forget_unused() {
   for (auto& [course, alike] : known_) std::erase_if(alike, [&](int c) { return !holds(c); });
   std::erase_if(known_, [](const auto& entry) { return entry.second.empty(); });
   std::erase_if(paths_, [&](const auto& entry) { return !library_.holds(entry.second); });
-}
-
-/// How the traffic itself moves a body: its front is on the line, and it points there from where
-/// its rear would be on the line. In bends its tail sticks out behind.
-ReferencePath drivers_path(std::span<const Point> line, const Vehicle& body) {
-  constexpr double kStep = 0.5;  // [m]
-  const double length = length_of(line);
-  std::vector<Pose> poses;
-  const auto add = [&](const Point& rear, const Point& front) {
-    const double theta = heading(rear, front);
-    const Point axle{front.x - body.front * std::cos(theta),
-                     front.y - body.front * std::sin(theta)};
-    if (!poses.empty() && std::hypot(axle.x - poses.back().x, axle.y - poses.back().y) < 0.05)
-      return;
-    poses.push_back({axle.x, axle.y, theta});
-  };
-  for (double s = body.length(); s <= length; s += kStep) {
-    add(point_at(line, s - body.length()), point_at(line, s));
-  }
-  if (poses.size() < 2) return ReferencePath(line);
-  return ReferencePath(std::span<const Pose>(poses));
 }
 
 /// Appends a lane of which the other half is another lane.
@@ -403,35 +383,6 @@ std::string CorridorMap::why_not(const ReferencePath& path, const Vehicle& body,
   }
   if (leaves_road(path, s, body, area_)) return "the body would leave the road";
   return {};
-}
-
-std::vector<std::pair<double, double>> inside_junctions(const Corridor& corridor, double length,
-                                                        double before) {
-  constexpr double kRounding = 0.05;  // [m] of where it waits before the line
-  constexpr double kLong = 25.0;      // [m] of junction, where another one follows
-  std::vector<std::pair<double, double>> inside;
-  for (std::size_t i = 0; i < corridor.stops.size(); ++i) {
-    const double line = corridor.stops[i];
-    const bool is_last = i + 1 == corridor.stops.size();
-    const double out = is_last ? corridor.s_exit + length
-                               : std::min(line + kLong + length, corridor.stops[i + 1] - 1.0);
-    inside.emplace_back(line - before + kRounding, out);
-  }
-  return inside;
-}
-
-std::vector<std::pair<double, double>> run_ups(const Corridor& corridor, double length) {
-  constexpr double kLongest = 20.0;   // [m]: a car that starts there is 10 m/s fast at its line
-  constexpr double kShare = 0.3;      // at most, of the road from one junction to the next
-  constexpr double kJunction = 15.0;  // [m]
-  std::vector<std::pair<double, double>> stretches;
-  double begin = 0.0;
-  for (const double line : corridor.stops) {
-    const double room = line - begin;
-    if (room > 0.0) stretches.emplace_back(line - std::min(kLongest, kShare * room), line);
-    begin = line + kJunction + length;
-  }
-  return stretches;
 }
 
 }  // namespace mvtp

@@ -54,16 +54,6 @@ struct CorridorLimits {
   Reservation reservation = Reservation::kNone;  ///< on coordinated junctions
 };
 
-/// From `before` [m] ahead of each stop line until the tail of a vehicle has left the junction,
-/// from and to [m] of its rear axle: who waits there blocks people, or others at the next green.
-[[nodiscard]] std::vector<std::pair<double, double>> inside_junctions(const Corridor& corridor,
-                                                                      double length, double before);
-
-/// Before each stop line, from where on a vehicle of this length has to start to be fast when it
-/// gets there, to the line [m] of its rear axle; less where there is little road.
-[[nodiscard]] std::vector<std::pair<double, double>> run_ups(const Corridor& corridor,
-                                                             double length);
-
 /// The corridors in use, each made when it is first asked for. References and numbers are valid
 /// until forget_unused(), and then as long as they are used.
 class CorridorMap {

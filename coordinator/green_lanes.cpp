@@ -6,6 +6,7 @@
 #include <limits>
 #include <ranges>
 
+#include "coordinator/no_waiting.hpp"
 #include "planner/road/profile_planner.hpp"
 
 namespace mvtp {

@@ -8,24 +8,10 @@
 #include <vector>
 
 #include "coordinator/audit.hpp"
+#include "coordinator/path_shape.hpp"
 
 namespace mvtp {
 namespace {
-
-/// How a path swings to the outside (positive) or inside of one turn, before and behind it.
-struct Swing {
-  double in = 0.0;        ///< [m] at the widest place before the turn
-  double out = 0.0;       ///< [m] behind it
-  double lead_in = 8.0;   ///< [m] from the widest place to the turn
-  double lead_out = 8.0;  ///< [m] from the turn to the widest place behind it
-};
-
-/// How a path departs from the lanes' centre line.
-struct Shape {
-  double sigma = 2.5;         ///< [m] of the smoothing
-  double follow = 0.0;        ///< [m] ahead of the rear axle lies the point that keeps to the curve
-  std::vector<Swing> swings;  ///< one per turn
-};
 
 /// What the search may change in each turn, how far, and in what steps at first.
 struct Knob {
@@ -39,106 +25,6 @@ constexpr std::array<Knob, 4> kKnobs = {{{&Swing::out, -4.0, 4.0, 1.0},
                                          {&Swing::lead_out, 4.0, 18.0, 3.0},
                                          {&Swing::lead_in, 4.0, 18.0, 3.0}}};
 
-/// The place of a sharpest bend [m], and its direction: 1 to the left, -1 to the right.
-struct Turn {
-  double s = 0.0;
-  double side = 1.0;
-};
-
-/// The sharpest places of all bends that may need a wider path.
-std::vector<Turn> turns_of(const ReferencePath& path) {
-  constexpr double kSlight = 0.02;  // [1/m]
-  constexpr double kApart = 4.0;    // [m] of straight path between two turns to one side
-  std::vector<Turn> turns;
-  double sharpest = 0.0;
-  double bent_until = 0.0;
-  for (std::size_t i = 0; i < path.samples(); ++i) {
-    const double s = double(i) * ReferencePath::kSpacing;
-    const double kappa = path.curvature(s);
-    if (std::abs(kappa) < kSlight) continue;
-    const double side = kappa > 0.0 ? 1.0 : -1.0;
-    if (turns.empty() || turns.back().side != side || s - bent_until > kApart) {
-      turns.push_back({s, side});
-      sharpest = std::abs(kappa);
-    } else if (std::abs(kappa) > sharpest) {
-      turns.back().s = s;
-      sharpest = std::abs(kappa);
-    }
-    bent_until = s;
-  }
-  return turns;
-}
-
-double bump(double x, double width) { return std::exp(-0.5 * x * x / (width * width)); }
-
-/// The curve of a point that is drawn along behind `leader` at the distance `d`: how the rear axle
-/// moves if a point ahead of it keeps to a line (a tractrix). The points are `spacing` apart.
-std::vector<Point> drawn_behind(std::span<const Point> leader, double spacing, double d) {
-  // Straightened by exp(-spacing / d) per step, as the true curve is.
-  const double rope = spacing / std::expm1(spacing / d);
-  const double first = std::hypot(leader[1].x - leader[0].x, leader[1].y - leader[0].y);
-  Point tail{leader[0].x - rope * (leader[1].x - leader[0].x) / first,
-             leader[0].y - rope * (leader[1].y - leader[0].y) / first};
-  std::vector<Point> points;
-  points.reserve(leader.size());
-  for (const Point& p : leader) {
-    const Point ahead{p.x - tail.x, p.y - tail.y};
-    const double pull = 1.0 / std::sqrt(ahead.x * ahead.x + ahead.y * ahead.y);
-    tail = {p.x - rope * pull * ahead.x, p.y - rope * pull * ahead.y};
-    points.push_back({p.x - d * pull * ahead.x, p.y - d * pull * ahead.y});
-  }
-  return points;
-}
-
-/// The lanes' centre line, sampled evenly: where a shape departs from it to the right.
-struct Base {
-  struct Place {
-    Point at;
-    Point right;
-  };
-  double spacing;  ///< [m]
-  std::vector<Place> places;
-
-  Base(const ReferencePath& path, double apart) : spacing(apart) {
-    const auto n = std::size_t(path.length() / apart) + 1;
-    places.reserve(n);
-    for (std::size_t i = 0; i < n; ++i) {
-      const Pose p = path.at(double(i) * apart);
-      places.push_back({{p.x, p.y}, {std::sin(p.theta), -std::cos(p.theta)}});
-    }
-  }
-};
-
-/// The base pushed to the outside of its turns before and behind them, smoothed, and followed.
-std::vector<Point> shaped(const Base& base, std::span<const Turn> turns, const Shape& shape) {
-  constexpr double kWidths = 4.0;  // beyond that a bump is below a millimetre
-  std::vector<double> aside(base.places.size(), 0.0);
-  const auto push = [&](double top, double width, double by) {
-    if (by == 0.0) return;
-    const double last = double(base.places.size() - 1);
-    const auto index = [&](double s) {
-      return std::size_t(std::clamp(s / base.spacing, 0.0, last));
-    };
-    const std::size_t behind = index(top + kWidths * width) + 1;
-    for (std::size_t i = index(top - kWidths * width); i < behind; ++i) {
-      aside[i] += by * bump(double(i) * base.spacing - top, width);
-    }
-  };
-  for (std::size_t t = 0; t < turns.size(); ++t) {
-    const Swing& swing = shape.swings[t];
-    push(turns[t].s - swing.lead_in, 0.6 * swing.lead_in, turns[t].side * swing.in);
-    push(turns[t].s + swing.lead_out, 0.6 * swing.lead_out, turns[t].side * swing.out);
-  }
-  std::vector<Point> points;
-  points.reserve(base.places.size());
-  for (std::size_t i = 0; i < base.places.size(); ++i) {
-    const Base::Place& p = base.places[i];
-    points.push_back({p.at.x + aside[i] * p.right.x, p.at.y + aside[i] * p.right.y});
-  }
-  points = smooth_even(points, base.spacing, shape.sigma);
-  return shape.follow > 0.1 ? drawn_behind(points, base.spacing, shape.follow) : points;
-}
-
 /// What the rear axle drives of a path [m].
 struct Stretch {
   double from = 0.0;
@@ -147,7 +33,7 @@ struct Stretch {
 
 /// A shape with the rear axle's path that it gives, coarsely: one entry per place of the base.
 struct Candidate {
-  Shape shape;
+  PathShape shape;
   std::vector<Pose> poses;
   std::vector<double> bends;    ///< curvature [1/m]
   std::vector<double> outside;  ///< how much the footprint sticks out, where it matters
@@ -194,7 +80,7 @@ class ShapeSearch {
     // Most bodies are short enough for a path that hugs the centre line.
     for (const double share : {0.0, 0.5, 1.0}) {
       for (const double sigma : {2.5, 1.5, 4.0}) {
-        Shape shape{.sigma = sigma, .follow = share * body_.front, .swings = {}};
+        PathShape shape{.sigma = sigma, .follow = share * body_.front, .swings = {}};
         shape.swings.resize(turns_.size());
         if (!done()) improve_to(shape);
       }
@@ -208,7 +94,7 @@ class ShapeSearch {
   [[nodiscard]] bool keeps_to_own_side() const { return best_.badness < 1.0; }
 
   /// The best path that is found from this swing in all turns.
-  /// @param follow  as of Shape.
+  /// @param follow  as of PathShape.
   ReferencePath best_from(const Swing& swing, double follow) {
     best_ = {};
     evaluations_left_ = evaluations();
@@ -236,7 +122,7 @@ class ShapeSearch {
       while (!done() && improve_once(scale)) {
       }
     }
-    return ReferencePath(shaped(Base(line_, kFine), turns_, best_.shape));
+    return ReferencePath(shaped(ShapeBase(line_, kFine), turns_, best_.shape));
   }
 
   /// Can the best path be steered, with the footprint where it should be; or is it time to end?
@@ -248,7 +134,7 @@ class ShapeSearch {
       if (!is_bad(t)) continue;
       for (const Knob& knob : kKnobs) {
         for (const double sign : {1.0, -1.0}) {
-          Shape shape = best_.shape;
+          PathShape shape = best_.shape;
           double& value = shape.swings[t].*knob.value;
           value = std::clamp(value + sign * scale * knob.step, knob.low, knob.high);
           better = improve_to(shape) || better;
@@ -257,7 +143,7 @@ class ShapeSearch {
       }
     }
     for (const double sign : {1.0, -1.0}) {
-      Shape shape = best_.shape;
+      PathShape shape = best_.shape;
       shape.sigma = std::clamp(shape.sigma + sign * scale, 1.5, 6.0);
       better = improve_to(shape) || better;
       shape = best_.shape;
@@ -269,7 +155,7 @@ class ShapeSearch {
   }
 
   /// The place of the base that the rear axle is abreast of at entry i [m].
-  [[nodiscard]] double place_of(std::size_t i, const Shape& shape) const {
+  [[nodiscard]] double place_of(std::size_t i, const PathShape& shape) const {
     return double(i) * spacing_ - shape.follow;
   }
 
@@ -279,7 +165,7 @@ class ShapeSearch {
 
   [[nodiscard]] bool is_near_turn(double place) const {
     return std::ranges::any_of(
-        turns_, [&](const Turn& turn) { return std::abs(place - turn.s) <= kReach; });
+        turns_, [&](const SharpTurn& turn) { return std::abs(place - turn.s) <= kReach; });
   }
 
   /// Does the best path fail near this turn?
@@ -328,7 +214,7 @@ class ShapeSearch {
            std::abs(a.theta - b.theta) < kSame;
   }
 
-  bool improve_to(const Shape& shape) {
+  bool improve_to(const PathShape& shape) {
     --evaluations_left_;
     Candidate candidate{.shape = shape};
     set_poses(shaped(base_, turns_, shape), candidate);
@@ -358,9 +244,9 @@ class ShapeSearch {
 
   double spacing_;  ///< [m] between places of a candidate
   ReferencePath line_;
-  Base base_;
+  ShapeBase base_;
   Stretch driven_;
-  std::vector<Turn> turns_;
+  std::vector<SharpTurn> turns_;
   const Vehicle& body_;
   const DrivableArea& own_;
   const DrivableArea& area_;

@@ -363,11 +363,6 @@ class CrossingPlanner {
     return keys;
   }
 
-  static Order joined(Order order, const Order& more) {
-    order.insert(order.end(), more.begin(), more.end());
-    return order;
-  }
-
   [[nodiscard]] std::vector<Entry> in_lane_order(const std::vector<Entry>& entries) const {
     std::vector<Entry> sorted;
     for (const std::int64_t key : orders_.in_lane_order(keys_of(entries))) {

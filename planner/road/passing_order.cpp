@@ -4,6 +4,11 @@
 
 namespace mvtp {
 
+PassingOrder joined(PassingOrder order, const PassingOrder& more) {
+  order.insert(order.end(), more.begin(), more.end());
+  return order;
+}
+
 void PassingOrders::move_earlier(PassingOrder& order, std::size_t i, int places,
                                  int followers) const {
   const std::int64_t moved = order[i];

@@ -11,6 +11,9 @@ namespace mvtp {
 /// Keys of vehicles, the highest priority first.
 using PassingOrder = std::vector<std::int64_t>;
 
+/// One order behind the other.
+[[nodiscard]] PassingOrder joined(PassingOrder order, const PassingOrder& more);
+
 /// Changes to orders of priority in which nobody comes before those it follows on its lane
 /// (RoadPairs::leads()).
 class PassingOrders {

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <random>
 
+#include "coordinator/no_waiting.hpp"
 #include "tests/coordinator/closed_loop.hpp"
 #include "tests/coordinator/fake_traffic.hpp"
 #include "tests/coordinator/shapes.hpp"
