@@ -199,7 +199,7 @@ class CrossingPlanner {
     return t;
   }
 
-  /// What is left when no order works: whoever has no plan looks for one among those that stand.
+  /// If no order works for all: vehicles without a plan are planned around those that keep theirs.
   CrossingResult around_the_stuck(const Order& order, const JointPlan& incumbent,
                                   bool old_plans_stand) {
     std::vector<Entry> planned;
@@ -211,7 +211,7 @@ class CrossingPlanner {
       if (old == nullptr) open.push_back(key);
     }
     CrossingResult result = fit_in_or_brake(std::move(open), std::move(planned), incumbent);
-    // Those who lost their plans because of it have made room for who found none before; but nobody
+    // Vehicles that lost their plans have made room for those that found none before. No plan
     // counts on room that a driver would have to make.
     while (result.unplanned.size() > 1 && work_.left > 0) {
       open = orders_.in_lane_order(result.unplanned);
@@ -223,8 +223,8 @@ class CrossingPlanner {
     return result;
   }
 
-  /// Plans for those who are `open` among those `planned`. Whoever finds none brakes, and then
-  /// those who would meet it there look for other plans.
+  /// Plans the `open` vehicles around those `planned`. A vehicle that finds no plan brakes, and the
+  /// vehicles that would meet it there are planned anew.
   CrossingResult fit_in_or_brake(Order open, std::vector<Entry> planned,
                                  const JointPlan& incumbent) {
     std::vector<Entry> bodies;
