@@ -4,11 +4,26 @@
 #   tools/results.sh [FOLDER]      out/results if not given; takes hours, on one core; started again
 #                                  it goes on where it was interrupted
 #   tools/results.sh --short DIR   a moment of everything
+#   tools/results.sh --only roads,maps DIR     some of: roads mixed lots maps cubes; two of these
+#                                  may run at a time into the same folder
 # MVTP=PROGRAM takes that program in place of a release build.
 set -euo pipefail
 
-short=
-[ "${1:-}" != --short ] || { short=1; shift; }
+short= products=roads,mixed,lots,maps,cubes
+while [[ "${1:-}" == --* ]]; do
+  case $1 in
+    --short) short=1 ;;
+    --only) products=${2:-}; shift ;;
+    *) echo "results.sh: $1: unknown option" >&2; exit 2 ;;
+  esac
+  shift
+done
+for product in ${products//,/ }; do
+  case $product in
+    roads | mixed | lots | maps | cubes) ;;
+    *) echo "results.sh: --only: $product: not one of roads, mixed, lots, maps, cubes" >&2; exit 2 ;;
+  esac
+done
 folder=$(realpath -m "${1:-"$(dirname "$0")/../out/results"}")
 cd "$(dirname "$0")/.."
 
@@ -51,26 +66,45 @@ resumed() {
 }
 
 if [ -n "$short" ]; then
-  seeds=1 end=(--end 60) roads=(crossroads) lots=(parking-120)
-  signals=static drivers=fcfs,escot sparse=(--count 1 --robots 2) dense=(--count 1 --robots 5) crowds=(--count 1 --size 50 --robots 12)
+  seeds=1 end=(--end 60) roads=(crossroads) mixed=(crossroads) shares=0.5 lots=(parking-120)
+  rival_seeds=1 signals=static sparse=(--count 1 --robots 2) dense=(--count 1 --robots 5) crowds=(--count 1 --size 50 --robots 12)
   lot_count=(--count 1 --in 1 --out 1) limit=3 times=1
 else
   seeds=1-5 end=() roads=(crossroads crossroads-400 crossroads-600 crossroads2-400 crossroads2-800)
+  mixed=(crossroads-400 crossroads2-800 crossroads-people) shares=0,0.05,0.2,0.4,0.6,0.8,1
   lots=(parking-120 parking-240 angled)
-  signals=static,actuated,max-pressure drivers=fcfs,aim,conflict-zone,prioritized,escot
-  sparse=() dense=() crowds=() lot_count=() limit=30 times=20
+  rival_seeds=1-2 signals=static,actuated,max-pressure
+  sparse=() dense=() crowds=(--count 3) lot_count=(--count 20) limit=30 times=20
 fi
+
+# roads_row NAME SCENARIO SEEDS CONTROLLERS [OPTION...]
+roads_row() {
+  local name=$1 scenario=$2 seeds=$3 controllers=$4
+  shift 4
+  row "$name" resumed "$folder/$name.csv" sweep -c "scenarios/$scenario.sumocfg" --seeds "$seeds" \
+    --controllers "$controllers" "${end[@]}" "$@"
+}
 
 measure_roads() {
   local name
+  roads_row roads-rilsa rilsa/rilsa "$seeds" static,escot
+  roads_row lateral-rilsa rilsa/rilsa "$seeds" escot --max-lateral-accel 3
   for name in "${roads[@]}"; do
-    row "roads-$name" resumed "$folder/roads-$name.csv" sweep \
-      -c "scenarios/crossroads/$name.sumocfg" --seeds "$seeds" --controllers "$signals,$drivers" "${end[@]}"
-    row "lateral-$name" resumed "$folder/lateral-$name.csv" sweep \
-      -c "scenarios/crossroads/$name.sumocfg" --seeds "$seeds" --controllers escot --max-lateral-accel 3 "${end[@]}"
+    roads_row "roads-$name" "crossroads/$name" "$seeds" "$signals,prioritized,pbcr,escot"
+    roads_row "lateral-$name" "crossroads/$name" "$seeds" escot --max-lateral-accel 3
   done
-  row roads-rilsa resumed "$folder/roads-rilsa.csv" sweep -c scenarios/rilsa/rilsa.sumocfg --seeds "$seeds" \
-    --controllers "static,escot" "${end[@]}"
+  # Those who reserve jam at these demands, and then take many times as long.
+  for name in "${roads[@]}"; do
+    roads_row "rivals-$name" "crossroads/$name" "$rival_seeds" fcfs,aim,conflict-zone
+  done
+}
+
+# Among human drivers, with real signal timing.
+measure_mixed() {
+  local name
+  for name in "${mixed[@]}"; do
+    roads_row "mixed-$name" "crossroads/$name" "$seeds" actuated,escot --penetration "$shares"
+  done
 }
 
 measure_lot() {  # NAME SEED
@@ -121,8 +155,5 @@ measure_cubes() {
 }
 
 begin_or_go_on
-measure_roads
-measure_lots
-measure_maps
-measure_cubes >/dev/null
+for product in ${products//,/ }; do "measure_$product" >&2; done
 tools/results/tables.py "$folder"

@@ -15,8 +15,12 @@ import unittest
 ROOT, PROGRAM, WORK = (pathlib.Path(argument).resolve() for argument in sys.argv[1:4])
 
 
-def measure(folder, program=PROGRAM):
-    return subprocess.run([ROOT / "tools/results.sh", "--short", folder], check=False, text=True,
+PRODUCTS = ("Roads", "Roads, lateral acceleration at most 3 m/s²", "How coordinated vehicles drive",
+            "Among human drivers", "Parking lots", "Benchmark maps", "Emulated cubes")
+
+
+def measure(*arguments, program=PROGRAM):
+    return subprocess.run([ROOT / "tools/results.sh", "--short", *arguments], check=False, text=True,
                           env=os.environ | {"MVTP": str(program)}, stdin=subprocess.DEVNULL,
                           stdout=subprocess.PIPE, stderr=subprocess.PIPE)
 
@@ -32,10 +36,10 @@ class Results(unittest.TestCase):
     def test_every_product_has_a_table_of_one_build(self):
         text = (self.folder / "results.md").read_text(encoding="utf-8")
         self.assertEqual(text.count("All by one build: mvtp "), 1)
-        for heading in ("Roads", "Roads, lateral acceleration at most 3 m/s²", "Parking lots",
-                        "Benchmark maps", "Emulated cubes"):
+        for heading in PRODUCTS:
             self.assertIn(f"\n## {heading}\n", text)
         for row in ("| crossroads | escot | 1 |", "| crossroads | static | 1 |", "| rilsa | escot | 1 |",
+                    "| crossroads | escot | 0.5 | 1 |", "| crossroads | 3 m/s² | 1 |",
                     "| parking-120 | coordinated | 1 |", "| typical_", "| calm | 1 |",
                     "| stalls, no release graph | 1 |"):
             self.assertIn(row, text)
@@ -44,8 +48,7 @@ class Results(unittest.TestCase):
         with (self.folder / "results.csv").open(newline="", encoding="utf-8") as file:
             rows = list(csv.DictReader(file))
         self.assertEqual({row["product"] for row in rows},
-                         {"Roads", "Roads, lateral acceleration at most 3 m/s²", "Parking lots",
-                          "Benchmark maps", "Emulated cubes"})
+                         set(PRODUCTS))
         delay = [row for row in rows if row["row"] == "crossroads escot" and row["figure"] == "delay [s]"]
         self.assertEqual(len(delay), 2)
         self.assertGreaterEqual(float(delay[0]["mean"]), 0.0)
@@ -70,6 +73,16 @@ class Results(unittest.TestCase):
         outcome = measure(folder)
         self.assertEqual(outcome.returncode, 2)
         self.assertRegex(outcome.stderr, r"was begun by mvtp 0.1, commit 0000000, this is .*; choose another folder\n$")
+
+    def test_measures_only_what_was_asked_for(self):
+        outcome = measure("--only", "cubes", WORK / "cubes")
+        self.assertEqual(outcome.returncode, 0, outcome.stderr)
+        text = (WORK / "cubes/results.md").read_text(encoding="utf-8")
+        self.assertEqual([line for line in text.splitlines() if line.startswith("## ")], ["## Emulated cubes"])
+        outcome = measure("--only", "cubes,moon", WORK / "moon")
+        self.assertEqual((outcome.returncode, outcome.stderr),
+                         (2, "results.sh: --only: moon: not one of roads, mixed, lots, maps, cubes\n"))
+        self.assertFalse((WORK / "moon").exists())
 
 
 if __name__ == "__main__":

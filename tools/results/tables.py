@@ -24,23 +24,27 @@ class Table:
         self.product, self.labels, self.rows = product, labels, []
 
     def add(self, label, runs, cells):
-        self.rows.append((label, len(runs), {heading: cell for heading, cell in cells if cell[0]}))
+        self.rows.append((label, len(runs), dict(cells)))
 
     def headings(self):
-        return list(dict.fromkeys(h for _, _, cells in self.rows for h in cells))
+        """Those with values in some row."""
+        found = dict.fromkeys(h for _, _, cells in self.rows for h in cells)
+        return [h for h in found if any(cells.get(h, ([],))[0] for _, _, cells in self.rows)]
 
     def markdown(self):
         headings = self.headings()
         lines = [f"## {self.product}", "", "| " + " | ".join([*self.labels, "n", *headings]) + " |",
                  "|" + "---|" * (len(self.labels) + 1 + len(headings))]
         for label, n, cells in self.rows:
-            shown = [cells[h][1](cells[h][0]) if h in cells else "-" for h in headings]
+            shown = [cells[h][1](cells[h][0]) if h in cells and cells[h][0] else "-" for h in headings]
             lines.append("| " + " | ".join([*label, str(n), *shown]) + " |")
         return "\n".join(lines) + "\n"
 
     def records(self):
         for label, _, cells in self.rows:
             for heading, (values, _) in cells.items():
+                if not values:
+                    continue
                 sd = statistics.stdev(values) if len(values) > 1 else ""
                 yield [self.product, " ".join(label), heading, len(values), statistics.fmean(values), sd]
 
@@ -64,8 +68,9 @@ def total(values):
     return f"{sum(values):.0f}"
 
 
-def read_all(folder, pattern):
-    for path in sorted(folder.glob(pattern)):
+def read_all(folder, *patterns):
+    """The rows of each file, by its stem; those of another pattern come after those of the first."""
+    for path in (path for pattern in patterns for path in sorted(folder.glob(pattern))):
         with path.open(newline="", encoding="utf-8") as file:
             yield path.stem, list(csv.DictReader(file))
 
@@ -78,23 +83,70 @@ def grouped(rows, key):
 
 
 def audit_cells(rows):
+    off_road = "off_road_steps_coordinated" if "off_road_steps_coordinated" in rows[0] else "off_road_steps"
     return [("overlaps of CAVs", (numbers(rows, "overlap_pairs_coordinated"), total)),
-            ("off-road steps", (numbers(rows, "off_road_steps"), total)),
+            ("off-road steps of CAVs", (numbers(rows, off_road), total)),
             ("replan p95 [ms]", (numbers(rows, "replan_p95_ms"), mean(1))),
             ("x real time", (numbers(rows, "real_time_factor"), mean(0)))]
 
 
-def road_table(folder, product, pattern):
+def delay_cells(runs):
+    return [("delay [s]", (numbers(runs, "delay_mean_s"), spread(2))),
+            ("p95 [s]", (numbers(runs, "delay_p95_s"), mean(1))),
+            ("veh/h", (numbers(runs, "throughput_veh_h"), mean(0))),
+            ("arrived", (numbers(runs, "completed"), total)),
+            ("of", (numbers(runs, "vehicles"), total))]
+
+
+def motion_cells(runs):
+    """How the vehicles drove that were under control."""
+    return [("accel [m/s²]", (numbers(runs, "max_accel"), most(2))),
+            ("decel [m/s²]", (numbers(runs, "max_decel"), most(2))),
+            ("lateral [m/s²]", (numbers(runs, "max_lateral_accel"), most(1))),
+            ("curvature × R", (numbers(runs, "max_curvature_ratio"), most(2))),
+            ("jump [m]", (numbers(runs, "max_jump_m"), most(3))),
+            ("hard braking after", (numbers(runs, "hard_brakings_after_handback"), total))]
+
+
+def effect_cells(runs):
+    """What traffic costs those in it and beside it."""
+    return [("stops", (numbers(runs, "stops_per_vehicle"), mean(2))),
+            ("CO2 [g]", (numbers(runs, "co2_g"), mean(0))),
+            ("PET < 1 s", (numbers(runs, "pet_below_1s"), mean(0)))]
+
+
+def road_table(folder, product, *patterns):
     table = Table(product, ["scenario", "controller"])
-    for _, rows in read_all(folder, pattern):
+    all_rows = [row for _, rows in read_all(folder, *patterns) for row in rows]
+    by_scenario = grouped(all_rows, lambda r: r["scenario"])
+    for rows in by_scenario.values():
         for (scenario, controller), runs in grouped(rows, lambda r: (r["scenario"], r["controller"])).items():
-            table.add([scenario.removesuffix(".sumocfg"), controller], runs, [
-                ("delay [s]", (numbers(runs, "delay_mean_s"), spread(2))),
-                ("p95 [s]", (numbers(runs, "delay_p95_s"), mean(1))),
-                ("veh/h", (numbers(runs, "throughput_veh_h"), mean(0))),
-                ("arrived", (numbers(runs, "completed"), total)),
-                ("of", (numbers(runs, "vehicles"), total)),
-                ("lateral [m/s²]", (numbers(runs, "max_lateral_accel"), most(1))), *audit_cells(runs)])
+            table.add([scenario.removesuffix(".sumocfg"), controller], runs,
+                      [*delay_cells(runs), *effect_cells(runs), *audit_cells(runs)])
+    return table
+
+
+def motion_table(folder):
+    table = Table("How coordinated vehicles drive", ["scenario", "limit in bends"])
+    for limit, pattern in (("lanes'", "roads-*.csv"), ("3 m/s²", "lateral-*.csv")):
+        for _, rows in read_all(folder, pattern):
+            for scenario, runs in grouped([r for r in rows if r["controller"] == "escot"],
+                                          lambda r: r["scenario"]).items():
+                table.add([scenario.removesuffix(".sumocfg"), limit], runs, motion_cells(runs))
+    return table
+
+
+def mixed_table(folder):
+    table = Table("Among human drivers", ["scenario", "controller", "penetration"])
+    for _, rows in read_all(folder, "mixed-*.csv"):
+        for (scenario, controller, share), runs in grouped(
+                rows, lambda r: (r["scenario"], r["controller"], r["penetration"])).items():
+            table.add([scenario.removesuffix(".sumocfg"), controller, share], runs, [
+                *delay_cells(runs),
+                ("automated [s]", (numbers(runs, "delay_controlled_s"), mean(2))),
+                ("human [s]", (numbers(runs, "delay_human_s"), mean(2))),
+                ("people wait [s]", (numbers(runs, "people_wait_s"), mean(1))),
+                ("people touched", (numbers(runs, "people_touched"), total)), *audit_cells(runs)])
     return table
 
 
@@ -148,12 +200,12 @@ def cube_table(folder):
 
 def main():
     folder = pathlib.Path(sys.argv[1])
-    tables = [road_table(folder, "Roads", "roads-*.csv"),
+    tables = [road_table(folder, "Roads", "roads-*.csv", "rivals-*.csv"),
               road_table(folder, "Roads, lateral acceleration at most 3 m/s²", "lateral-*.csv"),
-              lot_table(folder), map_table(folder), cube_table(folder)]
+              motion_table(folder), mixed_table(folder), lot_table(folder), map_table(folder), cube_table(folder)]
     version = (folder / "version").read_text(encoding="utf-8").strip()
     text = f"# Figures\nAll by one build: {version}. `tools/results.sh` measured them; n runs each, ± one standard deviation.\n"
-    (folder / "results.md").write_text("\n".join([text, *(t.markdown() for t in tables)]), encoding="utf-8")
+    (folder / "results.md").write_text("\n".join([text, *(t.markdown() for t in tables if t.rows)]), encoding="utf-8")
     with (folder / "results.csv").open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(["product", "row", "figure", "n", "mean", "sd"])
