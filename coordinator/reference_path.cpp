@@ -259,10 +259,18 @@ class ShapeSearch {
 bool leaves_road(const ReferencePath& path, double s, const Vehicle& body,
                  const DrivableArea& area) {
   constexpr double kFinely = 0.05;    // [m]
-  constexpr double kReserve = 0.98;   // for what lies between these places
+  constexpr double kFinest = 0.005;   // [m], where it is close to leaving
+  constexpr double kClose = 0.98;     // share of the tolerance from which on it is
   constexpr double kStraight = 1e-3;  // [1/m]
+  const auto sticks_out = [&](double at, double share) {
+    return area.share_outside(path.at(at), body, share * Audit::kRoadTolerance) > 0.0;
+  };
   const auto is_off = [&](double at) {
-    return area.share_outside(path.at(at), body, kReserve * Audit::kRoadTolerance) > 0.0;
+    if (!sticks_out(at, kClose)) return false;
+    for (double d = -0.5 * kFinely; d <= 0.5 * kFinely; d += kFinest) {
+      if (sticks_out(at + d, 1.0)) return true;
+    }
+    return false;
   };
   if (is_off(s)) return true;
   bool bends = false;
