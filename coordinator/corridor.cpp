@@ -332,6 +332,14 @@ double CorridorMap::limit_before_end(const Corridor& corridor, const Vehicle& bo
   return std::max(kLeast, limit);
 }
 
+/// Drivers take a bend at one speed, which its limit is lowered to; vehicles under control keep to
+/// the lateral acceleration that their paths have at each place.
+double CorridorMap::lane_limit(const CorridorCourse& course, int lane) const {
+  const Lane& there = graph_.lane(lane);
+  const bool heeds_bends = limits_.max_lateral_accel > 0.0 && !course.human_driven;
+  return heeds_bends ? there.posted_limit.value_or(there.speed_limit) : there.speed_limit;
+}
+
 void CorridorMap::set_limits(const ReferencePath& path, const Vehicle& body,
                              Corridor& corridor) const {
   const std::vector<CorridorPiece>& pieces = corridor.course.pieces;
@@ -339,8 +347,9 @@ void CorridorMap::set_limits(const ReferencePath& path, const Vehicle& body,
     const double s = double(i) * ReferencePath::kSpacing;
     const std::size_t p = corridor.piece_at(s);
     const CorridorPiece& piece = pieces[p];
-    const double limit = corridor.ratios[p] * std::min(graph_.lane(piece.lane).speed_limit,
-                                                       graph_.lane(piece.last_lane()).speed_limit);
+    const double limit =
+        corridor.ratios[p] * std::min(lane_limit(corridor.course, piece.lane),
+                                      lane_limit(corridor.course, piece.last_lane()));
     bool changes = false;
     for (std::size_t k = 0; k < pieces.size(); ++k) {
       if (pieces[k].target == LaneGraph::kNone) continue;

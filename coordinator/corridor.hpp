@@ -109,6 +109,7 @@ class CorridorMap {
                                          std::pair<double, double> within);
   [[nodiscard]] static double straight_until(const Line& line, const ReferencePath& path,
                                              const Vehicle& body, const Lie& from, double to);
+  [[nodiscard]] double lane_limit(const CorridorCourse& course, int lane) const;
   void set_limits(const ReferencePath& path, const Vehicle& body, Corridor& corridor) const;
   [[nodiscard]] double lateral_limit(const ReferencePath& path, double s, bool changes_lane) const;
   [[nodiscard]] static double limit_before_end(const Corridor& corridor, const Vehicle& body,

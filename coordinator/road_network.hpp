@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,11 +13,12 @@ namespace mvtp {
 /// A lane of a road network, normal or inside a junction (internal).
 struct Lane {
   std::string id;
-  std::string edge;            ///< id of the edge it belongs to
-  int index = 0;               ///< on its edge, 0 = rightmost
-  double speed_limit = 13.89;  ///< [m/s]
-  double length = 0.0;         ///< [m]; may differ from the length of the centre line
-  double width = 3.2;          ///< [m]
+  std::string edge;                                   ///< id of the edge it belongs to
+  int index = 0;                                      ///< on its edge, 0 = rightmost
+  double speed_limit = 13.89;                         ///< [m/s]
+  std::optional<double> posted_limit = std::nullopt;  ///< [m/s], if `speed_limit` was lowered
+  double length = 0.0;  ///< [m]; may differ from the length of the centre line
+  double width = 3.2;   ///< [m]
   bool internal = false;
   bool drivable = true;      ///< open to passenger traffic
   bool road = true;          ///< open to motor vehicles of some kind, e.g. to buses only

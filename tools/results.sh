@@ -66,15 +66,16 @@ resumed() {
 }
 
 if [ -n "$short" ]; then
-  seeds=1 end=(--end 60) roads=(crossroads) mixed=(crossroads) shares=0.5 lots=(parking-120)
+  seeds=1 end=(--end 60) roads=(crossroads) jamming=(crossroads) mixed=(crossroads) shares=0.5 lots=(parking-120)
   rival_seeds=1 signals=static sparse=(--count 1 --robots 2) dense=(--count 1 --robots 5) crowds=(--count 1 --size 50 --robots 12)
   lot_count=(--count 1 --in 1 --out 1) limit=3 times=1
 else
   seeds=1-5 end=() roads=(crossroads crossroads-400 crossroads-600 crossroads2-400 crossroads2-800)
+  jamming=(crossroads crossroads-400)
   mixed=(crossroads-400 crossroads2-800 crossroads-people) shares=0,0.05,0.2,0.4,0.6,0.8,1
   lots=(parking-120 parking-240 angled)
   rival_seeds=1-2 signals=static,actuated,max-pressure
-  sparse=() dense=() crowds=(--count 3) lot_count=(--count 20) limit=30 times=20
+  sparse=(--count 10) dense=(--count 10) crowds=(--count 2) lot_count=(--count 10) limit=30 times=20
 fi
 
 # roads_row NAME SCENARIO SEEDS CONTROLLERS [OPTION...]
@@ -90,12 +91,15 @@ measure_roads() {
   roads_row roads-rilsa rilsa/rilsa "$seeds" static,escot
   roads_row lateral-rilsa rilsa/rilsa "$seeds" escot --max-lateral-accel 3
   for name in "${roads[@]}"; do
-    roads_row "roads-$name" "crossroads/$name" "$seeds" "$signals,prioritized,pbcr,escot"
+    roads_row "roads-$name" "crossroads/$name" "$seeds" "$signals,prioritized,escot"
     roads_row "lateral-$name" "crossroads/$name" "$seeds" escot --max-lateral-accel 3
   done
-  # Those who reserve jam at these demands, and then take many times as long.
   for name in "${roads[@]}"; do
-    roads_row "rivals-$name" "crossroads/$name" "$rival_seeds" fcfs,aim,conflict-zone
+    roads_row "rivals-$name" "crossroads/$name" "$rival_seeds" aim,conflict-zone
+  done
+  # These jam beyond the first demands, and then take many times as long.
+  for name in "${jamming[@]}"; do
+    roads_row "rivals-jamming-$name" "crossroads/$name" "$rival_seeds" fcfs,pbcr
   done
 }
 

@@ -155,6 +155,31 @@ TEST(Corridor, LeavesRoomToStopBeforeTheNextLine) {
   }
 }
 
+// A lane whose limit is lowered for its bend: its drivers keep to that, vehicles under control to
+// their lateral acceleration at each place; without one, to the lowered limit, too.
+TEST(Corridor, KeepsToLateralAccelerationInPlaceOfALowerLimitForIt) {
+  NetworkShape cross = crossroads_shape();
+  for (auto& [id, lane] : cross.network.lanes) {
+    if (!lane.internal) continue;
+    lane.posted_limit = lane.speed_limit;
+    lane.speed_limit = 2.0;
+  }
+  Walk walk(cross.network);
+  const DrivableArea area(cross.network);
+  const Vehicle car = fake_type("car").body;
+  const auto query = walk.at("W-C_0", 60.0, shortest_route(cross.network, "W-C", "C-N"));
+  const auto limit_inside = [&](double lateral, bool human_driven) {
+    CorridorMap map(walk.graph, area, {.max_lateral_accel = lateral, .margins = {}});
+    const CorridorCourse course =
+        human_driven ? walk.finder.follow(query, 100.0) : walk.finder.find(query).value();
+    const Corridor& c = map[map.corridor_for(course, car)];
+    return *std::ranges::min_element(c.lane_limits);
+  };
+  EXPECT_NEAR(limit_inside(3.0, false), 6.5, 0.1);
+  EXPECT_NEAR(limit_inside(3.0, true), 2.0, 0.1);
+  EXPECT_NEAR(limit_inside(0.0, false), 2.0, 0.1);
+}
+
 // W ──A──────(B)──────C── E   Whether a road is one piece or two, where nobody meets anybody
 //     │               │       between them: its vehicles are driven on up to the next takeover.
 TEST(CourseFinder, ASeamInTheRoadDoesNotBringTheHandBackForward) {

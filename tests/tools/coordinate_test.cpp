@@ -322,6 +322,20 @@ TEST_F(Coordinate, PeopleCrossUntouched) {
   }
 }
 
+// Its right turns are as tight as cars can drive: paths that swing into the lane beside stop it.
+TEST_F(Coordinate, TheRilsaFlows) {
+  for (const char* seed : {"2", "4"}) {
+    const Outcome outcome =
+        run("coordinate -c '" + std::string(MVTP_SCENARIOS) + "/rilsa/rilsa.sumocfg' --end 150 " +
+            "--no-view --no-fcd --quiet --seed " + seed);
+    const json result = summary();
+    EXPECT_EQ(result["overlap_pairs_coordinated"], 0) << outcome.err;
+    EXPECT_EQ(result["audit"]["off_road_steps_coordinated"], 0);
+    EXPECT_GT(result["completed"], 50);
+    EXPECT_LT(result["delay_s"]["mean"], 4.0);
+  }
+}
+
 TEST_F(Coordinate, TheSameCommandGivesTheSameVehicles) {
   const std::string arguments = "coordinate -c '" + kQuiet + "' --end 200 --seed 7 --no-view";
   (void)run(arguments + " --output-dir a --no-fcd");

@@ -290,6 +290,7 @@ TEST_F(SumoTrafficTest, ALowerLimitHoldsForEveryDriver) {
   run_until(*traffic, 8.0);
   EXPECT_NEAR(at(*traffic, "a").speed, 5.0, 1e-6);
   EXPECT_DOUBLE_EQ(traffic->network().lanes.at("Wi_0").speed_limit, 5.0);
+  EXPECT_NEAR(traffic->network().lanes.at("Wi_0").posted_limit.value(), 13.89, 1e-9);
 }
 
 TEST_F(SumoTrafficTest, CountsEachPairThatCollidesOnce) {
