@@ -32,7 +32,10 @@ Coordinator::Coordinator(Traffic& traffic, const DrivableArea& area,
             !options.greens && options.share.is_whole() ? Passage::kAll : Passage::kOneLine),
       straddling_(
           traffic, graph_, [this](const std::string& id) { return drives(id); },
-          [this](const VehicleState& v) { return !options_.share.contains(v.id, v.type); },
+          [this](const VehicleState& v) {
+            return !options_.share.contains(v.id, v.type) || gate_.holds_guest(v.id) ||
+                   gate_.passes(v.id);
+          },
           [this](const std::string& type) -> const VehicleType& { return type_of(type); },
           [this](const std::string& id) { return came_from(id); }) {
   find_zones();
