@@ -287,7 +287,7 @@ double CorridorMap::straight_until(const Line& line, const ReferencePath& path, 
 /// Where a body that swings aside before a turn, ahead of `to`, is still in its lane.
 double CorridorMap::last_in_lane(const Line& line, const ReferencePath& path, const Vehicle& body,
                                  double from, double to) {
-  constexpr double kInLane = 0.5;  // [m] of either end
+  constexpr double kInLane = 0.3;  // [m] of either end: a lorry in a lane of 3.2 m is within it
   double s = to;
   while (s > from && aside(line, path, body, s) > kInLane) s -= 0.5;
   return std::max(s, from);

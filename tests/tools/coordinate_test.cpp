@@ -322,17 +322,18 @@ TEST_F(Coordinate, PeopleCrossUntouched) {
   }
 }
 
-// Its right turns are as tight as cars can drive: paths that swing into the lane beside stop it.
+// Its right turns are as tight as cars can drive. Paths that swing into the lane beside stop it,
+// and so do lorries that wait partly in it.
 TEST_F(Coordinate, TheRilsaFlows) {
-  for (const char* seed : {"2", "4"}) {
+  for (const char* options : {"--seed 2", "--seed 4", "--seed 1 --max-lateral-accel 3"}) {
     const Outcome outcome =
         run("coordinate -c '" + std::string(MVTP_SCENARIOS) + "/rilsa/rilsa.sumocfg' --end 150 " +
-            "--no-view --no-fcd --quiet --seed " + seed);
+            "--no-view --no-fcd --quiet " + options);
     const json result = summary();
     EXPECT_EQ(result["overlap_pairs_coordinated"], 0) << outcome.err;
     EXPECT_EQ(result["audit"]["off_road_steps_coordinated"], 0);
     EXPECT_GT(result["completed"], 50);
-    EXPECT_LT(result["delay_s"]["mean"], 4.0);
+    EXPECT_LT(result["delay_s"]["mean"], 7.0);
   }
 }
 
