@@ -209,7 +209,9 @@ void Surroundings::add(Other other) {
     if (idle) other.reserved = nullptr;
   }
   if (other.contact.contact->never() && !same_exit && !other.reserved) return;
-  other.cannot_stop_before = other.latest != nullptr && rests_in_passage(other, now_, vehicle_.now);
+  other.braking_is_no_help =
+      other.latest != nullptr &&
+      (rests_in_passage(other, now_, vehicle_.now) || brakes_into(other, now_, vehicle_.now));
   if (same_exit) on_exit_.push_back(others_.size());
   others_.push_back(other);
   const ContactTable& contacts = other.contact.table();
@@ -320,7 +322,8 @@ bool Surroundings::meets_anywhere(const Other& other, std::int64_t k, const Iner
     const double s_end = advance(from, a, (i + 1) * grid_.dt).s;
     if (is_there(s, s_end, k + i, k + i + 1)) return true;
   }
-  const bool goes_on = other.cannot_stop_before && a >= 0.0;
+  constexpr double kRounding = 1e-6;  // [m/s^2]: a plan that is kept is looked at by its states
+  const bool goes_on = other.braking_is_no_help && a >= -kRounding;
   if (!goes_on && brakes_into(other, k + n, to)) return true;
   // Who follows it on its lane must be able to stop should it brake; later on, that is seen later.
   const InertialState hindmost = other.hindmost_state(k + n);

@@ -65,9 +65,9 @@ class Surroundings {
     const ContactTable* reserved = nullptr;
     int before = 0;  ///< steps of slack; see Forecast
     int behind = 0;
-    /// This vehicle comes to rest in its passage even if it brakes now. Then to go on may be
-    /// safe: as long as it does not slow down, only where it drives counts.
-    bool cannot_stop_before = false;
+    /// If this vehicle brakes now it comes to rest in its passage, or is met on the way out of it.
+    /// Then to go on may be safe: as long as it does not slow down, only where it drives counts.
+    bool braking_is_no_help = false;
 
     /// Where it is at least at step k, and how fast then.
     [[nodiscard]] InertialState hindmost_state(std::int64_t k) const {
