@@ -229,7 +229,10 @@ TEST_F(WithoutAPlan, WhoWouldBeMetByBrakingKeepsThePlanThatGetsAway) {
       scene.vehicles.clear();
       const RoadVehicle driver = add(1, from, 5.0);
       scene.vehicles.clear();
-      const RoadVehicle& car = add(0, s, 8.0);
+      add(0, s, 8.0);
+      RoadVehicle& car = scene.vehicles.back();
+      car.cruise_speed = 8.0;  // it cannot get away sooner
+      car.envelope = std::make_shared<SpeedEnvelope>(std::vector<double>(2000, 8.0), 3.0);
       const auto motion = [&](InertialState now, double acceleration) {
         SpeedProfile t{.begin = scene.step, .states = {now}};
         while (t.states.back().s < 200.0 && t.states.size() < 300) {
@@ -254,7 +257,7 @@ TEST_F(WithoutAPlan, WhoWouldBeMetByBrakingKeepsThePlanThatGetsAway) {
       };
       SpeedProfile braking = motion(car.now, -kCar.max_decel);
       braking.complete = false;
-      const auto plan = std::make_shared<SpeedProfile>(motion(car.now, 0.0));
+      const auto plan = std::make_shared<SpeedProfile>(motion(car.now, -1e-9));  // rounded
       if (is_met(*plan) || !is_met(braking)) continue;
       ++met;
       JointPlan incumbent;
