@@ -40,8 +40,8 @@ class Results(unittest.TestCase):
             self.assertIn(f"\n## {heading}\n", text)
         for row in ("| crossroads | escot | 1 |", "| crossroads | static | 1 |", "| rilsa | escot | 1 |",
                     "| crossroads | escot | 0.5 | 1 |", "| crossroads | 3 m/s² | 1 |",
-                    "| parking-120 | coordinated | 1 |", "| typical_", "| calm | 1 |",
-                    "| stalls, no release graph | 1 |"):
+                    "| parking-120 | `coordinated` | 1 |", "| typical_", "| calm | 1 |",
+                    "| cubes that stop, no release graph | 1 |"):
             self.assertIn(row, text)
 
     def test_every_figure_is_a_line_of_the_csv(self):

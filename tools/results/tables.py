@@ -155,7 +155,7 @@ def lot_table(folder):
     runs = [{**row, "scenario": re.sub(r"^lots-(.*)-\d+$", r"\1", name)}
             for name, rows in read_all(folder, "lots-*.csv") for row in rows]
     for (scenario, control), group in grouped(runs, lambda r: (r["scenario"], r["control"])).items():
-        table.add([scenario, control], group, [
+        table.add([scenario, f"`{control}`"], group, [
             ("gate to parked [s]", (numbers(group, "gate_to_parked_mean_s"), spread(1))),
             ("alone [s]", (numbers(group, "gate_to_parked_alone_s"), mean(1))),
             ("slot to exit [s]", (numbers(group, "slot_to_exit_mean_s"), spread(1))),
@@ -189,7 +189,8 @@ def cube_table(folder):
     for path in sorted(folder.glob("cubes-*.json")):
         runs = json.loads(path.read_text(encoding="utf-8"))
         beside = [max(robot["lateral_mm"] for robot in run["robots"]) for run in runs]
-        label = path.stem.removeprefix("cubes-").replace("-ungated", ", no release graph")
+        label = path.stem.removeprefix("cubes-").replace("stalls", "cubes that stop")
+        label = label.replace("-ungated", ", no release graph")
         table.add([label], runs, [
             ("touching", ([float(bool(run["touching"])) for run in runs], total)),
             ("all arrived", ([float(run["finished"]) for run in runs], total)),
