@@ -322,8 +322,7 @@ bool Surroundings::meets_anywhere(const Other& other, std::int64_t k, const Iner
     const double s_end = advance(from, a, (i + 1) * grid_.dt).s;
     if (is_there(s, s_end, k + i, k + i + 1)) return true;
   }
-  constexpr double kRounding = 1e-6;  // [m/s^2]: a plan that is kept is looked at by its states
-  const bool goes_on = other.braking_is_no_help && a >= -kRounding;
+  const bool goes_on = other.braking_is_no_help && a >= 0.0;
   if (!goes_on && brakes_into(other, k + n, to)) return true;
   // Who follows it on its lane must be able to stop should it brake; later on, that is seen later.
   const InertialState hindmost = other.hindmost_state(k + n);

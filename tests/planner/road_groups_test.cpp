@@ -257,7 +257,7 @@ TEST_F(WithoutAPlan, WhoWouldBeMetByBrakingKeepsThePlanThatGetsAway) {
       };
       SpeedProfile braking = motion(car.now, -kCar.max_decel);
       braking.complete = false;
-      const auto plan = std::make_shared<SpeedProfile>(motion(car.now, -1e-9));  // rounded
+      const auto plan = std::make_shared<SpeedProfile>(motion(car.now, 0.0));
       if (is_met(*plan) || !is_met(braking)) continue;
       ++met;
       JointPlan incumbent;
