@@ -28,6 +28,13 @@ struct Lane {
   std::vector<std::string> allowed;
   std::vector<std::string> banned;
 
+  /// Never raises it.
+  void lower_limit(double speed) {
+    if (speed >= speed_limit) return;
+    posted_limit = posted_limit.value_or(speed_limit);
+    speed_limit = speed;
+  }
+
   /// May vehicles of this class drive here?
   [[nodiscard]] bool allows(const std::string& vehicle_class) const {
     if (vehicle_class == "ignoring") return true;

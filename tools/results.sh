@@ -13,7 +13,7 @@ short= products=roads,mixed,lots,maps,cubes
 while [[ "${1:-}" == --* ]]; do
   case $1 in
     --short) short=1 ;;
-    --only) products=${2:-}; shift ;;
+    --only) products=${2:-nothing}; [ $# = 1 ] || shift ;;
     *) echo "results.sh: $1: unknown option" >&2; exit 2 ;;
   esac
   shift

@@ -232,8 +232,7 @@ class Backend final : public SumoTraffic {
     Lane& limited = network_.lanes.at(lane);
     if (speed >= limited.speed_limit) return;
     ask([&] { api::Lane::setMaxSpeed(lane, speed); });
-    limited.posted_limit = limited.posted_limit.value_or(limited.speed_limit);
-    limited.speed_limit = speed;
+    limited.lower_limit(speed);
   }
 
   std::optional<Stop> next_stop(const std::string& id) const override {

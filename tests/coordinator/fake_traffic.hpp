@@ -91,9 +91,7 @@ class FakeTraffic : public Traffic {
     return known == programs_.end() ? std::vector<SignalPhase>() : known->second;
   }
   void limit_speed(const std::string& lane, double speed) override {
-    Lane& limited = network_.lanes.at(lane);
-    limited.posted_limit = limited.posted_limit.value_or(limited.speed_limit);
-    limited.speed_limit = speed;
+    network_.lanes.at(lane).lower_limit(speed);
   }
   [[nodiscard]] std::optional<Stop> next_stop(const std::string& id) const override;
   [[nodiscard]] std::span<const Pedestrian> pedestrians() const override {

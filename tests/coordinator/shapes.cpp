@@ -232,6 +232,25 @@ NetworkShape short_arms_shape() {
   return shape;
 }
 
+NetworkShape bend_behind_shape(double behind, bool marked) {
+  NetworkShape shape{.name = "bend_behind"};
+  NetworkMaker maker;
+  maker.node("W", {-150.0, 0.0}, 0.0);
+  maker.node("S", {0.0, -150.0}, 0.0);
+  maker.node("N", {0.0, 150.0}, 0.0);
+  maker.node("A", {0.0, 0.0});
+  maker.node("B", {7.2 + behind + 7.2, 0.0});
+  maker.node("E", {7.2 + behind + 7.2, 200.0}, 0.0);
+  maker.one_way("W", "A");
+  maker.one_way("S", "A");
+  maker.one_way("A", "N");
+  maker.one_way("A", "B");
+  maker.one_way("B", "E");
+  if (marked) maker.limit_bends(5.0);
+  shape.network = maker.make();
+  return shape;
+}
+
 NetworkShape u_turn_shape() {
   NetworkShape shape{.name = "u_turn"};
   NetworkMaker maker;

@@ -45,6 +45,9 @@ struct NetworkShape {
 [[nodiscard]] NetworkShape short_arms_shape();
 /// A T junction where vehicles may also turn round.
 [[nodiscard]] NetworkShape u_turn_shape();
+/// A crossroads A, and `behind` metres behind it a bend B of a road on which nobody meets anybody,
+/// whose lanes may be marked as slow as such a bend is.
+[[nodiscard]] NetworkShape bend_behind_shape(double behind, bool marked = true);
 /// Two arms with a bend of a small node in one, which has no conflicts, just before crossroads.
 [[nodiscard]] NetworkShape seam_shape();
 /// Crossroads with a one-way road out that forks, without conflicts, just behind them.

@@ -219,46 +219,47 @@ TEST_F(WithoutAPlan, NobodyDrivesOnIntoADriverWhoIsInTheWay) {
   EXPECT_GT(inside, 3);
 }
 
-//          | 1     A car on the crossing has a plan that is off it before the driver comes. Were it
-//          to
-//   0 -----+-----  brake now, it would still be on it: it keeps its plan.
+SpeedProfile at_acceleration(const RoadScene& scene, InertialState now, double acceleration) {
+  SpeedProfile t{.begin = scene.step, .states = {now}};
+  while (t.states.back().s < 200.0 && t.states.size() < 300) {
+    t.states.push_back(advance(t.states.back(), acceleration, scene.grid.dt));
+  }
+  return t;
+}
+
+/// Within ten seconds, by one who may be anywhere between two motions?
+bool is_met(const ContactTable& contacts, const SpeedProfile& own, const Forecast& driver) {
+  for (std::int64_t k = 0; k < 100 && own.at(k).s < SpeedProfile::kDeparted; ++k) {
+    const double next = std::min(own.at(k + 1).s, 300.0);
+    const double foremost = std::min(driver.earliest.at(k + 1).s, 1000.0);
+    const double hindmost = std::min(driver.latest->at(k).s, foremost);
+    if (contacts.meets(own.at(k).s, next, hindmost, foremost)) return true;
+  }
+  return false;
+}
+
+//          | 1     A car on the crossing has a plan that is off it before the driver comes.
+//   0 -----+-----  Were it to brake now, it would still be on it: it keeps its plan.
 TEST_F(WithoutAPlan, WhoWouldBeMetByBrakingKeepsThePlanThatGetsAway) {
+  const ContactTable& contacts = library.contacts(0, 1);
   int met = 0;
   for (double from = 60.0; from < 96.0; from += 1.0) {
+    const RoadVehicle driver = add(1, from, 5.0);
+    const Forecast passes{.vehicle = driver,
+                          .earliest = at_acceleration(scene, driver.now, kCar.max_accel),
+                          .latest = at_acceleration(scene, driver.now, 0.0),
+                          .yields = false};
     for (double s = 88.0; s < 104.0; s += 0.5) {
-      scene.vehicles.clear();
-      const RoadVehicle driver = add(1, from, 5.0);
       scene.vehicles.clear();
       add(0, s, 8.0);
       RoadVehicle& car = scene.vehicles.back();
       car.cruise_speed = 8.0;  // it cannot get away sooner
       car.envelope = std::make_shared<SpeedEnvelope>(std::vector<double>(2000, 8.0), 3.0);
-      const auto motion = [&](InertialState now, double acceleration) {
-        SpeedProfile t{.begin = scene.step, .states = {now}};
-        while (t.states.back().s < 200.0 && t.states.size() < 300) {
-          t.states.push_back(advance(t.states.back(), acceleration, scene.grid.dt));
-        }
-        return t;
-      };
-      const SpeedProfile earliest = motion(driver.now, kCar.max_accel);
-      const SpeedProfile latest = motion(driver.now, 0.0);
-      scene.forecasts = {
-          {.vehicle = driver, .earliest = earliest, .latest = latest, .yields = false}};
-      const auto is_met = [&](const SpeedProfile& own) {
-        for (std::int64_t k = 0; k < 100; ++k) {
-          const double there = std::min(earliest.at(k + 1).s, 1000.0);
-          if (own.at(k).s >= SpeedProfile::kDeparted) return false;
-          const double next = std::min(own.at(k + 1).s, 300.0);
-          if (library.contacts(0, 1).meets(own.at(k).s, next, std::min(latest.at(k).s, there),
-                                           there))
-            return true;
-        }
-        return false;
-      };
-      SpeedProfile braking = motion(car.now, -kCar.max_decel);
+      scene.forecasts = {passes};
+      SpeedProfile braking = at_acceleration(scene, car.now, -kCar.max_decel);
       braking.complete = false;
-      const auto plan = std::make_shared<SpeedProfile>(motion(car.now, 0.0));
-      if (is_met(*plan) || !is_met(braking)) continue;
+      const auto plan = std::make_shared<SpeedProfile>(at_acceleration(scene, car.now, 0.0));
+      if (is_met(contacts, *plan, passes) || !is_met(contacts, braking, passes)) continue;
       ++met;
       JointPlan incumbent;
       incumbent.entries.push_back({car.key, plan});

@@ -82,10 +82,14 @@ def grouped(rows, key):
     return groups
 
 
+def by(rows, *columns):
+    """((value of each column), the rows that have these) in the order of the first."""
+    return grouped(rows, lambda row: tuple(row[column] for column in columns)).items()
+
+
 def audit_cells(rows):
-    off_road = "off_road_steps_coordinated" if "off_road_steps_coordinated" in rows[0] else "off_road_steps"
     return [("overlaps of CAVs", (numbers(rows, "overlap_pairs_coordinated"), total)),
-            ("off-road steps of CAVs", (numbers(rows, off_road), total)),
+            ("off-road steps of CAVs", (numbers(rows, "off_road_steps_coordinated"), total)),
             ("replan p95 [ms]", (numbers(rows, "replan_p95_ms"), mean(1))),
             ("x real time", (numbers(rows, "real_time_factor"), mean(0)))]
 
@@ -115,38 +119,37 @@ def effect_cells(runs):
             ("PET < 1 s", (numbers(runs, "pet_below_1s"), mean(0)))]
 
 
+def road_rows(folder, *patterns):
+    return [{**row, "scenario": row["scenario"].removesuffix(".sumocfg")}
+            for _, rows in read_all(folder, *patterns) for row in rows]
+
+
 def road_table(folder, product, *patterns):
     table = Table(product, ["scenario", "controller"])
-    all_rows = [row for _, rows in read_all(folder, *patterns) for row in rows]
-    by_scenario = grouped(all_rows, lambda r: r["scenario"])
-    for rows in by_scenario.values():
-        for (scenario, controller), runs in grouped(rows, lambda r: (r["scenario"], r["controller"])).items():
-            table.add([scenario.removesuffix(".sumocfg"), controller], runs,
-                      [*delay_cells(runs), *effect_cells(runs), *audit_cells(runs)])
+    for _, rows in by(road_rows(folder, *patterns), "scenario"):  # whatever file they are in
+        for label, runs in by(rows, "scenario", "controller"):
+            table.add(label, runs, [*delay_cells(runs), *effect_cells(runs), *audit_cells(runs)])
     return table
 
 
 def motion_table(folder):
     table = Table("How coordinated vehicles drive", ["scenario", "limit in bends"])
     for limit, pattern in (("lanes'", "roads-*.csv"), ("3 m/s²", "lateral-*.csv")):
-        for _, rows in read_all(folder, pattern):
-            for scenario, runs in grouped([r for r in rows if r["controller"] == "escot"],
-                                          lambda r: r["scenario"]).items():
-                table.add([scenario.removesuffix(".sumocfg"), limit], runs, motion_cells(runs))
+        for (scenario, controller), runs in by(road_rows(folder, pattern), "scenario", "controller"):
+            if controller == "escot":
+                table.add([scenario, limit], runs, motion_cells(runs))
     return table
 
 
 def mixed_table(folder):
     table = Table("Among human drivers", ["scenario", "controller", "penetration"])
-    for _, rows in read_all(folder, "mixed-*.csv"):
-        for (scenario, controller, share), runs in grouped(
-                rows, lambda r: (r["scenario"], r["controller"], r["penetration"])).items():
-            table.add([scenario.removesuffix(".sumocfg"), controller, share], runs, [
-                *delay_cells(runs),
-                ("automated [s]", (numbers(runs, "delay_controlled_s"), mean(2))),
-                ("human [s]", (numbers(runs, "delay_human_s"), mean(2))),
-                ("people wait [s]", (numbers(runs, "people_wait_s"), mean(1))),
-                ("people touched", (numbers(runs, "people_touched"), total)), *audit_cells(runs)])
+    for label, runs in by(road_rows(folder, "mixed-*.csv"), "scenario", "controller", "penetration"):
+        table.add(label, runs, [
+            *delay_cells(runs),
+            ("automated [s]", (numbers(runs, "delay_controlled_s"), mean(2))),
+            ("human [s]", (numbers(runs, "delay_human_s"), mean(2))),
+            ("people wait [s]", (numbers(runs, "people_wait_s"), mean(1))),
+            ("people touched", (numbers(runs, "people_touched"), total)), *audit_cells(runs)])
     return table
 
 
@@ -154,7 +157,7 @@ def lot_table(folder):
     table = Table("Parking lots", ["scenario", "controller"])
     runs = [{**row, "scenario": re.sub(r"^lots-(.*)-\d+$", r"\1", name)}
             for name, rows in read_all(folder, "lots-*.csv") for row in rows]
-    for (scenario, control), group in grouped(runs, lambda r: (r["scenario"], r["control"])).items():
+    for (scenario, control), group in by(runs, "scenario", "control"):
         table.add([scenario, f"`{control}`"], group, [
             ("gate to parked [s]", (numbers(group, "gate_to_parked_mean_s"), spread(1))),
             ("alone [s]", (numbers(group, "gate_to_parked_alone_s"), mean(1))),
