@@ -3,7 +3,8 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-tools/install_packages.sh
+# With the scheduler on which one test runs a cluster of one node.
+tools/install_packages.sh munge slurm-client slurmctld slurmd
 for preset in dev asan; do
   cmake --preset "$preset" >/dev/null
   cmake --build --preset "$preset"
