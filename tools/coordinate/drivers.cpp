@@ -121,6 +121,25 @@ ControlledShare controlled_share(const CoordinateOptions& options) {
           .seed = options.seed};
 }
 
+std::string note_on_missing_lights(const CoordinateOptions& options, const RoadNetwork& network,
+                                   const std::set<std::string>& junctions) {
+  constexpr std::size_t kMostNamed = 3;
+  const bool drives = controller_named("--controller", options.controller).drives;
+  if (!drives || controlled_share(options).is_whole()) return "";
+  std::vector<std::string> without;
+  for (const std::string& id : junctions) {
+    if (!network.junctions.at(id).type.starts_with("traffic_light")) without.push_back(id);
+  }
+  if (without.empty()) return "";
+  const std::size_t named = std::min(without.size(), kMostNamed);
+  const std::string more =
+      without.size() > named ? fmt::format(" and {} more", without.size() - named) : "";
+  return fmt::format(
+      "no traffic light at {}{}: human drivers are let through there a few at a time; "
+      "tools/networks/signals.py makes a twin of the scenario with lights",
+      fmt::join(std::span(without).first(named), ", "), more);
+}
+
 std::set<std::string> coordinated_junctions(const CoordinateOptions& options,
                                             const RoadNetwork& network,
                                             std::span<const ParkingLot> lots) {

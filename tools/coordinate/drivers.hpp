@@ -33,6 +33,11 @@ namespace mvtp {
                                                 const Traffic& traffic);
 /// Which vehicles are taken over.
 [[nodiscard]] ControlledShare controlled_share(const CoordinateOptions& options);
+/// Which of the coordinated junctions have no light to tell human drivers that they may go, and what
+/// comes of it; empty if all have one or if there are no human drivers.
+[[nodiscard]] std::string note_on_missing_lights(const CoordinateOptions& options,
+                                                 const RoadNetwork& network,
+                                                 const std::set<std::string>& junctions);
 
 /// Who drives in a run, side by side: a controller for each parking lot and one for the junctions;
 /// or nobody but SUMO.
