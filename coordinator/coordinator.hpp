@@ -281,7 +281,8 @@ class Coordinator : public Controller {
   [[nodiscard]] Trial best_trial_by_zones(const std::map<std::string, Driven>& arrivals,
                                           const std::set<std::string>& excluded,
                                           const std::vector<std::int64_t>& upset,
-                                          std::map<int, ZoneOffers> offers);
+                                          std::map<int, ZoneOffers> offers,
+                                          std::optional<Trial> tried);
 
   /// The normal lane that a vehicle is on, and the one it was on before; how long it has stood.
   struct Trail {

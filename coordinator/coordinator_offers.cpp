@@ -134,10 +134,12 @@ bool Coordinator::allows(const std::vector<std::string>& guests, int zone, const
 /// The plan with as many drivers and people getting green as is possible, and worth what it costs
 /// the vehicles under control. Zones share no ground: each has its own offers and its own verdict,
 /// and one trial plans an offer of every zone.
+/// @param tried  a trial of guests of all zones, which need not be made again; none: there is none.
 Coordinator::Trial Coordinator::best_trial_by_zones(const std::map<std::string, Driven>& arrivals,
                                                     const std::set<std::string>& excluded,
                                                     const std::vector<std::int64_t>& upset,
-                                                    std::map<int, ZoneOffers> offers) {
+                                                    std::map<int, ZoneOffers> offers,
+                                                    std::optional<Trial> tried) {
   Trial without =
       without_the_late(plan_trial(arrivals, excluded, upset, {}), arrivals, excluded, upset);
   const auto guests_of_all = [&] {
@@ -151,7 +153,10 @@ Coordinator::Trial Coordinator::best_trial_by_zones(const std::map<std::string, 
   while (true) {
     const std::vector<std::string> guests = guests_of_all();
     if (guests.empty()) return without;
-    Trial with = plan_trial(arrivals, without.excluded, upset, guests);
+    const bool is_known = tried && tried->guests == guests && tried->excluded == without.excluded;
+    Trial with =
+        is_known ? *std::move(tried) : plan_trial(arrivals, without.excluded, upset, guests);
+    if (is_known) tried.reset();
     bool all_go = true;
     for (auto& [zone, offer] : offers) {
       if (offer.next == offer.sets.size() || allows(offer.present(), zone, with, without)) continue;

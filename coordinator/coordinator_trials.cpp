@@ -20,13 +20,14 @@ Coordinator::Trial Coordinator::best_trial(const std::map<std::string, Driven>& 
   const Groups groups = groups_of_guests();
   // Where everybody is taken over mostly all can go, and nobody asks what it costs.
   const Groups offers = heads_ ? Groups() : in_order(groups);
+  std::optional<Trial> all;
   if (!offers.empty()) {
-    Trial all = plan_trial(arrivals, excluded, upset, offers.front());
+    all = plan_trial(arrivals, excluded, upset, offers.front());
     const bool nobody_loses =
-        all.decision.stepped == 0 && all.refused.empty() && !waits_inside(all);
-    if (nobody_loses && !touches_guests(all.guests, all)) return all;
+        all->decision.stepped == 0 && all->refused.empty() && !waits_inside(*all);
+    if (nobody_loses && !touches_guests(all->guests, *all)) return *std::move(all);
   }
-  return best_trial_by_zones(arrivals, excluded, upset, offers_of_zones(groups));
+  return best_trial_by_zones(arrivals, excluded, upset, offers_of_zones(groups), std::move(all));
 }
 
 /// The same trial without those arrivals that get no complete plan, or one that is refused.

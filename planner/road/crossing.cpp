@@ -78,6 +78,7 @@ class CrossingPlanner {
       const std::optional<std::size_t> failed = keep_or_plan(repaired, incumbent, entries);
       if (!failed) return {{entries}, {}, cost_.of(entries)};
       if (repair >= options_.repairs || work_.left < reserve) break;
+      if (is_hopeless(scene_.vehicle(repaired[*failed]), incumbent)) break;
       if (!orders_.move_to_front(repaired, *failed)) break;
     }
     // No order works for all: either old plans stand as long as they fit, or earlier ones go first.
@@ -105,6 +106,11 @@ class CrossingPlanner {
     return CrossingResult{{in_lane_order(entries)}, {}, cost_.of(entries)};
   }
 
+  /// Is there no plan for the vehicle even around forecasts alone? Then no order has one.
+  bool is_hopeless(const RoadVehicle& v, const JointPlan& incumbent) {
+    return fitting_incumbent(v.key, incumbent, {}) == nullptr && !plan_at_least(v, {});
+  }
+
   /// Adds a plan for `v` to those `planned`, around them and the `bodies`; if there is none, around
   /// all but the few of them each of which alone leaves none, which get new plans around it.
   /// False, and nothing changes, if that does not work either.
@@ -115,7 +121,7 @@ class CrossingPlanner {
       planned.push_back({v.key, t});
       return true;
     }
-    const Order blocking = blockers_of(v, planned);
+    const Order blocking = plan_at_least(v, bodies) ? blockers_of(v, planned) : Order();
     if (blocking.empty() || work_.left <= 0) return false;
     std::erase_if(all, [&](const Entry& e) { return std::ranges::count(blocking, e.key) > 0; });
     for (const std::int64_t key : joined({v.key}, blocking)) {
