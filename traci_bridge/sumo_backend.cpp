@@ -5,7 +5,6 @@
 #include <cmath>
 #include <exception>
 #include <limits>
-#include <map>
 #include <optional>
 #include <span>
 #include <stdexcept>
@@ -16,7 +15,6 @@
 #include "traci_bridge/sumo_connection.hpp"
 #include "traci_bridge/sumo_controlled.hpp"
 #include "traci_bridge/sumo_drivers.hpp"
-#include "traci_bridge/sumo_frame.hpp"
 #include "traci_bridge/sumo_holds.hpp"
 #include "traci_bridge/sumo_lanes.hpp"
 #include "traci_bridge/sumo_log.hpp"
@@ -24,15 +22,13 @@
 #include "traci_bridge/sumo_routes.hpp"
 #include "traci_bridge/sumo_signals.hpp"
 #include "traci_bridge/sumo_stops.hpp"
+#include "traci_bridge/sumo_vehicles.hpp"
 
 namespace mvtp {
 
 using namespace MVTP_SUMO_NAMESPACE;
 
 namespace {
-
-constexpr int kStoppedBit = 1;     // of getStopState()
-constexpr double kStanding = 0.1;  // [m/s]
 
 class Backend final : public SumoTraffic {
  public:
@@ -46,7 +42,8 @@ class Backend final : public SumoTraffic {
         routes_(network_, log_),
         holds_(network_, log_),
         stops_(network_, holds_, routes_, clock_),
-        controlled_(network_, lanes_, routes_, drivers_, clock_) {
+        controlled_(network_, lanes_, routes_, drivers_, clock_),
+        states_(controlled_, holds_) {
     ask([&] {
       connection_ = std::make_unique<SumoConnection>(launch, log_);
       clock_.step_length = api::Simulation::getDeltaT();
@@ -117,7 +114,7 @@ class Backend final : public SumoTraffic {
     rely_on_signal(id, {});
     keep_lane(id, false);
     cap_speed(id, std::numeric_limits<double>::infinity());
-    ask([&] { controlled_.take_over(id, characteristics(id).front); });
+    ask([&] { controlled_.take_over(id, states_.front(id)); });
   }
 
   bool is_taken_over(const std::string& id) const override {
@@ -283,13 +280,6 @@ class Backend final : public SumoTraffic {
     return is_here(id) && !controlled_.contains(id);
   }
 
-  /// What does not change while a vehicle is on the road.
-  struct Characteristics {
-    std::string type;
-    double front = 0.0;  ///< Vehicle::front [m]
-    double speed_factor = 1.0;
-  };
-
   template <class Call>
   auto ask(const Call& call) const -> decltype(call()) {
     return calls_.ask(call);
@@ -308,7 +298,7 @@ class Backend final : public SumoTraffic {
     std::ranges::sort(departed_);
     std::ranges::sort(arrived_);
     for (const std::string& id : arrived_) {
-      characteristics_.erase(id);
+      states_.forget(id);
       routes_.forget(id);
     }
     std::vector<std::string> ids = api::Vehicle::getIDList();
@@ -316,7 +306,7 @@ class Backend final : public SumoTraffic {
     forget_all_but(ids);
     std::erase_if(ids, [&](const std::string& id) { return is_about_to_be_parked(id); });
     vehicles_.resize(ids.size());
-    for (std::size_t i = 0; i < ids.size(); ++i) observe(std::move(ids[i]), vehicles_[i]);
+    for (std::size_t i = 0; i < ids.size(); ++i) states_.read(std::move(ids[i]), vehicles_[i]);
     pedestrians_ = read_pedestrians();
     collisions_ = count_collisions();
   }
@@ -338,30 +328,6 @@ class Backend final : public SumoTraffic {
     return is_placed_beside_its_parking(id);
   }
 
-  void observe(std::string id, VehicleState& state) {
-    const Characteristics& vehicle = characteristics(id);
-    const libsumo::TraCIPosition p = api::Vehicle::getPosition(id);
-    const std::optional<double> told = controlled_.speed(id);
-    state.type = vehicle.type;
-    state.pose = from_sumo({p.x, p.y, api::Vehicle::getAngle(id)}, vehicle.front);
-    state.speed = told ? *told : api::Vehicle::getSpeed(id);
-    state.speed_factor = vehicle.speed_factor;
-    state.lane = api::Vehicle::getLaneID(id);
-    state.lane_position = state.lane.empty() ? 0.0 : api::Vehicle::getLanePosition(id);
-    state.halted_by_stop = state.speed < kStanding && !told && !holds_.contains(id) &&
-                           (api::Vehicle::getStopState(id) & kStoppedBit) != 0;
-    state.id = std::move(id);
-  }
-
-  const Characteristics& characteristics(const std::string& id) {
-    const auto known = characteristics_.find(id);
-    if (known != characteristics_.end()) return known->second;
-    const double length = api::Vehicle::getLength(id);
-    return characteristics_[id] = {.type = api::Vehicle::getTypeID(id),
-                                   .front = body_of(length, api::Vehicle::getWidth(id)).front,
-                                   .speed_factor = api::Vehicle::getSpeedFactor(id)};
-  }
-
   void end() {
     if (!connection_) return;
     const std::unique_ptr<SumoConnection> ending = std::move(connection_);
@@ -381,6 +347,7 @@ class Backend final : public SumoTraffic {
   SumoStops stops_;
   SumoDrivers drivers_;
   SumoControlled controlled_;
+  SumoVehicles states_;
   SumoSignals signals_;
   std::unique_ptr<SumoConnection> connection_;
 
@@ -390,8 +357,6 @@ class Backend final : public SumoTraffic {
   std::vector<std::string> departed_;
   std::vector<std::string> arrived_;
   int collisions_ = 0;
-
-  std::map<std::string, Characteristics> characteristics_;
 };
 
 }  // namespace
