@@ -66,13 +66,13 @@ resumed() {
 }
 
 if [ -n "$short" ]; then
-  seeds=1 end=(--end 60) roads=(crossroads) jamming=(crossroads) mixed=(crossroads) shares=0.5 lots=(parking-120)
+  seeds=1 end=(--end 60) roads=(crossroads) jamming=(crossroads) mixed=(crossroads.static) shares=0.5 lots=(parking-120)
   rival_seeds=1 signals=static sparse=(--count 1 --robots 2) dense=(--count 1 --robots 5) crowds=(--count 1 --size 50 --robots 12)
   lot_count=(--count 1 --in 1 --out 1) limit=3 times=1
 else
   seeds=1-5 end=() roads=(crossroads crossroads-400 crossroads-600 crossroads2-400 crossroads2-800)
   jamming=(crossroads crossroads-400)
-  mixed=(crossroads-400 crossroads2-800 crossroads-people) shares=0,0.05,0.2,0.4,0.6,0.8,1
+  mixed=(crossroads-400.static crossroads2-800.static crossroads-people.static) shares=0,0.05,0.2,0.4,0.6,0.8,1
   lots=(parking-120 parking-240 angled)
   rival_seeds=1-2 signals=static,actuated,max-pressure
   sparse=(--count 10) dense=(--count 10) crowds=(--count 2) lot_count=(--count 10) limit=30 times=20
@@ -103,7 +103,7 @@ measure_roads() {
   done
 }
 
-# Among human drivers, with real signal timing.
+# Among human drivers, with real signal timing: on the twins with lights, which the coordinator shows.
 measure_mixed() {
   local name
   for name in "${mixed[@]}"; do

@@ -39,7 +39,7 @@ class Results(unittest.TestCase):
         for heading in PRODUCTS:
             self.assertIn(f"\n## {heading}\n", text)
         for row in ("| crossroads | escot | 1 |", "| crossroads | static | 1 |", "| rilsa | escot | 1 |",
-                    "| crossroads | escot | 0.5 | 1 |", "| crossroads | 3 m/s² | 1 |",
+                    "| crossroads.static | escot | 0.5 | 1 |", "| crossroads | 3 m/s² | 1 |",
                     "| parking-120 | `coordinated` | 1 |", "| typical_", "| calm | 1 |",
                     "| cubes that stop, no release graph | 1 |"):
             self.assertIn(row, text)

@@ -308,6 +308,17 @@ TEST_F(Coordinate, HumanDriversGetTheirGreensFromUs) {
   EXPECT_TRUE(j.contains("unplanned_passages"));
 }
 
+TEST_F(Coordinate, SaysWhereHumanDriversHaveNoLight) {
+  const auto says_so = [&](const std::string& scenario, const std::string& options) {
+    const Outcome outcome = run("coordinate -c '" + std::string(MVTP_SCENARIOS) + "/crossroads/" +
+                                scenario + "' --end 1 --no-view --no-fcd --quiet " + options);
+    return outcome.err.find("note: no traffic light at C: human drivers") != std::string::npos;
+  };
+  EXPECT_TRUE(says_so("crossroads.sumocfg", "--penetration 0.5"));
+  EXPECT_FALSE(says_so("crossroads.sumocfg", "--penetration 1"));
+  EXPECT_FALSE(says_so("crossroads.static.sumocfg", "--penetration 0.5"));
+}
+
 TEST_F(Coordinate, PeopleCrossUntouched) {
   for (const char* light : {"", ".static"}) {
     const std::string scenario =
