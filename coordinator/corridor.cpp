@@ -9,6 +9,7 @@
 #include "coordinator/audit.hpp"
 #include "coordinator/corridor_line.hpp"
 #include "coordinator/drivers_path.hpp"
+#include "coordinator/kerbs.hpp"
 #include "coordinator/reference_path.hpp"
 
 namespace mvtp {
@@ -134,7 +135,7 @@ CorridorMap::Line CorridorMap::centre_line(const CorridorCourse& course) const {
   return line;
 }
 
-/// The lanes of a course with those beside them in the same direction, and the junctions between.
+/// The lanes of a course, those beside them, and the junctions between; not kerbs of people there.
 DrivableArea CorridorMap::road_along(const CorridorCourse& course) const {
   RoadNetwork road;
   const auto add = [&](int lane) {
@@ -152,7 +153,9 @@ DrivableArea CorridorMap::road_along(const CorridorCourse& course) const {
   };
   for (const int lane : course.lead_in) add_edge(lane);
   for (const CorridorPiece& piece : course.pieces) add_edge(piece.lane);
-  return DrivableArea(road);
+  DrivableArea own(road);
+  for (Polygon& kerb : kerbs_where_people_wait(road)) own.keep_off(std::move(kerb));
+  return own;
 }
 
 ReferencePath CorridorMap::path_along(const Line& line, const CorridorCourse& course,

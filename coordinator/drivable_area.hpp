@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <span>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include "coordinator/road_network.hpp"
@@ -16,12 +17,15 @@ class DrivableArea {
  public:
   explicit DrivableArea(const RoadNetwork& network, std::span<const ParkingLot> lots = {});
 
+  /// Bodies do not touch this ground, road or not.
+  void keep_off(Polygon ground) { solid_.push_back(std::move(ground)); }
+
   /// Is `p` on the road, or at most `tolerance` [m] beside it?
   [[nodiscard]] bool contains(const Point& p, double tolerance) const;
 
   /// The share of the border of a vehicle's footprint that is off the road, in [0, 1]; 0 means that
   /// the whole footprint is on it (sampled at most 1 m apart, corners included). 1 if it touches
-  /// what stands on a parking lot.
+  /// what stands on a parking lot, or ground to keep off.
   [[nodiscard]] double share_outside(const Pose& rear_axle, const Vehicle& body,
                                      double tolerance) const;
 
@@ -44,7 +48,7 @@ class DrivableArea {
 
   std::vector<Strip> strips_;
   std::vector<Polygon> polygons_;
-  std::vector<Polygon> solid_;  ///< on parking lots
+  std::vector<Polygon> solid_;  ///< what stands on parking lots, and ground to keep off
   /// Items near each cell: strip i as i, polygon j as -1 - j. Looked up only, never iterated.
   std::unordered_map<std::int64_t, std::vector<std::int32_t>> cells_;
 };

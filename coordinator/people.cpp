@@ -22,10 +22,10 @@ constexpr double kSlack = 0.5;   ///< [s] that new plans keep before and behind 
 /// [s] that new plans keep before those who have not come to the kerb yet: as long as a turn takes,
 /// since who is in it can neither wait for them nor be waited for.
 constexpr double kSlackToCome = 5.0;
-constexpr double kPromiseAfter = 6.0;  ///< [s] after which a green is promised ahead of time,
+constexpr double kPromiseAfter = 3.0;  ///< [s] after which a green is promised ahead of time,
 constexpr double kAhead = 3.0;       ///< so much [s]: longer than any vehicle in town needs to stop
-constexpr double kLongest = 12.0;    ///< [s] after which a green is worth any delay of others
-constexpr double kCourtesy = 5.0;    ///< [s] by which drivers who came later may still go first
+constexpr double kLongest = 6.0;     ///< [s] after which a green is worth any delay of others
+constexpr double kCourtesy = 1.0;    ///< [s] by which drivers who came later may still go first
 constexpr double kMostGreen = 12.0;  ///< [s]
 
 }  // namespace
@@ -57,6 +57,7 @@ void People::begin(std::int64_t step, const std::function<bool(const std::string
   Persons now;
   for (const Pedestrian& person : traffic_.pedestrians()) see(person, now);
   people_ = std::move(now);
+  for (int c = 0; c < graph_.crossings(); ++c) heads_.occupy(c, is_occupied(c));
   show_greens(is_clear);
   call_for_greens();
 }
@@ -117,6 +118,12 @@ void People::show_greens(const std::function<bool(const std::string&)>& is_clear
   });
 }
 
+bool People::is_occupied(int crossing) const {
+  return std::ranges::any_of(people_, [&](const auto& entry) {
+    return entry.second.crossing == crossing && entry.second.where == Where::kOnIt;
+  });
+}
+
 /// Since when the first of those has waited who want to go over it.
 std::optional<std::int64_t> People::waits_since(int crossing) const {
   std::optional<std::int64_t> since;
@@ -146,7 +153,7 @@ People::Green People::next_green(int crossing) const {
   const bool ahead = waits_long(crossing) && (step_ / grid_.steps_per_decision) % 2 == 1;
   const Green now{.begin = step_ + (ahead ? steps(kAhead) : 0)};
   double needed = std::max(heads_.timing().least_green,
-                           heads_.timing().has_yellow ? heads_.crossing_time(crossing) : 0.0);
+                           heads_.timing().has_yellow ? 0.5 * heads_.crossing_time(crossing) : 0.0);
   for (const auto& [id, person] : people_) {
     if (!waits(person, crossing)) continue;
     const double to_kerb = std::max(0.0, CrossingPaths::kKerb - person.s);

@@ -67,10 +67,6 @@ SignalHeads::SignalHeads(Traffic& traffic, const LaneGraph& graph,
       heads_(std::size_t(graph.links() + graph.crossings())) {
   find_signals(coordinated);
   find_conflicts(coordinated);
-  for (Head& head : heads_) head.clearance = timing.all_red;
-  for (int c = 0; timing.has_yellow && c < graph.crossings(); ++c) {
-    heads_[std::size_t(light_of_crossing(c))].clearance = crossing_time(c);
-  }
 }
 
 /// Those all of whose lights are known.
@@ -140,6 +136,10 @@ void SignalHeads::reserve(int crossing, bool reserved) {
   heads_[std::size_t(light_of_crossing(crossing))].reserved = reserved;
 }
 
+void SignalHeads::occupy(int crossing, bool occupied) {
+  heads_[std::size_t(light_of_crossing(crossing))].occupied = occupied;
+}
+
 bool SignalHeads::is_called_before(int link, std::int64_t came) const {
   const std::vector<int>& crossing = heads_[std::size_t(link)].crossing;
   return std::ranges::any_of(crossing,
@@ -159,8 +159,8 @@ bool SignalHeads::may_turn_green(int link, const std::function<bool(int)>& besid
   return std::ranges::all_of(crossing, [&](int other) {
     if (beside(other)) return true;
     const Head& head = heads_[std::size_t(other)];
-    return head.light == Light::kRed && !head.reserved &&
-           shown_for(other) >= head.clearance - kTimeTolerance;
+    return head.light == Light::kRed && !head.reserved && !(head.occupied && timing_.has_yellow) &&
+           shown_for(other) >= timing_.all_red - kTimeTolerance;
   });
 }
 

@@ -53,12 +53,12 @@ class SignalHeads {
   [[nodiscard]] double shown_for(int link) const;
   /// Do those meet who have these two lights? Not vehicles that come from one lane, nor people.
   [[nodiscard]] bool cross(int link, int other) const;
-  /// Has every light that crosses it been red for long enough, and is no green of theirs due?
+  /// Has every light that crosses it been red for long enough, is no green of theirs due, and at
+  /// real timing nobody on a crossing of theirs?
   /// @param beside  lights that may be green beside it though they cross.
   [[nodiscard]] bool may_turn_green(
       int link, const std::function<bool(int)>& beside = [](int) { return false; }) const;
-  /// How long people need to the other side at 1.2 m/s [RiLSA]: so long after their green everybody
-  /// who crosses them is red, and at real timing their green is no shorter [s].
+  /// How long people need to the other side at 1.2 m/s [RiLSA] [s].
   [[nodiscard]] double crossing_time(int crossing) const {
     return graph_.crossing(crossing).length / kWalking;
   }
@@ -67,6 +67,8 @@ class SignalHeads {
   void call(int crossing, std::int64_t since);
   /// The light of a crossing turns green soon: no light that crosses it does so before.
   void reserve(int crossing, bool reserved);
+  /// Is somebody on the crossing? At real timing no light that crosses it turns green then.
+  void occupy(int crossing, bool occupied);
   /// Is somebody before them who came at this step and want this light?
   [[nodiscard]] bool is_called_before(int link, std::int64_t came) const;
 
@@ -97,7 +99,7 @@ class SignalHeads {
     bool yields = false;    ///< of its last green
     double since = -1e300;  ///< [s]
     std::vector<int> crossing;
-    double clearance = 0.0;  ///< [s] of red until lights that cross it may be green
+    bool occupied = false;  ///< by people
   };
   void find_signals(const std::vector<bool>& coordinated);
   void find_conflicts(const std::vector<bool>& coordinated);

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <random>
 
+#include "coordinator/footprint_motion.hpp"
 #include "coordinator/no_waiting.hpp"
 #include "tests/coordinator/closed_loop.hpp"
 #include "tests/coordinator/fake_traffic.hpp"
@@ -273,6 +274,36 @@ TEST(Corridor, ACarGetsRoundASharpCorner) {
     ASSERT_TRUE(course);
     const Corridor& c = map[map.corridor_for(*course, fake_type("car").body)];
     EXPECT_EQ(c.undriven, "") << corner.radius << " m, " << corner.degrees << " degrees";
+  }
+}
+
+// The kerb is not rounded off: a turn on the middles of the lanes would touch who waits there.
+TEST(Corridor, TurnsClearOfPeopleWhoWaitAtTheKerb) {
+  const NetworkShape shape = with_crossings(crossroads_shape(120.0, 9.2));
+  Walk walk(shape.network);
+  const DrivableArea area(walk.network);
+  CorridorMap map(walk.graph, area, {});
+  const Vehicle car = fake_type("car").body;
+  const Vehicle person{.front = 0.25, .rear = 0.25, .width = 0.5};
+  for (const std::string to : {"C-S", "C-E", "C-N"}) {
+    const auto course = walk.finder.find(walk.at("W-C_0", 100.0, {"W-C", to}));
+    ASSERT_TRUE(course);
+    const Corridor& c = map[map.corridor_for(*course, car)];
+    EXPECT_EQ(c.undriven, "");
+    const ReferencePath& path = map.library().path(c.path);
+    for (const PedestrianCrossing& crossing : walk.network.junctions.at("C").crossings) {
+      const Point& a = crossing.shape.front();
+      const Point& b = crossing.shape.back();
+      const double theta = std::atan2(b.y - a.y, b.x - a.x);
+      for (double aside = -1.75; aside <= 1.75; aside += 0.5) {
+        const Pose waits{a.x - aside * std::sin(theta), a.y + aside * std::cos(theta), theta};
+        const Pose waits_there{b.x - aside * std::sin(theta), b.y + aside * std::cos(theta), theta};
+        for (double s = 0.0; s < c.s_handback; s += 0.25) {
+          EXPECT_GT(clearance(path.at(s), car, waits, person), 0.0) << to << " at s = " << s;
+          EXPECT_GT(clearance(path.at(s), car, waits_there, person), 0.0) << to << " at s = " << s;
+        }
+      }
+    }
   }
 }
 

@@ -50,5 +50,16 @@ TEST(DrivableArea, TheSeamFollowsABend) {
   EXPECT_FALSE(area.contains({25.0, 5.1}, 0.0)) << "beside the road";
 }
 
+TEST(DrivableArea, GroundToKeepOffTouchesNoBody) {
+  DrivableArea area(two_lanes(3.2));
+  const Vehicle car{.front = 3.6, .rear = 1.4, .width = 1.8};
+  const Pose pose{20.0, 0.0, 0.0};
+  EXPECT_EQ(area.share_outside(pose, car, 0.0), 0.0);
+  area.keep_off({{22.0, -1.6}, {23.0, -1.6}, {23.0, -0.91}, {22.0, -0.91}});
+  EXPECT_EQ(area.share_outside(pose, car, 0.0), 0.0) << "beside the body";
+  area.keep_off({{22.0, -1.6}, {23.0, -1.6}, {23.0, -0.89}, {22.0, -0.89}});
+  EXPECT_EQ(area.share_outside(pose, car, 0.0), 1.0);
+}
+
 }  // namespace
 }  // namespace mvtp

@@ -119,6 +119,34 @@ TEST_F(SignalHeadsTest, FreedSignalsRunTheirProgramsUntilOwnedAgain) {
   EXPECT_EQ(heads.light(link("W-C", "C-E")), Light::kRed);
 }
 
+class HeadsOfCrossings : public testing::TestWithParam<bool> {};
+
+TEST_P(HeadsOfCrossings, StayRedWhileSomebodyIsOnTheCrossing) {
+  const bool is_real = GetParam();
+  const NetworkShape shape = with_crossings(with_signals(crossroads_shape()));
+  NotedTraffic traffic(shape.network);
+  const LaneGraph graph(traffic.network());
+  SignalHeads heads(traffic, graph, select_junctions(graph, {}, 50.0),
+                    is_real ? SignalTiming::real() : SignalTiming::instant());
+  heads.own();
+  for (int i = 0; i < 20; ++i) {
+    traffic.step();
+    heads.advance();
+  }
+  ASSERT_GT(graph.crossings(), 0);
+  for (int c = 0; c < graph.crossings(); ++c) {
+    heads.occupy(c, true);
+    for (int k = 0; k < graph.links(); ++k) {
+      const bool crosses = heads.cross(k, heads.light_of_crossing(c));
+      EXPECT_EQ(heads.may_turn_green(k), !(crosses && is_real)) << k << " and crossing " << c;
+    }
+    heads.occupy(c, false);
+    for (int k = 0; k < graph.links(); ++k) EXPECT_TRUE(heads.may_turn_green(k)) << k;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Timings, HeadsOfCrossings, testing::Bool());
+
 TEST(SignalHeads, DoNotOwnASignalThatIsNotTheirsAlone) {
   NetworkShape shape = with_signals(crossroads_shape());
   ++shape.network.signals.at("C");  // a light of people on foot
