@@ -135,7 +135,8 @@ CorridorMap::Line CorridorMap::centre_line(const CorridorCourse& course) const {
   return line;
 }
 
-/// The lanes of a course, those beside them, and the junctions between; not kerbs of people there.
+/// The lanes of a course with those beside them in the same direction, and the junctions between,
+/// without the kerbs there where people wait.
 DrivableArea CorridorMap::road_along(const CorridorCourse& course) const {
   RoadNetwork road;
   const auto add = [&](int lane) {

@@ -57,7 +57,10 @@ void People::begin(std::int64_t step, const std::function<bool(const std::string
   Persons now;
   for (const Pedestrian& person : traffic_.pedestrians()) see(person, now);
   people_ = std::move(now);
-  for (int c = 0; c < graph_.crossings(); ++c) heads_.occupy(c, is_occupied(c));
+  for (int c = 0; c < graph_.crossings(); ++c) heads_.occupy(c, false);
+  for (const auto& [id, person] : people_) {
+    if (person.where == Where::kOnIt) heads_.occupy(person.crossing, true);
+  }
   show_greens(is_clear);
   call_for_greens();
 }
@@ -115,12 +118,6 @@ void People::show_greens(const std::function<bool(const std::string&)>& is_clear
     if (!is_clear(id_of(crossing))) return true;
     heads_.turn_green(light);
     return false;
-  });
-}
-
-bool People::is_occupied(int crossing) const {
-  return std::ranges::any_of(people_, [&](const auto& entry) {
-    return entry.second.crossing == crossing && entry.second.where == Where::kOnIt;
   });
 }
 

@@ -91,7 +91,6 @@ class People {
   void call_for_greens();
   [[nodiscard]] std::int64_t steps(double seconds) const;
   [[nodiscard]] bool is_ours(int crossing) const;
-  [[nodiscard]] bool is_occupied(int crossing) const;
   [[nodiscard]] bool waits_long(int crossing) const;
   [[nodiscard]] std::optional<std::int64_t> waits_since(int crossing) const;
   [[nodiscard]] Green next_green(int crossing) const;

@@ -29,8 +29,8 @@ void SumoVehicles::read(std::string id, VehicleState& state) {
 }
 
 const SumoVehicles::Constant& SumoVehicles::known(const std::string& id) {
-  const auto known = known_.find(id);
-  if (known != known_.end()) return known->second;
+  const auto found = known_.find(id);
+  if (found != known_.end()) return found->second;
   const double length = api::Vehicle::getLength(id);
   return known_[id] = {.type = api::Vehicle::getTypeID(id),
                        .front = body_of(length, api::Vehicle::getWidth(id)).front,
