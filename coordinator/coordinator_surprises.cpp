@@ -80,8 +80,7 @@ void Coordinator::brake_for(const VehicleState& v) {
   for (const std::int64_t key : who_must_brake(now, plan_, options_.escot.crossing.profile)) {
     const RoadVehicle& braking = now.vehicle(key);
     const double b = now.body(braking).max_decel;
-    const auto entry = std::ranges::find(plan_.entries, key, &JointPlan::Entry::key);
-    entry->profile = std::make_shared<SpeedProfile>(stop_after(now, braking.now, -b, b));
+    plan_.entry(key)->profile = std::make_shared<SpeedProfile>(stop_after(now, braking.now, -b, b));
   }
   commit({});
 }

@@ -67,7 +67,7 @@ void Coordinator::commit(const std::map<std::string, Driven>& arrivals) {
   const std::int64_t lead = options_.tolerance.lead;
   if (lead == 0) return;
   for (const auto& [id, driven] : driven_) {
-    const auto entry = std::ranges::find(plan_.entries, driven.key, &JointPlan::Entry::key);
+    JointPlan::Entry* entry = plan_.entry(driven.key);
     if (entry->profile->begin <= step_) continue;
     auto whole = std::make_shared<SpeedProfile>(*entry->profile);
     const bool arrives = arrivals.contains(id) && !driven.committed.empty();
@@ -91,7 +91,7 @@ void Coordinator::commit(const std::map<std::string, Driven>& arrivals) {
 void Coordinator::announce_plans() {
   std::map<std::string, std::shared_ptr<const SpeedProfile>> announced;
   for (const auto& [id, driven] : driven_) {
-    const auto entry = std::ranges::find(plan_.entries, driven.key, &JointPlan::Entry::key);
+    const JointPlan::Entry* entry = plan_.entry(driven.key);
     const auto known = announced_.find(id);
     announced.emplace(id, entry->profile);
     if (known != announced_.end() && known->second == entry->profile) continue;

@@ -16,8 +16,8 @@ CrossingSearch::CrossingSearch(const RoadPairs& of, const CrossingOptions& with,
 JointPlan CrossingSearch::those_leaving(const JointPlan& plan) const {
   JointPlan found;
   for (const RoadVehicle& v : scene.vehicles) {
-    const auto e = std::ranges::find(plan.entries, v.key, &Entry::key);
-    if (v.leaves() && e != plan.entries.end()) found.entries.push_back(*e);
+    const Entry* e = plan.entry(v.key);
+    if (v.leaves() && e != nullptr) found.entries.push_back(*e);
   }
   return found;
 }
@@ -25,11 +25,10 @@ JointPlan CrossingSearch::those_leaving(const JointPlan& plan) const {
 const JointPlan::Entry* CrossingSearch::fitting_incumbent(std::int64_t key,
                                                           const JointPlan& incumbent,
                                                           std::span<const Entry> before) {
-  const auto old = std::ranges::find(incumbent.entries, key, &Entry::key);
-  const bool fits =
-      old != incumbent.entries.end() &&
-      still_fits(pairs, scene.vehicle(key), *old->profile, before, options.profile, &work);
-  return fits ? &*old : nullptr;
+  const Entry* old = incumbent.entry(key);
+  const bool fits = old != nullptr && still_fits(pairs, scene.vehicle(key), *old->profile, before,
+                                                 options.profile, &work);
+  return fits ? old : nullptr;
 }
 
 PassingOrder CrossingSearch::keys_of(const std::vector<Entry>& entries) {

@@ -5,6 +5,7 @@
 #include <limits>
 #include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "planner/motion/inertial_car.hpp"
@@ -165,9 +166,18 @@ struct JointPlan {
   std::vector<Entry> entries;
 
   /// nullptr if there is none
-  [[nodiscard]] const SpeedProfile* find(std::int64_t key) const {
+  [[nodiscard]] const Entry* entry(std::int64_t key) const {
     const auto e = std::ranges::find(entries, key, &Entry::key);
-    return e == entries.end() ? nullptr : e->profile.get();
+    return e == entries.end() ? nullptr : &*e;
+  }
+  [[nodiscard]] Entry* entry(std::int64_t key) {
+    return const_cast<Entry*>(std::as_const(*this).entry(key));
+  }
+
+  /// nullptr if there is none
+  [[nodiscard]] const SpeedProfile* find(std::int64_t key) const {
+    const Entry* e = entry(key);
+    return e == nullptr ? nullptr : e->profile.get();
   }
 };
 

@@ -64,8 +64,7 @@ TEST_F(InARow, WhoBrakesFullyNeedsNotBeTold) {
   make_plan();
   for (const std::int64_t key : {0, 1}) {
     const RoadVehicle& v = scene.vehicles[std::size_t(key)];
-    *std::ranges::find(plan.entries, key, &JointPlan::Entry::key) = {
-        key, std::make_shared<SpeedProfile>(stop_after(scene, v.now, -4.5, 4.5))};
+    *plan.entry(key) = {key, std::make_shared<SpeedProfile>(stop_after(scene, v.now, -4.5, 4.5))};
   }
   add_standing_forecast(0, 60.0 + 4.5 + 8.0);
   EXPECT_THAT(braking(), IsEmpty());
