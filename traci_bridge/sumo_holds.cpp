@@ -9,7 +9,6 @@ namespace {
 
 constexpr double kHoldGap = 1.0;    // from a held vehicle's front to the end of its lane [m]
 constexpr double kForever = 1.0e6;  // [s]
-constexpr int kStoppedBit = 1;      // of getStopState()
 
 /// The lane of its edge, the nearest to its own, from which its route goes on: there it can wait.
 std::string lane_to_wait_in(const std::string& id) {
@@ -45,10 +44,15 @@ void SumoHolds::hold(const std::string& id) {
   }
 }
 
+bool SumoHolds::is_at_stop(const std::string& id) {
+  constexpr int kStoppedBit = 1;
+  return (api::Vehicle::getStopState(id) & kStoppedBit) != 0;
+}
+
 void SumoHolds::release(const std::string& id) {
   const auto found = stops_.find(id);
   const Stop& stop = found->second;
-  if ((api::Vehicle::getStopState(id) & kStoppedBit) != 0) {
+  if (is_at_stop(id)) {
     api::Vehicle::resume(id);
   } else {
     api::Vehicle::setStop(id, stop.edge, stop.position, stop.lane, 0.0);  // cancels it

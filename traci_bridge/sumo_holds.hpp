@@ -20,6 +20,8 @@ class SumoHolds {
   void hold(const std::string& id);
   /// @pre contains(id)
   void release(const std::string& id);
+  /// Does the vehicle stand at a stop, be it by which we hold it or its own?
+  [[nodiscard]] static bool is_at_stop(const std::string& id);
   /// Is it the stop by which we hold the vehicle?
   [[nodiscard]] bool is_hold(const std::string& id, const libsumo::TraCINextStopData& stop) const;
 

@@ -8,7 +8,6 @@
 namespace mvtp::MVTP_SUMO_NAMESPACE {
 namespace {
 
-constexpr int kStoppedBit = 1;     // of getStopState()
 constexpr double kStanding = 0.1;  // [m/s]
 
 }  // namespace
@@ -23,8 +22,8 @@ void SumoVehicles::read(std::string id, VehicleState& state) {
   state.speed_factor = vehicle.speed_factor;
   state.lane = api::Vehicle::getLaneID(id);
   state.lane_position = state.lane.empty() ? 0.0 : api::Vehicle::getLanePosition(id);
-  state.halted_by_stop = state.speed < kStanding && !told && !holds_.contains(id) &&
-                         (api::Vehicle::getStopState(id) & kStoppedBit) != 0;
+  state.halted_by_stop =
+      state.speed < kStanding && !told && !holds_.contains(id) && SumoHolds::is_at_stop(id);
   state.id = std::move(id);
 }
 
