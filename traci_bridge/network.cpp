@@ -124,6 +124,8 @@ class NetworkReader {
                                 .width = file_.positive(*lane, "width", 4.0),
                                 .shape = file_.points(*lane, "shape"),
                                 .lights = {}};
+    const auto repeated = std::ranges::unique(crossing.shape);
+    crossing.shape.erase(repeated.begin(), repeated.end());
     if (crossing.shape.size() < 2) file_.fail(*lane, "crossing \"" + id + "\" has no shape");
     crossings_.insert_or_assign(id, std::move(crossing));
   }

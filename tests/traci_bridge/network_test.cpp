@@ -199,6 +199,29 @@ RoadNetwork parse(const std::string& net) {
   return read_network(directory.write("test.net.xml", net));
 }
 
+/// The same streets with a crossing for people at J.
+std::string with_crossing(const std::string& shape) {
+  std::string net = crossing(
+      kOpenLane, kStraightOn +
+                     R"(<edge id=":J_c0" function="crossing"><lane id=":J_c0_0" index="0" )"
+                     R"(allow="pedestrian" speed="1" length="6" width="4" shape=")" +
+                     shape + R"("/></edge>)");
+  const std::string lanes = " incLanes=";
+  return net.insert(net.find(lanes), R"( intLanes=":J_0_0 :J_1_0 :J_c0_0")");
+}
+
+TEST(ReadNetwork, ACrossingHasNoPointTwice) {
+  const RoadNetwork network = parse(with_crossing("7,3 7,3 7,0 7,-3 7,-3"));
+  ASSERT_THAT(network.junctions.at("J").crossings, SizeIs(1));
+  EXPECT_THAT(network.junctions.at("J").crossings[0].shape,
+              ElementsAre(Point{7, 3}, Point{7, 0}, Point{7, -3}));
+}
+
+TEST(ReadNetwork, ACrossingLeadsSomewhere) {
+  EXPECT_THAT(message_of([] { parse(with_crossing("7,3 7,3")); }),
+              testing::HasSubstr("crossing \":J_c0\" has no shape"));
+}
+
 // SUMO writes -1 for the connections at a signal that it does not control.
 TEST(ReadNetwork, AConnectionWithoutALightObeysNoSignal) {
   const RoadNetwork network = parse(crossing(
