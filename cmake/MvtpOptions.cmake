@@ -23,6 +23,10 @@ target_compile_options(mvtp_options INTERFACE
   -ffp-contract=off
   # Position-independent, yet as fast: nobody replaces our functions at load time.
   -fno-semantic-interposition)
+if(MVTP_JOIN_SOURCES)
+  # In a group the names of one file may hide those of another, which clang minds.
+  target_compile_options(mvtp_options INTERFACE $<$<CXX_COMPILER_ID:Clang>:-Wno-shadow>)
+endif()
 target_link_options(mvtp_options INTERFACE LINKER:-z,relro,-z,now)
 if(MVTP_WERROR)
   target_compile_options(mvtp_options INTERFACE -Werror)

@@ -21,7 +21,7 @@ class Phases : public testing::Test {
                                           SignalTiming::real());
     heads->own();
     choice = std::make_unique<PhaseChoice>(
-        *traffic, *graph, *heads, [this](const std::string& id) { return id.starts_with("ours"); });
+        *traffic, *graph, *heads, [](const std::string& id) { return id.starts_with("ours"); });
   }
   void wait(double seconds) {
     for (int i = 0; i < int(seconds * 10.0 + 0.5); ++i) {

@@ -63,7 +63,7 @@ TEST(FirstPlan, CrowdsAndOthersEndWithoutConflicts) {
 
 //   So much later than the one with the longest path may they arrive, unless there is no such plan.
 TEST(FirstPlan, ACrowdKeepsToItsLimit) {
-  for (const std::uint64_t seed : {0, 5, 8, 10}) {
+  for (const std::uint64_t seed : {0U, 5U, 8U, 10U}) {
     const JointScene scene(random_instance(seed, 14, 6, 30));
     JointMotion motion(scene.robots, scene.time);
     motion.place_all(scene.alone);

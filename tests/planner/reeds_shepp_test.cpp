@@ -12,7 +12,7 @@ namespace mvtp {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-constexpr double kRadius = 2.375;
+constexpr double kTurningRadius = 2.375;
 
 std::vector<std::pair<Pose, Pose>> random_pairs(int n) {
   std::mt19937_64 rng(1);
@@ -30,16 +30,16 @@ std::vector<std::pair<Pose, Pose>> random_pairs(int n) {
 TEST(ReedsShepp, PathsEndAtTheGoalAndAreAsLongAsTheySay) {
   const ReedsShepp curves;
   for (const auto& [from, to] : random_pairs(2000)) {
-    const std::vector<Arc> path = curves.path(from, to, kRadius);
+    const std::vector<Arc> path = curves.path(from, to, kTurningRadius);
     const Pose end = drive(from, path);
     EXPECT_LT(distance(end, to), 1e-9);
     EXPECT_LT(std::abs(wrap_to_pi(end.theta - to.theta)), 1e-9);
     double length = 0.0;
     for (const Arc& arc : path) {
       length += std::abs(arc.length);
-      EXPECT_LE(std::abs(arc.curvature), 1.0 / kRadius + 1e-12);
+      EXPECT_LE(std::abs(arc.curvature), 1.0 / kTurningRadius + 1e-12);
     }
-    EXPECT_NEAR(length, curves.length(from, to, kRadius), 1e-9);
+    EXPECT_NEAR(length, curves.length(from, to, kTurningRadius), 1e-9);
     EXPECT_GE(length, distance(from, to) - 1e-9);
   }
 }
@@ -56,8 +56,8 @@ TEST(ReedsShepp, KnowsLengthsFromGeometry) {
 
 TEST(ReedsShepp, IsAsLongAsOmplsPath) {
   for (const auto& [from, to] : random_pairs(20000)) {
-    const double ours = reeds_shepp_length(from, to, kRadius);
-    EXPECT_NEAR(ours, shortest_length(from, to, kRadius), 1e-9)
+    const double ours = reeds_shepp_length(from, to, kTurningRadius);
+    EXPECT_NEAR(ours, shortest_length(from, to, kTurningRadius), 1e-9)
         << from.x << ' ' << from.y << ' ' << from.theta << " to " << to.x << ' ' << to.y << ' '
         << to.theta;
   }
@@ -66,12 +66,13 @@ TEST(ReedsShepp, IsAsLongAsOmplsPath) {
 TEST(ReedsShepp, TheWayBackIsAsLong) {
   const ReedsShepp curves;
   for (const auto& [from, to] : random_pairs(500)) {
-    EXPECT_NEAR(curves.length(from, to, kRadius), curves.length(to, from, kRadius), 1e-9);
+    EXPECT_NEAR(curves.length(from, to, kTurningRadius), curves.length(to, from, kTurningRadius),
+                1e-9);
   }
 }
 
 TEST(ReedsShepp, APathToWhereItStartsIsEmpty) {
-  EXPECT_TRUE(ReedsShepp().path({3, 4, 1}, {3, 4, 1}, kRadius).empty());
+  EXPECT_TRUE(ReedsShepp().path({3, 4, 1}, {3, 4, 1}, kTurningRadius).empty());
 }
 
 TEST(ReedsSheppTable, IsCloseToTheCurves) {

@@ -338,7 +338,7 @@ TEST_F(Crossing, WhoIsPlannedAnewIsSoWithOneThatItMeets) {
   const RoadPairs pairs(scene);
   const Neighbourhoods neighbourhoods(pairs);
   Draws draws(1);
-  for (const std::size_t first : {0, 1}) {
+  for (const std::size_t first : {0U, 1U}) {
     EXPECT_THAT(neighbourhoods.around(plan.entries, first, draws),
                 testing::UnorderedElementsAre(0, 1));
   }

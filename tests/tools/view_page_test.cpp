@@ -375,7 +375,8 @@ TEST(Webm, EachKeyFrameIsInTheIndex) {
     at = file.find("\xF1\x01", at + 1);  // where the next cluster begins in the segment
     ASSERT_NE(at, std::string::npos);
     std::uint64_t where = 0;
-    for (int k = 0; k < 8; ++k) where = where << 8 | static_cast<unsigned char>(file[at + 9 + k]);
+    for (std::size_t k = 0; k < 8; ++k)
+      where = where << 8 | static_cast<unsigned char>(file[at + 9 + k]);
     EXPECT_EQ(file.substr(segment + where, 4), cluster);
   }
 }

@@ -2,10 +2,12 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <string>
 
+#include "coordinator/traffic.hpp"
 #include "planner/problem/input_error.hpp"
 
 namespace mvtp {
@@ -47,6 +49,12 @@ std::string message_of(const Call& call) {
 /// The path of a file of the project.
 inline std::string project_file(const std::string& name) {
   return std::string(MVTP_SOURCE_DIR) + '/' + name;
+}
+
+/// The vehicle of that name, or nullptr.
+inline const VehicleState* find(const Traffic& traffic, const std::string& id) {
+  const auto found = std::ranges::find(traffic.vehicles(), id, &VehicleState::id);
+  return found == traffic.vehicles().end() ? nullptr : &*found;
 }
 
 }  // namespace mvtp

@@ -66,11 +66,6 @@ class SumoParkingTest : public testing::TestWithParam<bool> {
   SumoOptions options_;
 };
 
-const VehicleState* find(const Traffic& traffic, const std::string& id) {
-  const auto found = std::ranges::find(traffic.vehicles(), id, &VehicleState::id);
-  return found == traffic.vehicles().end() ? nullptr : &*found;
-}
-
 /// Drives a vehicle along an arc for some seconds, from where it is; SUMO follows to the digit.
 void drive(Traffic& traffic, const std::string& id, double speed, double curvature,
            double seconds) {

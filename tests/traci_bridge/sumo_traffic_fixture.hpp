@@ -53,11 +53,6 @@ class SumoTrafficTest : public testing::Test {
   std::string network_ = "crossroads";
 };
 
-inline const VehicleState* find(const Traffic& traffic, const std::string& id) {
-  const auto found = std::ranges::find(traffic.vehicles(), id, &VehicleState::id);
-  return found == traffic.vehicles().end() ? nullptr : &*found;
-}
-
 inline const VehicleState& at(const Traffic& traffic, const std::string& id) {
   const VehicleState* state = find(traffic, id);
   if (state == nullptr) throw std::runtime_error("vehicle " + id + " is not on the road");

@@ -20,7 +20,7 @@ class Dice : public Draws {
 
 template <class Integer>
 [[nodiscard]] std::uint32_t low_word(Integer value) {
-  return std::uint32_t(value & 0xffffffffU);
+  return std::uint32_t(std::uint64_t(value) & 0xffffffffU);
 }
 [[nodiscard]] inline std::uint32_t high_word(std::uint64_t value) {
   return std::uint32_t(value >> 32U);

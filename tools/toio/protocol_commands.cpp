@@ -14,8 +14,8 @@ namespace {
 constexpr std::size_t kTargetBytes = 6;
 constexpr std::size_t kListHeader = 8;
 
-constexpr std::uint8_t kLeft = 1;
-constexpr std::uint8_t kRight = 2;
+constexpr std::uint8_t kLeftWheel = 1;
+constexpr std::uint8_t kRightWheel = 2;
 constexpr std::uint8_t kForward = 1;
 constexpr std::uint8_t kBackward = 2;
 
@@ -27,8 +27,8 @@ void put_wheel(Bytes& bytes, std::uint8_t wheel, int speed) {
 
 Bytes wheel_bytes(std::uint8_t type, const WheelUnits& speed) {
   Bytes bytes = {type};
-  put_wheel(bytes, kLeft, speed.left);
-  put_wheel(bytes, kRight, speed.right);
+  put_wheel(bytes, kLeftWheel, speed.left);
+  put_wheel(bytes, kRightWheel, speed.right);
   return bytes;
 }
 
@@ -36,13 +36,13 @@ Bytes wheel_bytes(std::uint8_t type, const WheelUnits& speed) {
 std::optional<WheelUnits> get_wheels(View bytes) {
   WheelUnits units;
   if (bytes[1] == bytes[4]) return std::nullopt;
-  for (const std::size_t at : {1, 4}) {
+  for (const std::size_t at : {1U, 4U}) {
     const std::uint8_t wheel = bytes[at];
     const std::uint8_t direction = bytes[at + 1];
-    if (wheel != kLeft && wheel != kRight) return std::nullopt;
+    if (wheel != kLeftWheel && wheel != kRightWheel) return std::nullopt;
     if (direction != kForward && direction != kBackward) return std::nullopt;
     const int speed = direction == kBackward ? -int(bytes[at + 2]) : int(bytes[at + 2]);
-    (wheel == kLeft ? units.left : units.right) = speed;
+    (wheel == kLeftWheel ? units.left : units.right) = speed;
   }
   return units;
 }
