@@ -27,6 +27,14 @@ CorridorCourse ground_of(CorridorCourse course) {
   return course;
 }
 
+/// Does the body touch ground to keep off?
+bool touches(const ReferencePath& path, const Vehicle& body, const DrivableArea& area) {
+  for (double s = 0.0; s < path.length(); s += kJudgedEvery) {
+    if (area.touches_solid(path.at(s), body)) return true;
+  }
+  return false;
+}
+
 }  // namespace
 
 /// The lanes' centre line and where each piece begins along it [m].
@@ -135,9 +143,8 @@ CorridorMap::Line CorridorMap::centre_line(const CorridorCourse& course) const {
   return line;
 }
 
-/// The lanes of a course with those beside them in the same direction, and the junctions between,
-/// without the kerbs there where people wait.
-DrivableArea CorridorMap::road_along(const CorridorCourse& course) const {
+/// The lanes of a course with those beside them in the same direction, and the junctions between.
+RoadNetwork CorridorMap::road_along(const CorridorCourse& course) const {
   RoadNetwork road;
   const auto add = [&](int lane) {
     const Lane& l = graph_.lane(lane);
@@ -154,9 +161,7 @@ DrivableArea CorridorMap::road_along(const CorridorCourse& course) const {
   };
   for (const int lane : course.lead_in) add_edge(lane);
   for (const CorridorPiece& piece : course.pieces) add_edge(piece.lane);
-  DrivableArea own(road);
-  for (Polygon& kerb : kerbs_where_people_wait(road)) own.keep_off(std::move(kerb));
-  return own;
+  return road;
 }
 
 ReferencePath CorridorMap::path_along(const Line& line, const CorridorCourse& course,
@@ -167,7 +172,14 @@ ReferencePath CorridorMap::path_along(const Line& line, const CorridorCourse& co
   const bool begins = course.start <= 0.0 && course.lead_in.empty();
   const double from = body.rear + (begins ? line.begins.front() : 0.0);
   const double to = length_of(line.points) - body.front - 1.0;
-  return make_reference_path(line.points, from, to, body, road_along(course), area_);
+  const RoadNetwork road = road_along(course);
+  const DrivableArea own(road);
+  DrivableArea clear_of_kerbs = own;
+  for (Polygon& kerb : kerbs_where_people_wait(road)) clear_of_kerbs.keep_off(std::move(kerb));
+  ReferencePath path = make_reference_path(line.points, from, to, body, clear_of_kerbs, area_);
+  // One that keeps off less than all of it is neither the best for people nor for vehicles.
+  if (!touches(path, body, clear_of_kerbs)) return path;
+  return make_reference_path(line.points, from, to, body, own, area_);
 }
 
 /// Courses that differ only in where a vehicle is handed back share a path.

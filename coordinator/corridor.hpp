@@ -87,7 +87,7 @@ class CorridorMap {
 
   [[nodiscard]] static Shape shape_of(const Vehicle& body);
   [[nodiscard]] Line centre_line(const CorridorCourse& course) const;
-  [[nodiscard]] DrivableArea road_along(const CorridorCourse& course) const;
+  [[nodiscard]] RoadNetwork road_along(const CorridorCourse& course) const;
   [[nodiscard]] ReferencePath path_along(const Line& line, const CorridorCourse& course,
                                          const Vehicle& body) const;
   [[nodiscard]] Corridor build(const CorridorCourse& course, const Vehicle& body);

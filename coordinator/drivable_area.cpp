@@ -4,6 +4,7 @@
 #include <cmath>
 #include <optional>
 
+#include "coordinator/corridor_line.hpp"
 #include "planner/problem/referee_geometry.hpp"
 
 namespace mvtp {
@@ -11,8 +12,6 @@ namespace {
 
 constexpr double kCell = 8.0;          ///< [m] of the look-up grid
 constexpr double kMaxTolerance = 1.0;  ///< [m] that queries may ask for
-
-double distance(const Point& a, const Point& b) { return std::hypot(b.x - a.x, b.y - a.y); }
 
 /// The place of the segment that is nearest to `p`.
 Point nearest(const Point& p, const Point& a, const Point& b) {
@@ -154,7 +153,7 @@ bool DrivableArea::contains(const Point& p, double tolerance, std::int32_t& item
   return false;
 }
 
-bool DrivableArea::hits_solid(const Pose& rear_axle, const Vehicle& body) const {
+bool DrivableArea::touches_solid(const Pose& rear_axle, const Vehicle& body) const {
   constexpr double kTouch = 1e-3;  // [m] that count as no contact
   const Point low{-body.rear + kTouch, -body.width / 2.0 + kTouch};
   const Point high{body.front - kTouch, body.width / 2.0 - kTouch};
@@ -185,7 +184,7 @@ bool DrivableArea::hits_solid(const Pose& rear_axle, const Vehicle& body) const 
 
 double DrivableArea::share_outside(const Pose& rear_axle, const Vehicle& body,
                                    double tolerance) const {
-  if (hits_solid(rear_axle, body)) return 1.0;
+  if (touches_solid(rear_axle, body)) return 1.0;
   const double half = body.width / 2.0;
   const int along = std::max(2, int(std::ceil(body.length())));
   const double c = std::cos(rear_axle.theta);

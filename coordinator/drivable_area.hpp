@@ -29,6 +29,9 @@ class DrivableArea {
   [[nodiscard]] double share_outside(const Pose& rear_axle, const Vehicle& body,
                                      double tolerance) const;
 
+  /// Does the footprint touch what stands on a parking lot, or ground to keep off?
+  [[nodiscard]] bool touches_solid(const Pose& rear_axle, const Vehicle& body) const;
+
  private:
   struct Strip {
     Point a, b;
@@ -42,7 +45,6 @@ class DrivableArea {
   [[nodiscard]] bool is_in(std::int32_t item, const Point& p, double tolerance) const;
   /// @param item  a strip to look at first; the one that `p` is on, if there is any.
   [[nodiscard]] bool contains(const Point& p, double tolerance, std::int32_t& item) const;
-  [[nodiscard]] bool hits_solid(const Pose& rear_axle, const Vehicle& body) const;
   void register_box(Point low, Point high, std::int32_t item);
   [[nodiscard]] static std::int64_t cell_key(std::int64_t column, std::int64_t row);
 

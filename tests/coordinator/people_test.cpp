@@ -18,10 +18,8 @@ using testing::IsEmpty;
 using testing::Range;
 using testing::Values;
 
-/// Turning vehicles have room beside people who wait at the corners.
-NetworkShape corners_with_room() { return crossroads_shape(120.0, 10.2); }
-NetworkShape under_lights() { return with_crossings(with_signals(corners_with_room())); }
-NetworkShape with_zebras() { return with_crossings(corners_with_room()); }
+NetworkShape under_lights() { return with_crossings(with_signals(crossroads_shape())); }
+NetworkShape with_zebras() { return with_crossings(crossroads_shape()); }
 
 CoordinatorOptions share(double penetration) {
   CoordinatorOptions options;
