@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "coordinator/road_network.hpp"
+#include "coordinator/network/road_network.hpp"
 #include "planner/problem/pose.hpp"
 #include "planner/problem/vehicle.hpp"
 

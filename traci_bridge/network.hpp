@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "coordinator/road_network.hpp"
+#include "coordinator/network/road_network.hpp"
 
 namespace mvtp {
 

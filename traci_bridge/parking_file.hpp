@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "coordinator/road_network.hpp"
+#include "coordinator/network/road_network.hpp"
 #include "planner/problem/parking_lot.hpp"
 
 namespace mvtp {

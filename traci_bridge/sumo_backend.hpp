@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "coordinator/road_network.hpp"
+#include "coordinator/network/road_network.hpp"
 #include "traci_bridge/output_file.hpp"
 #include "traci_bridge/sumo_traffic.hpp"
 

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "coordinator/road_network.hpp"
+#include "coordinator/network/road_network.hpp"
 #include "traci_bridge/sumo_clock.hpp"
 #include "traci_bridge/sumo_drivers.hpp"
 #include "traci_bridge/sumo_frame.hpp"

@@ -3,7 +3,7 @@
 #include <map>
 #include <string>
 
-#include "coordinator/road_network.hpp"
+#include "coordinator/network/road_network.hpp"
 #include "traci_bridge/sumo_api.hpp"
 #include "traci_bridge/sumo_log.hpp"
 

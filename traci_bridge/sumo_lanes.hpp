@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "coordinator/road_network.hpp"
+#include "coordinator/network/road_network.hpp"
 #include "traci_bridge/sumo_api.hpp"
 #include "traci_bridge/sumo_log.hpp"
 

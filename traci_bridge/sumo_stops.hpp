@@ -5,7 +5,7 @@
 #include <set>
 #include <string>
 
-#include "coordinator/road_network.hpp"
+#include "coordinator/network/road_network.hpp"
 #include "coordinator/traffic.hpp"
 #include "traci_bridge/sumo_api.hpp"
 #include "traci_bridge/sumo_clock.hpp"

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "coordinator/human_fault_port.hpp"
+#include "coordinator/drivers/human_fault_port.hpp"
 #include "coordinator/traffic.hpp"
 
 namespace mvtp {

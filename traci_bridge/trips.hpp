@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "coordinator/trip.hpp"
+#include "coordinator/report/trip.hpp"
 
 namespace mvtp {
 

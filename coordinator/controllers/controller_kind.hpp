@@ -4,8 +4,8 @@
 #include <string>
 
 #include "coordinator/controller.hpp"
-#include "coordinator/coordinator.hpp"
-#include "coordinator/drivable_area.hpp"
+#include "coordinator/junctions/coordinator.hpp"
+#include "coordinator/network/drivable_area.hpp"
 
 namespace mvtp {
 

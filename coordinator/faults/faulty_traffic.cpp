@@ -6,7 +6,7 @@
 #include <cmath>
 #include <utility>
 
-#include "coordinator/controlled_share.hpp"
+#include "coordinator/drivers/controlled_share.hpp"
 #include "planner/problem/input_error.hpp"
 
 namespace mvtp {

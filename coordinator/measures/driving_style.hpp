@@ -4,7 +4,7 @@
 #include <span>
 #include <string>
 
-#include "coordinator/audit.hpp"
+#include "coordinator/audit/audit.hpp"
 
 namespace mvtp {
 

@@ -11,8 +11,8 @@
 #include <utility>
 #include <vector>
 
-#include "coordinator/audit.hpp"
-#include "coordinator/road_network.hpp"
+#include "coordinator/audit/audit.hpp"
+#include "coordinator/network/road_network.hpp"
 #include "planner/geometry/oriented_box.hpp"
 
 namespace mvtp {

@@ -10,7 +10,7 @@
 #include <random>
 #include <vector>
 
-#include "coordinator/audit.hpp"
+#include "coordinator/audit/audit.hpp"
 #include "tests/coordinator/fake_traffic.hpp"
 
 namespace mvtp {

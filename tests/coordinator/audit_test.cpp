@@ -1,13 +1,13 @@
-#include "coordinator/audit.hpp"
+#include "coordinator/audit/audit.hpp"
 
 #include <gtest/gtest.h>
 
 #include <numbers>
 #include <random>
 
-#include "coordinator/free_flow.hpp"
-#include "coordinator/report.hpp"
-#include "coordinator/statistics.hpp"
+#include "coordinator/measures/statistics.hpp"
+#include "coordinator/report/free_flow.hpp"
+#include "coordinator/report/report.hpp"
 #include "tests/coordinator/fake_traffic.hpp"
 
 namespace mvtp {

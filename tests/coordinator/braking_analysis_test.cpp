@@ -1,4 +1,4 @@
-#include "coordinator/braking_analysis.hpp"
+#include "coordinator/drivers/braking_analysis.hpp"
 
 #include <gtest/gtest.h>
 

@@ -6,7 +6,7 @@
 #include <array>
 #include <cmath>
 
-#include "coordinator/partition.hpp"
+#include "coordinator/network/partition.hpp"
 #include "planner/search/draws.hpp"
 
 namespace mvtp {

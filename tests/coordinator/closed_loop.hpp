@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "coordinator/audit.hpp"
-#include "coordinator/coordinator.hpp"
-#include "coordinator/simulation.hpp"
+#include "coordinator/audit/audit.hpp"
+#include "coordinator/junctions/coordinator.hpp"
+#include "coordinator/simulation/simulation.hpp"
 #include "tests/coordinator/fake_traffic.hpp"
 
 namespace mvtp {

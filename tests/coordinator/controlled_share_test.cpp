@@ -1,4 +1,4 @@
-#include "coordinator/controlled_share.hpp"
+#include "coordinator/drivers/controlled_share.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,12 +1,12 @@
-#include "coordinator/coordinator.hpp"
+#include "coordinator/junctions/coordinator.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <random>
 
-#include "coordinator/audit.hpp"
-#include "coordinator/simulation.hpp"
+#include "coordinator/audit/audit.hpp"
+#include "coordinator/simulation/simulation.hpp"
 #include "planner/problem/input_error.hpp"
 #include "tests/coordinator/fake_traffic.hpp"
 

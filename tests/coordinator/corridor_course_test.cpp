@@ -1,4 +1,4 @@
-#include "coordinator/corridor_course.hpp"
+#include "coordinator/corridor/corridor_course.hpp"
 
 #include <gtest/gtest.h>
 
@@ -6,8 +6,8 @@
 #include <cmath>
 #include <set>
 
-#include "coordinator/corridor.hpp"
-#include "coordinator/partition.hpp"
+#include "coordinator/corridor/corridor.hpp"
+#include "coordinator/network/partition.hpp"
 #include "tests/coordinator/fake_traffic.hpp"
 #include "tests/coordinator/walk.hpp"
 

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "coordinator/corridor.hpp"
+#include "coordinator/corridor/corridor.hpp"
 #include "tests/coordinator/fake_traffic.hpp"
 #include "tests/coordinator/walk.hpp"
 

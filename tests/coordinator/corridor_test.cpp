@@ -1,4 +1,4 @@
-#include "coordinator/corridor.hpp"
+#include "coordinator/corridor/corridor.hpp"
 
 #include <gtest/gtest.h>
 
@@ -6,8 +6,8 @@
 #include <numbers>
 #include <random>
 
-#include "coordinator/footprint_motion.hpp"
-#include "coordinator/no_waiting.hpp"
+#include "coordinator/audit/footprint_motion.hpp"
+#include "coordinator/corridor/no_waiting.hpp"
 #include "tests/coordinator/closed_loop.hpp"
 #include "tests/coordinator/fake_traffic.hpp"
 #include "tests/coordinator/shapes.hpp"

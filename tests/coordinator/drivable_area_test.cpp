@@ -1,8 +1,8 @@
-#include "coordinator/drivable_area.hpp"
+#include "coordinator/network/drivable_area.hpp"
 
 #include <gtest/gtest.h>
 
-#include "coordinator/audit.hpp"
+#include "coordinator/audit/audit.hpp"
 #include "tests/coordinator/fake_traffic.hpp"
 
 namespace mvtp {

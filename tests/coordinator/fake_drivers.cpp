@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "coordinator/signal_heads.hpp"
+#include "coordinator/signals/signal_heads.hpp"
 #include "tests/coordinator/fake_traffic.hpp"
 
 namespace mvtp {

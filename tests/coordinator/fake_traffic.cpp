@@ -6,7 +6,7 @@
 #include <tuple>
 #include <utility>
 
-#include "coordinator/corridor_line.hpp"
+#include "coordinator/network/polyline.hpp"
 #include "tests/coordinator/fake_drivers.hpp"
 
 namespace mvtp {

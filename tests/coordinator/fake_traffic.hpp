@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "coordinator/lane_graph.hpp"
+#include "coordinator/network/lane_graph.hpp"
 #include "coordinator/traffic.hpp"
 #include "tests/coordinator/fake_walkers.hpp"
 #include "tests/coordinator/shapes.hpp"

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "coordinator/lane_graph.hpp"
+#include "coordinator/network/lane_graph.hpp"
 #include "coordinator/traffic.hpp"
 
 namespace mvtp {

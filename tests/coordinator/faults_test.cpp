@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "coordinator/faults/faulty_traffic.hpp"
-#include "coordinator/faults/tolerate.hpp"
+#include "coordinator/junctions/tolerate.hpp"
 #include "planner/problem/input_error.hpp"
 #include "tests/coordinator/closed_loop.hpp"
 

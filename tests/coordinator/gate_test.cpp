@@ -1,4 +1,4 @@
-#include "coordinator/gate.hpp"
+#include "coordinator/drivers/gate.hpp"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>

@@ -1,4 +1,4 @@
-#include "coordinator/human_drivers.hpp"
+#include "coordinator/drivers/human_drivers.hpp"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -10,7 +10,7 @@
 #include <set>
 #include <tuple>
 
-#include "coordinator/partition.hpp"
+#include "coordinator/network/partition.hpp"
 #include "tests/coordinator/closed_loop.hpp"
 
 namespace mvtp {

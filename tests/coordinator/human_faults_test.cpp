@@ -1,4 +1,4 @@
-#include "coordinator/human_faults.hpp"
+#include "coordinator/drivers/human_faults.hpp"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>

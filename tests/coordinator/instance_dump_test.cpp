@@ -1,12 +1,12 @@
-#include "coordinator/instance_dump.hpp"
+#include "coordinator/junctions/instance_dump.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <filesystem>
 
-#include "coordinator/footprint_motion.hpp"
-#include "coordinator/simulation.hpp"
+#include "coordinator/audit/footprint_motion.hpp"
+#include "coordinator/simulation/simulation.hpp"
 #include "planner/problem/check_instance.hpp"
 #include "planner/problem/instance_file.hpp"
 #include "planner/problem/validate.hpp"

@@ -1,4 +1,4 @@
-#include "coordinator/lane_graph.hpp"
+#include "coordinator/network/lane_graph.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

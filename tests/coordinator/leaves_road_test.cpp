@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
-#include "coordinator/audit.hpp"
-#include "coordinator/reference_path.hpp"
+#include "coordinator/audit/audit.hpp"
+#include "coordinator/corridor/reference_path.hpp"
 #include "tests/coordinator/fake_traffic.hpp"
 #include "tests/coordinator/shapes.hpp"
 

@@ -1,4 +1,4 @@
-#include "coordinator/lot_coordinator.hpp"
+#include "coordinator/lot/lot_coordinator.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -6,9 +6,9 @@
 #include <cmath>
 #include <numbers>
 
-#include "coordinator/audit.hpp"
-#include "coordinator/drivable_area.hpp"
-#include "coordinator/simulation.hpp"
+#include "coordinator/audit/audit.hpp"
+#include "coordinator/network/drivable_area.hpp"
+#include "coordinator/simulation/simulation.hpp"
 #include "planner/problem/input_error.hpp"
 #include "tests/coordinator/fake_lot.hpp"
 

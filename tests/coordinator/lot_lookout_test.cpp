@@ -1,4 +1,4 @@
-#include "coordinator/lot_lookout.hpp"
+#include "coordinator/lot/lot_lookout.hpp"
 
 #include <gtest/gtest.h>
 

@@ -6,7 +6,7 @@
 
 #include "coordinator/measures/driving_style.hpp"
 #include "coordinator/measures/surrogate_safety.hpp"
-#include "coordinator/report.hpp"
+#include "coordinator/report/report.hpp"
 
 namespace mvtp {
 namespace {

@@ -6,7 +6,7 @@
 #include <array>
 #include <cmath>
 
-#include "coordinator/corridor_line.hpp"
+#include "coordinator/network/polyline.hpp"
 
 namespace mvtp {
 namespace {

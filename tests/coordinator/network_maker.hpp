@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "coordinator/road_network.hpp"
+#include "coordinator/network/road_network.hpp"
 
 namespace mvtp {
 

@@ -1,4 +1,4 @@
-#include "coordinator/partition.hpp"
+#include "coordinator/network/partition.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "coordinator/path_approach.hpp"
+#include "coordinator/corridor/path_approach.hpp"
 
 #include <gtest/gtest.h>
 

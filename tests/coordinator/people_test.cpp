@@ -1,4 +1,4 @@
-#include "coordinator/people.hpp"
+#include "coordinator/people/people.hpp"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -6,7 +6,7 @@
 
 #include <tuple>
 
-#include "coordinator/partition.hpp"
+#include "coordinator/network/partition.hpp"
 #include "planner/search/draws.hpp"
 #include "tests/coordinator/closed_loop.hpp"
 

@@ -1,10 +1,10 @@
-#include "coordinator/phase_choice.hpp"
+#include "coordinator/signals/phase_choice.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "coordinator/corridor_course.hpp"
-#include "coordinator/partition.hpp"
+#include "coordinator/corridor/corridor_course.hpp"
+#include "coordinator/network/partition.hpp"
 #include "tests/coordinator/fake_traffic.hpp"
 
 namespace mvtp {

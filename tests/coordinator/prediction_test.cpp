@@ -1,4 +1,4 @@
-#include "coordinator/prediction.hpp"
+#include "coordinator/prediction/prediction.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 // Whose time counts for more.
-#include "coordinator/priority.hpp"
+#include "coordinator/junctions/priority.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "coordinator/referee.hpp"
+#include "coordinator/junctions/referee.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

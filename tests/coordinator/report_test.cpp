@@ -1,4 +1,4 @@
-#include "coordinator/report.hpp"
+#include "coordinator/report/report.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

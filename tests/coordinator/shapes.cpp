@@ -7,7 +7,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "coordinator/corridor_line.hpp"
+#include "coordinator/network/polyline.hpp"
 
 namespace mvtp {
 namespace {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "coordinator/road_network.hpp"
+#include "coordinator/network/road_network.hpp"
 #include "coordinator/traffic.hpp"
 #include "tests/coordinator/network_maker.hpp"
 

@@ -1,10 +1,10 @@
-#include "coordinator/signal_heads.hpp"
+#include "coordinator/signals/signal_heads.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "coordinator/corridor_course.hpp"
-#include "coordinator/partition.hpp"
+#include "coordinator/corridor/corridor_course.hpp"
+#include "coordinator/network/partition.hpp"
 #include "tests/coordinator/fake_traffic.hpp"
 
 namespace mvtp {

@@ -1,4 +1,4 @@
-#include "coordinator/simulation.hpp"
+#include "coordinator/simulation/simulation.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "coordinator/trip_log.hpp"
+#include "coordinator/report/trip_log.hpp"
 #include "tests/coordinator/fake_traffic.hpp"
 
 namespace mvtp {

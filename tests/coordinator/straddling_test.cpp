@@ -1,4 +1,4 @@
-#include "coordinator/straddling.hpp"
+#include "coordinator/drivers/straddling.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "coordinator/tube.hpp"
+#include "coordinator/prediction/tube.hpp"
 
 #include <gtest/gtest.h>
 

@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
-#include "coordinator/corridor_course.hpp"
-#include "coordinator/partition.hpp"
+#include "coordinator/corridor/corridor_course.hpp"
+#include "coordinator/network/partition.hpp"
 
 namespace mvtp {
 

@@ -1,4 +1,4 @@
-// The rooms of the planner use only those below them: planner/README.md.
+// The rooms of a floor use only those below them: planner/README.md, coordinator/README.md.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -15,58 +15,96 @@ namespace {
 
 using Rooms = std::map<std::string, std::set<std::string>>;
 
-const std::filesystem::path kPlanner = std::filesystem::path(MVTP_SOURCE_DIR) / "planner";
+std::filesystem::path folder_of(const std::string& floor) {
+  return std::filesystem::path(MVTP_SOURCE_DIR) / floor;
+}
 
-/// What each room includes directly, by the sources themselves.
-Rooms included() {
+/// What each room of a floor includes directly, by the sources themselves; other floors end in '/'.
+Rooms included(const std::string& floor) {
   const std::regex include(R"re(^\s*#include "([a-z_]+)/(?:([a-z_]+)/)?[a-z_]+\.hpp")re");
   Rooms rooms;
-  for (const auto& entry : std::filesystem::recursive_directory_iterator(kPlanner)) {
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder_of(floor))) {
     const std::string extension = entry.path().extension();
     if (extension != ".hpp" && extension != ".cpp") continue;
-    const std::string room = entry.path().parent_path().lexically_relative(kPlanner).string();
+    const std::string room = entry.path().parent_path().lexically_relative(folder_of(floor));
     std::set<std::string>& uses = rooms[room];
     std::ifstream file(entry.path());
     for (std::string line; std::getline(file, line);) {
       std::smatch match;
       if (!std::regex_search(line, match, include)) continue;
-      const std::string floor = match[1];
-      const std::string used = match[2];
-      if (floor != "planner") uses.insert(floor + "/");
-      if (floor == "planner" && !used.empty() && used != room) uses.insert(used);
+      const std::string used = match[1] != floor        ? match[1].str() + '/'
+                               : match[2].length() == 0 ? "."
+                                                        : match[2].str();
+      if (used != room) uses.insert(used);
     }
   }
   return rooms;
 }
 
-TEST(Rooms, UseOnlyThoseBelowThem) {
-  Rooms may = {{"problem", {}}};
-  const auto add = [&](const std::string& room, const std::set<std::string>& direct) {
-    std::set<std::string>& all = may[room] = direct;
-    for (const std::string& used : direct) all.insert(may.at(used).begin(), may.at(used).end());
-  };
-  add("geometry", {"problem"});
-  add("motion", {"geometry"});
-  add("search", {"motion"});
-  add("escot", {"search"});
-  add("anytime", {"escot"});
-  add("road", {"escot"});
-  add("lot", {"escot"});
-  add(".", {"anytime"});  // solve()
+/// Which rooms each one may use: those named, and what they use.
+class Floor {
+ public:
+  explicit Floor(std::string name) : name_(std::move(name)) {}
 
-  const Rooms rooms = included();
-  EXPECT_EQ(rooms.size(), may.size());
-  for (const auto& [room, uses] : rooms) {
-    ASSERT_TRUE(may.contains(room)) << room << " is not in planner/README.md";
-    for (const std::string& used : uses) {
-      EXPECT_TRUE(may.at(room).contains(used)) << room << " uses " << used;
+  void add(const std::string& room, const std::set<std::string>& direct) {
+    std::set<std::string>& all = may_[room] = direct;
+    for (const std::string& used : direct) {
+      if (!used.ends_with('/')) all.insert(may_.at(used).begin(), may_.at(used).end());
     }
   }
+  void expect_its_sources_to_keep_to_it() const {
+    const Rooms rooms = included(name_);
+    EXPECT_EQ(rooms.size(), may_.size());
+    for (const auto& [room, uses] : rooms) {
+      ASSERT_TRUE(may_.contains(room)) << room << " is not known";
+      for (const std::string& used : uses) {
+        EXPECT_TRUE(may_.at(room).contains(used)) << room << " uses " << used;
+      }
+    }
+  }
+
+ private:
+  std::string name_;
+  Rooms may_;
+};
+
+TEST(Rooms, OfThePlannerUseOnlyThoseBelowThem) {
+  Floor planner("planner");
+  planner.add("problem", {});
+  planner.add("geometry", {"problem"});
+  planner.add("motion", {"geometry"});
+  planner.add("search", {"motion"});
+  planner.add("escot", {"search"});
+  planner.add("anytime", {"escot"});
+  planner.add("road", {"escot"});
+  planner.add("lot", {"escot"});
+  planner.add(".", {"anytime"});  // solve()
+  planner.expect_its_sources_to_keep_to_it();
 }
 
-TEST(Rooms, SayWhatIsInThem) {
-  for (const auto& [room, uses] : included()) {
-    EXPECT_TRUE(std::filesystem::exists(kPlanner / room / "README.md")) << room;
+TEST(Rooms, OfTheCoordinatorUseOnlyThoseBelowThem) {
+  Floor coordinator("coordinator");
+  coordinator.add("network", {"planner/"});
+  coordinator.add(".", {"network"});  // the port
+  coordinator.add("audit", {"."});
+  coordinator.add("measures", {"audit"});
+  coordinator.add("corridor", {"audit"});
+  coordinator.add("prediction", {"corridor"});
+  coordinator.add("signals", {"prediction"});
+  coordinator.add("drivers", {"signals"});
+  coordinator.add("people", {"signals"});
+  coordinator.add("faults", {"drivers"});
+  coordinator.add("junctions", {"drivers", "people", "faults"});
+  coordinator.add("lot", {"measures"});
+  coordinator.add("controllers", {"junctions"});
+  coordinator.add("simulation", {"audit"});
+  coordinator.add("report", {"measures", "junctions", "lot", "simulation"});
+  coordinator.expect_its_sources_to_keep_to_it();
+}
+
+TEST(Rooms, OfThePlannerSayWhatIsInThem) {
+  for (const auto& [room, uses] : included("planner")) {
+    EXPECT_TRUE(std::filesystem::exists(folder_of("planner") / room / "README.md")) << room;
   }
 }
 

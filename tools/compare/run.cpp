@@ -11,7 +11,7 @@
 #include <fstream>
 #include <set>
 
-#include "coordinator/simulation.hpp"
+#include "coordinator/simulation/simulation.hpp"
 #include "planner/problem/input_error.hpp"
 #include "planner/problem/text_file.hpp"
 #include "tools/child_process.hpp"

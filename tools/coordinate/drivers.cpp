@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <ranges>
 
-#include "coordinator/faults/tolerate.hpp"
-#include "coordinator/human_drivers.hpp"
+#include "coordinator/drivers/human_drivers.hpp"
+#include "coordinator/junctions/tolerate.hpp"
 #include "planner/problem/input_error.hpp"
 #include "tools/coordinate/fault_options.hpp"
 #include "tools/coordinate/lot_options.hpp"

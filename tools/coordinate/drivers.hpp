@@ -7,13 +7,13 @@
 #include <string>
 #include <vector>
 
-#include "coordinator/coordinator.hpp"
-#include "coordinator/drivable_area.hpp"
-#include "coordinator/instance_dump.hpp"
-#include "coordinator/lot_coordinator.hpp"
-#include "coordinator/report.hpp"
-#include "coordinator/simulation.hpp"
-#include "coordinator/trip_log.hpp"
+#include "coordinator/junctions/coordinator.hpp"
+#include "coordinator/junctions/instance_dump.hpp"
+#include "coordinator/lot/lot_coordinator.hpp"
+#include "coordinator/network/drivable_area.hpp"
+#include "coordinator/report/report.hpp"
+#include "coordinator/report/trip_log.hpp"
+#include "coordinator/simulation/simulation.hpp"
 #include "tools/coordinate/lot_recorder.hpp"
 #include "tools/coordinate/options.hpp"
 #include "tools/run_folder.hpp"
@@ -33,8 +33,8 @@ namespace mvtp {
                                                 const Traffic& traffic);
 /// Which vehicles are taken over.
 [[nodiscard]] ControlledShare controlled_share(const CoordinateOptions& options);
-/// Which of the coordinated junctions have no light to tell human drivers that they may go, and what
-/// comes of it; empty if all have one or if there are no human drivers.
+/// Which of the coordinated junctions have no light to tell human drivers that they may go, and
+/// what comes of it; empty if all have one or if there are no human drivers.
 [[nodiscard]] std::string note_on_missing_lights(const CoordinateOptions& options,
                                                  const RoadNetwork& network,
                                                  const std::set<std::string>& junctions);

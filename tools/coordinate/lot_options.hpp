@@ -1,6 +1,6 @@
 #pragma once
 
-#include "coordinator/lot_coordinator.hpp"
+#include "coordinator/lot/lot_coordinator.hpp"
 #include "tools/coordinate/options.hpp"
 
 namespace mvtp {

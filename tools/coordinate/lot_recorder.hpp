@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "coordinator/lot_coordinator.hpp"
-#include "coordinator/lot_report.hpp"
-#include "coordinator/report.hpp"
+#include "coordinator/lot/lot_coordinator.hpp"
+#include "coordinator/lot/lot_report.hpp"
+#include "coordinator/report/report.hpp"
 
 namespace mvtp {
 

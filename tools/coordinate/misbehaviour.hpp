@@ -4,10 +4,10 @@
 #include <set>
 #include <string>
 
-#include "coordinator/braking_analysis.hpp"
-#include "coordinator/human_faults.hpp"
-#include "coordinator/report.hpp"
-#include "coordinator/simulation.hpp"
+#include "coordinator/drivers/braking_analysis.hpp"
+#include "coordinator/drivers/human_faults.hpp"
+#include "coordinator/report/report.hpp"
+#include "coordinator/simulation/simulation.hpp"
 #include "tools/coordinate/options.hpp"
 #include "traci_bridge/sumo_traffic.hpp"
 

@@ -11,9 +11,9 @@
 #include <utility>
 
 #include "coordinator/faults/faulty_traffic.hpp"
-#include "coordinator/report.hpp"
-#include "coordinator/simulation.hpp"
-#include "coordinator/trip_log.hpp"
+#include "coordinator/report/report.hpp"
+#include "coordinator/report/trip_log.hpp"
+#include "coordinator/simulation/simulation.hpp"
 #include "planner/problem/input_error.hpp"
 #include "tools/compare/report.hpp"
 #include "tools/coordinate/drivers.hpp"
@@ -385,7 +385,9 @@ int run_coordinate(const CoordinateOptions& options, const std::string& command)
   RunFolder folder(options.output_dir, "--output-dir");
   announce_run_folder(options.output_dir);
   const auto say = [](const std::string& line) { fmt::print(stderr, "mvtp: {}\n", line); };
-  return SumoRun(options, command, folder, {.say = say, .interrupted = [&] { return interrupt.seen().load(); }}).drive();
+  return SumoRun(options, command, folder,
+                 {.say = say, .interrupted = [&] { return interrupt.seen().load(); }})
+      .drive();
 }
 
 }  // namespace mvtp

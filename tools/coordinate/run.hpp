@@ -5,7 +5,7 @@
 #include <string>
 
 #include "coordinator/controller.hpp"
-#include "coordinator/report.hpp"
+#include "coordinator/report/report.hpp"
 #include "tools/coordinate/options.hpp"
 #include "tools/run_folder.hpp"
 #include "traci_bridge/sumo_traffic.hpp"

@@ -5,10 +5,10 @@
 #include <span>
 #include <string>
 
-#include "coordinator/audit.hpp"
-#include "coordinator/coordinator.hpp"
-#include "coordinator/report.hpp"
-#include "coordinator/simulation.hpp"
+#include "coordinator/audit/audit.hpp"
+#include "coordinator/junctions/coordinator.hpp"
+#include "coordinator/report/report.hpp"
+#include "coordinator/simulation/simulation.hpp"
 #include "tools/coordinate/options.hpp"
 #include "tools/coordinate/tube_recorder.hpp"
 #include "tools/view/replay.hpp"

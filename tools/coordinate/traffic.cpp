@@ -4,7 +4,7 @@
 
 #include <utility>
 
-#include "coordinator/lateral_limits.hpp"
+#include "coordinator/corridor/lateral_limits.hpp"
 #include "planner/problem/input_error.hpp"
 #include "tools/coordinate/fault_options.hpp"
 

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "coordinator/human_drivers.hpp"
+#include "coordinator/drivers/human_drivers.hpp"
 #include "tools/coordinate/drawn_path.hpp"
 
 namespace mvtp {

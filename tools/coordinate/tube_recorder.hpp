@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "coordinator/coordinator.hpp"
+#include "coordinator/junctions/coordinator.hpp"
 #include "tools/view/replay_tubes.hpp"
 
 namespace mvtp {

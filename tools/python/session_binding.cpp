@@ -5,7 +5,7 @@
 #include <memory>
 #include <utility>
 
-#include "coordinator/report.hpp"
+#include "coordinator/report/report.hpp"
 #include "planner/problem/input_error.hpp"
 #include "tools/coordinate/run.hpp"
 #include "tools/python/bindings.hpp"

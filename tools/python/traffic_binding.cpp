@@ -8,7 +8,7 @@
 #include <memory>
 #include <optional>
 
-#include "coordinator/road_network.hpp"
+#include "coordinator/network/road_network.hpp"
 #include "tools/python/bindings.hpp"
 #include "tools/python/outside_controller.hpp"
 #include "tools/python/traffic_door.hpp"

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "coordinator/road_network.hpp"
+#include "coordinator/network/road_network.hpp"
 #include "planner/problem/instance.hpp"
 #include "tools/view/replay.hpp"
 

@@ -1,4 +1,4 @@
-#include "coordinator/green_lanes.hpp"
+#include "coordinator/signals/green_lanes.hpp"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -10,7 +10,7 @@
 #include <tuple>
 
 #include "coordinator/controllers/registry.hpp"
-#include "coordinator/simulation.hpp"
+#include "coordinator/simulation/simulation.hpp"
 #include "planner/geometry/oriented_box.hpp"
 #include "planner/road/reservation.hpp"
 #include "tests/coordinator/closed_loop.hpp"

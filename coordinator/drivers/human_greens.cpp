@@ -1,0 +1,370 @@
+// Which human drivers at signals get green, and when a green ends.
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <set>
+
+#include "coordinator/drivers/human_drivers.hpp"
+#include "coordinator/signals/phase_choice.hpp"
+#include "planner/motion/inertial_car.hpp"
+#include "planner/road/profile_planner.hpp"
+#include "planner/road/road_contact.hpp"
+
+namespace mvtp {
+namespace {
+
+constexpr double kRests = 0.1;      ///< [m/s]
+constexpr double kStands = 0.5;     ///< [m/s]
+constexpr double kStopLine = 10.0;  ///< [m] before the end of its lane a driver waits for green
+constexpr double kNear = 160.0;     ///< [m] around a driver in which others matter
+constexpr double kSoon = 4.0;       ///< [s] in which one ahead is over the line if he goes on
+constexpr double kTogether = 1.0;   ///< [s] after the first of its phase that a light follows
+constexpr double kUncertain = 1.0;  ///< [m] by which drivers may judge otherwise if they can stop
+
+}  // namespace
+
+/// Would it begin to brake for red before the next decision, or does it wait at its line?
+bool HumanDrivers::is_due(const Agent& agent) const {
+  if (agent.speed < kStands && agent.to_line < kStopLine) return true;
+  const double brakes_at = stopping_distance(agent.speed, agent.driver().max_decel) +
+                           agent.driver().road.tau * agent.speed;
+  return agent.to_line <= brakes_at + agent.speed * grid_.decision() + agent.driver().road.min_gap;
+}
+
+/// Is nobody ahead of it in its lane but drivers who have green, and vehicles under control that
+/// go on?
+bool HumanDrivers::is_first(const Agent& agent) const {
+  return std::ranges::none_of(traffic_.vehicles(), [&](const VehicleState& v) {
+    return v.lane == agent.lane && v.lane_position > agent.position && !passes(v.id) &&
+           !(phases_ && goes_on_ahead(v));
+  });
+}
+
+/// Does a vehicle under control drive over its line soon?
+bool HumanDrivers::goes_on_ahead(const VehicleState& v) const {
+  const SpeedProfile* plan = plan_of_(v.id);
+  const int lane = graph_.find_lane(v.lane);
+  if (plan == nullptr || !plan->complete || lane == LaneGraph::kNone) return false;
+  const std::int64_t soon = step_ + std::int64_t(std::lround(kSoon / grid_.dt));
+  return plan->at(soon).s - plan->at(step_).s > graph_.lane(lane).length - v.lane_position;
+}
+
+/// Is a vehicle under control ahead of it before their line that does not go on soon?
+bool HumanDrivers::is_behind_one_who_waits(const Agent& agent) const {
+  return std::ranges::any_of(traffic_.vehicles(), [&](const VehicleState& v) {
+    return v.lane == agent.lane && v.lane_position > agent.position && plan_of_(v.id) != nullptr &&
+           !goes_on_ahead(v);
+  });
+}
+
+bool HumanDrivers::may_have_green(const Agent& agent) const {
+  return std::ranges::all_of(agent.links, [&](int k) {
+    if (!heads_.owns(k)) return false;
+    if (heads_.light(k) == Light::kYellow || heads_.is_called_before(k, agent.came)) return false;
+    if (phases_ && !phases_->allows(k)) return false;
+    if (heads_.light(k) != Light::kGreen) return may_turn_green(k);
+    return phases_ || heads_.shown_for(k) < heads_.timing().most_green;
+  });
+}
+
+bool HumanDrivers::may_turn_green(int link) const {
+  if (!phases_) return heads_.may_turn_green(link);
+  return heads_.may_turn_green(
+      link, [&](int other) { return other < graph_.links() && phases_->go_together(link, other); });
+}
+
+bool HumanDrivers::is_shown_green(const Agent& agent) const {
+  return !agent.links.empty() &&
+         std::ranges::all_of(agent.links, [&](int k) { return heads_.light(k) == Light::kGreen; });
+}
+
+/// Has it green in a phase?
+bool HumanDrivers::is_in_phase(const Agent& agent) const {
+  return is_shown_green(agent) && phases_ &&
+         std::ranges::all_of(agent.links, [&](int k) { return phases_->is_on(k); });
+}
+
+/// Is there room for it behind the junction, should everybody there stop?
+bool HumanDrivers::has_room_behind(const Agent& agent, const Movement& movement) const {
+  const Corridor& corridor = corridors_[movement.corridor];
+  const double gap = movement.driver.road.min_gap;
+  double needed = movement.s_clear + gap;
+  for (const auto& [id, other] : agents_) {
+    const bool shares = other.granted && other.id != agent.id && other.links == agent.links;
+    if (shares) needed += other.length + gap;
+  }
+  return std::ranges::none_of(traffic_.vehicles(), [&](const VehicleState& v) {
+    if (distance(v.pose, agent.pose) > kNear || passes(v.id)) return false;
+    const int lane = graph_.find_lane(v.lane);
+    if (lane == LaneGraph::kNone || graph_.edge_of(lane) == LaneGraph::kNone) return false;
+    const std::optional<double> s = corridor.station(lane, v.lane_position, movement.s_clear);
+    if (!s || *s < movement.s_clear - agent.length) return false;
+    const double rest =
+        *s - length_of(v.type) + stopping_distance(v.speed, movement.driver.max_decel);
+    return rest < needed;
+  });
+}
+
+bool HumanDrivers::come_from_one_lane(const Agent& a, const Agent& b) const {
+  return !a.links.empty() && !b.links.empty() &&
+         graph_.link(a.links.front()).from == graph_.link(b.links.front()).from;
+}
+
+bool HumanDrivers::may_meet(const Agent& a, const Agent& b) const {
+  if (come_from_one_lane(a, b)) return false;
+  return std::ranges::any_of(a.movements, [&](const Movement& one) {
+    return std::ranges::any_of(b.movements, [&](const Movement& other) {
+      const ContactTable& contacts =
+          corridors_.library().contacts(one.forecast.vehicle.path, other.forecast.vehicle.path);
+      return mvtp::may_meet(contacts, tube_of(one), one.s_clear, tube_of(other), other.s_clear,
+                            step_);
+    });
+  });
+}
+
+/// Where will it be when its light turns yellow in so many seconds, and can it stop then?
+bool HumanDrivers::can_stop_after(const Agent& agent, double seconds) const {
+  const auto steps = std::int64_t(std::ceil(seconds / grid_.dt));
+  return std::ranges::all_of(agent.movements, [&](const Movement& movement) {
+    const InertialState then = movement.forecast.earliest.at(step_ + steps);
+    return then.s + stopping_distance(then.v, movement.driver.max_decel) + then.v * grid_.dt <
+           movement.driver.line;
+  });
+}
+
+/// When it is over its line at the latest, from now on [s].
+double HumanDrivers::latest_at_line(const Agent& agent) const {
+  std::int64_t over = step_;
+  for (const Movement& movement : agent.movements) {
+    over = std::max(over, arrival_step(*movement.forecast.latest, movement.driver.line));
+  }
+  return double(over - step_) * grid_.dt;
+}
+
+/// How long its light is green at least if it gets it [s]: until it passes, or where greens are
+/// taken back from those who can stop, until the next decision.
+double HumanDrivers::green_left(const Agent& first) const {
+  const double least = heads_.timing().least_green;
+  if (!phases_) return std::max(least, latest_at_line(first));
+  const double shown = is_shown_green(first) ? heads_.shown_for(first.links.front()) : 0.0;
+  return std::max(grid_.decision(), least - shown);
+}
+
+/// Those who pass if the first gets green: it and whoever follows it so closely that he could not
+/// stop when the signal turns yellow at the earliest.
+std::vector<const HumanDrivers::Agent*> HumanDrivers::with_followers(const Agent& first) const {
+  std::vector<const Agent*> group = {&first};
+  std::vector<std::pair<double, const Agent*>> behind;  // nullptr: no agent
+  for (const VehicleState& v : traffic_.vehicles()) {
+    if (v.lane != first.lane || v.lane_position >= first.position) continue;
+    const auto agent = agents_.find(v.id);
+    behind.emplace_back(-v.lane_position, agent == agents_.end() ? nullptr : &agent->second);
+  }
+  std::ranges::sort(behind);
+  double green = green_left(first);
+  for (const auto& [place, agent] : behind) {
+    // Whoever turns elsewhere stands at red, and all behind it.
+    const bool goes_along = agent != nullptr && !agent->granted && agent->links == first.links;
+    if (!goes_along || can_stop_after(*agent, green)) break;
+    group.push_back(agent);
+    if (!phases_) green = std::max(green, latest_at_line(*agent));
+  }
+  return group;
+}
+
+std::vector<std::vector<std::string>> HumanDrivers::propose() {
+  std::vector<const Agent*> candidates;
+  std::vector<const Agent*> passing;
+  for (const auto& [id, agent] : agents_) {
+    if (agent.granted) {
+      passing.push_back(&agent);
+    } else if (!agent.inside && !agent.links.empty() && is_due(agent) && is_first(agent) &&
+               may_have_green(agent) &&
+               std::ranges::all_of(agent.movements,
+                                   [&agent = agent, this](const Movement& movement) {
+                                     return has_room_behind(agent, movement);
+                                   })) {
+      candidates.push_back(&agent);
+    }
+  }
+  // Greens that are shown already go on first; then whoever came first.
+  std::ranges::stable_sort(candidates, {}, [&](const Agent* a) {
+    return std::pair(heads_.light(a->links.front()) != Light::kGreen, a->came);
+  });
+  std::vector<std::vector<std::string>> proposals;
+  for (const Agent* first : candidates) {
+    const std::vector<const Agent*> group = with_followers(*first);
+    const bool clear = std::ranges::all_of(group, [&](const Agent* a) {
+      return std::ranges::none_of(passing, [&](const Agent* p) {
+        if (go_together(*a, *p)) return false;
+        return (!p->granted && cross(*a, *p)) || may_meet(*a, *p);
+      });
+    });
+    if (!clear) continue;
+    std::vector<std::string>& ids = proposals.emplace_back();
+    for (const Agent* a : group) ids.push_back(a->id);
+    passing.insert(passing.end(), group.begin(), group.end());
+  }
+  return proposals;
+}
+
+/// May they pass at once, as one of them yields to the other?
+bool HumanDrivers::go_together(const Agent& a, const Agent& b) const {
+  return phases_ && std::ranges::any_of(a.links, [&](int k) {
+           return std::ranges::any_of(b.links, [&](int l) { return phases_->go_together(k, l); });
+         });
+}
+
+/// Would their lights exclude each other? Two who get green at once may not cross at all.
+bool HumanDrivers::cross(const Agent& a, const Agent& b) const {
+  return std::ranges::any_of(a.links, [&](int k) {
+    return std::ranges::any_of(b.links, [&](int l) { return heads_.cross(k, l); });
+  });
+}
+
+bool HumanDrivers::is_crossed_by(const std::string& id, int light) const {
+  return std::ranges::any_of(agents_.at(id).links, [&](int k) { return heads_.cross(k, light); });
+}
+
+void HumanDrivers::grant(const std::string& id) {
+  Agent& agent = agents_.at(id);
+  agent.granted = true;
+  for (const int k : agent.links) heads_.turn_green(k, phases_ && phases_->yields(k));
+}
+
+double HumanDrivers::worth(const std::vector<std::string>& ids) const {
+  double worth = 0.0;
+  for (const std::string& id : ids) {
+    const auto found = agents_.find(id);
+    if (found == agents_.end()) continue;
+    const Agent& agent = found->second;
+    // To end a phase for one who comes to it costs more than whatever he costs others.
+    if (is_in_phase(agent)) return std::numeric_limits<double>::infinity();
+    worth += agent.waited + 0.5 * agent.speed / agent.driver().max_decel +
+             0.5 * agent.speed / agent.driver().max_accel;
+  }
+  return worth;
+}
+
+bool HumanDrivers::may_meet(const std::vector<std::string>& ids, int path,
+                            const SpeedProfile& plan) const {
+  return std::ranges::any_of(ids, [&](const std::string& id) {
+    const auto found = agents_.find(id);
+    if (found == agents_.end()) return false;
+    const Agent& agent = found->second;
+    return std::ranges::any_of(agent.movements, [&](const Movement& movement) {
+      const RoadVehicle& road = movement.forecast.vehicle;
+      const bool follows =
+          drives_ahead(corridors_.library(), {path, plan.at(step_).s}, {road.path, road.now.s});
+      if (follows) return false;
+      const ContactTable& contacts = corridors_.library().contacts(road.path, path);
+      return mvtp::may_meet(contacts, tube_of(movement), movement.s_clear, {plan, plan},
+                            SpeedProfile::kDeparted / 2.0, step_, slack_before(), slack_behind());
+    });
+  });
+}
+
+/// Vehicles near that come from elsewhere: they have no green, or plans around him. But where one
+/// of two drivers with green yields, each looks at the other, unless he goes before him.
+std::vector<std::string> HumanDrivers::who_waits_for(const Agent& agent) const {
+  std::vector<std::string> ids;
+  const auto own = origins_.find(agent.id);
+  for (const VehicleState& v : traffic_.vehicles()) {
+    if (v.id == agent.id || distance(v.pose, agent.pose) > kNear) continue;
+    const auto origin = origins_.find(v.id);
+    const bool same =
+        origin != origins_.end() && own != origins_.end() && origin->second == own->second;
+    const auto other = agents_.find(v.id);
+    const bool looks = other != agents_.end() && let_each_other_pass(agent, other->second) &&
+                       !agent.goes_before.contains(v.id);
+    if (!same && !looks) ids.push_back(v.id);
+  }
+  return ids;
+}
+
+/// Is there a driver without a planned passage who could not stop any more at the next decision?
+/// Behind a vehicle under control there may be: a green is shorter then than it should be.
+bool HumanDrivers::must_end(int link) const {
+  return std::ranges::any_of(agents_, [&](const auto& entry) {
+    const Agent& agent = entry.second;
+    return !agent.granted && std::ranges::count(agent.links, link) > 0 &&
+           !can_stop_after(agent, grid_.decision());
+  });
+}
+
+/// Whatever he judges, does he stop before his line if his light turns yellow now?
+bool HumanDrivers::will_stop_at_yellow(const Agent& agent) const {
+  return can_stop_after(agent, grid_.decision()) &&
+         stopping_distance(agent.speed, agent.driver().max_decel) + kUncertain < agent.to_line;
+}
+
+/// And does he drive over it?
+bool HumanDrivers::will_pass_at_yellow(const Agent& agent) const {
+  const double yellow =
+      heads_.timing().yellow(graph_.lane(graph_.link(agent.links.front()).from).speed_limit);
+  return stopping_distance(agent.speed, agent.driver().max_decel) > agent.to_line + kUncertain &&
+         agent.to_line < agent.speed * (yellow - grid_.decision());
+}
+
+/// May its phase, or nobody's need, end this green?
+bool HumanDrivers::may_end(int link) const {
+  if (heads_.shown_for(link) < heads_.timing().least_green - 1e-6) return false;
+  const bool stays =
+      phases_ && phases_->is_on(link) && heads_.yields(link) == phases_->yields(link);
+  return !stays || heads_.is_called_before(link, step_);
+}
+
+/// Has it come to rest before a light that is not green, though nobody expected that it could?
+bool HumanDrivers::has_stopped_after_all(const Agent& agent) const {
+  return !agent.inside && agent.speed < kRests && !is_shown_green(agent);
+}
+
+/// Where the phase is over, from those who can stop; and from those behind a vehicle under control
+/// that waits: it may wait for somebody who would have to wait for them.
+void HumanDrivers::take_back_greens() {
+  for (auto& [id, agent] : agents_) {
+    if (agent.granted && has_stopped_after_all(agent)) agent.granted = false;
+  }
+  if (!phases_) return;
+  for (auto& [id, agent] : agents_) {
+    if (!agent.granted || agent.inside || !will_stop_at_yellow(agent)) continue;
+    const bool over =
+        std::ranges::any_of(agent.links, [&](int k) { return !phases_->allows(k) && may_end(k); });
+    agent.granted = !over && !is_behind_one_who_waits(agent);
+  }
+}
+
+void HumanDrivers::settle() {
+  for (auto& [id, agent] : agents_) {
+    pass_before_who_waits(agent);
+    if (agent.granted) traffic_.rely_on_signal(id, who_waits_for(agent));
+  }
+  std::set<int> needed;
+  for (const auto& [id, agent] : agents_) {
+    const bool needs = agent.granted && !agent.inside && !agent.links.empty() &&
+                       !(phases_ && will_pass_at_yellow(agent));
+    if (needs) needed.insert(agent.links.begin(), agent.links.end());
+  }
+  for (int k = 0; k < graph_.links(); ++k) {
+    if (!heads_.owns(k) || heads_.light(k) != Light::kGreen || needed.contains(k)) continue;
+    if (may_end(k) || must_end(k)) heads_.end_green(k);
+  }
+  if (phases_) complete_phases();
+}
+
+/// The lights of a phase turn green together: one that followed alone would have to stay for its
+/// least green when the phase ends. Not for a driver who would go before his passage is planned.
+void HumanDrivers::complete_phases() {
+  for (int k = 0; k < graph_.links(); ++k) {
+    if (!heads_.owns(k) || heads_.light(k) != Light::kRed || !phases_->is_on(k)) continue;
+    const bool begins = std::ranges::any_of(phases_->beside(k), [&](int other) {
+      return heads_.light(other) == Light::kGreen && heads_.shown_for(other) <= kTogether;
+    });
+    if (begins && may_turn_green(k) && !heads_.is_called_before(k, step_) && !must_end(k)) {
+      heads_.turn_green(k, phases_->yields(k));
+    }
+  }
+}
+
+}  // namespace mvtp

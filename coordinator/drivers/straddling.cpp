@@ -1,0 +1,163 @@
+#include "coordinator/drivers/straddling.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <utility>
+
+namespace mvtp {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kHalfWidth = 1.0;  ///< [m] beside the middle of its lane that a driver needs
+constexpr double kNear = 2.0;       ///< [m] beside it a body may be there soon
+constexpr double kRoom = 5.0;       ///< [m] that those who change lanes keep ahead and behind
+constexpr double kSight = 60.0;     ///< [m] behind a tail in which drivers matter
+constexpr double kSample = 1.0;     ///< [m] between two points of a body's side
+
+/// Where a point is beside a lane.
+struct Beside {
+  double along = 0.0;  ///< [m] from the start of the lane
+  double aside = 0.0;  ///< [m] from its middle
+};
+
+/// nullopt: before its start or behind its end.
+std::optional<Beside> beside(const Lane& lane, const Point& p) {
+  std::optional<Beside> nearest;
+  double before = 0.0;
+  for (std::size_t i = 1; i < lane.shape.size(); ++i) {
+    const Point& a = lane.shape[i - 1];
+    const Point& b = lane.shape[i];
+    const double length = std::hypot(b.x - a.x, b.y - a.y);
+    if (length <= 0.0) continue;
+    const double along = ((p.x - a.x) * (b.x - a.x) + (p.y - a.y) * (b.y - a.y)) / length;
+    const double at = std::clamp(along, 0.0, length);
+    const double f = at / length;
+    const double aside = std::hypot(p.x - a.x - f * (b.x - a.x), p.y - a.y - f * (b.y - a.y));
+    const bool is_off = (i == 1 && along < 0.0) || (i + 1 == lane.shape.size() && along > length);
+    if (!is_off && (!nearest || aside < nearest->aside)) nearest = Beside{before + at, aside};
+    before += length;
+  }
+  return nearest;
+}
+
+/// Points along both sides of a body.
+std::vector<Point> sides(const Pose& pose, const Vehicle& body) {
+  std::vector<Point> points;
+  const int pieces = std::max(1, int(std::ceil(body.length() / kSample)));
+  for (int i = 0; i <= pieces; ++i) {
+    const double x = -body.rear + body.length() * i / pieces;
+    for (const double y : {-body.width / 2.0, body.width / 2.0}) {
+      const Pose p = compose(pose, {x, y, 0.0});
+      points.push_back({p.x, p.y});
+    }
+  }
+  return points;
+}
+
+}  // namespace
+
+Straddling::Straddling(Traffic& traffic, const LaneGraph& graph, IsControlled is_controlled,
+                       KeepsDriver keeps_driver, TypeOf type_of, CameFrom came_from)
+    : traffic_(traffic),
+      graph_(graph),
+      is_controlled_(std::move(is_controlled)),
+      keeps_driver_(std::move(keeps_driver)),
+      type_of_(std::move(type_of)),
+      came_from_(std::move(came_from)) {}
+
+/// Is all of the body within the lane of its front, or beyond the lane that it comes from? Quick.
+bool Straddling::is_clear(const VehicleState& v, int lane, int from) const {
+  constexpr double kInLane = 0.3;  // [m] from the middle of the lane: still within it
+  const Vehicle& body = type_of_(v.type).body;
+  if (lane != from) {
+    const Point& end = graph_.lane(from).shape.back();
+    return std::hypot(v.pose.x - end.x, v.pose.y - end.y) > body.length();
+  }
+  if (graph_.lanes_of(graph_.edge_of(lane)).size() < 2) return true;
+  return std::ranges::all_of(std::array{-body.rear, body.front}, [&](double x) {
+    const Pose p = compose(v.pose, {x, 0.0, 0.0});
+    const std::optional<Beside> place = beside(graph_.lane(lane), {p.x, p.y});
+    return place && place->aside < kInLane;
+  });
+}
+
+void Straddling::find_tails(const VehicleState& v) {
+  const int lane = graph_.find_lane(v.lane);  // none where it swings out between two
+  const bool inside = lane == LaneGraph::kNone || graph_.edge_of(lane) == LaneGraph::kNone;
+  const int from = inside ? came_from_(v.id) : lane;
+  if (from == LaneGraph::kNone || is_clear(v, lane, from)) return;
+  const std::vector<Point> body = sides(v.pose, type_of_(v.type).body);
+  for (const int other : graph_.lanes_of(graph_.edge_of(from))) {
+    if (other == lane) continue;
+    for (const Point& p : body) {
+      const std::optional<Beside> place = beside(graph_.lane(other), p);
+      if (!place || place->aside >= kNear) continue;
+      sides_[graph_.lane(other).id].push_back(place->along);
+      if (place->aside < kHalfWidth) {
+        tails_[graph_.lane(other).id].push_back({place->along, v.speed});
+      }
+    }
+  }
+}
+
+/// From which the driver can stop behind it, braking as it does [Krauss 1998].
+double Straddling::safe_speed(const VehicleState& driver, const Tail& tail) const {
+  const VehicleType& type = type_of_(driver.type);
+  const double gap = std::max(0.0, tail.along - driver.lane_position - type.min_gap);
+  const double reaction = type.body.max_decel * type.tau;
+  return std::sqrt(reaction * reaction + tail.speed * tail.speed +
+                   2.0 * type.body.max_decel * gap) -
+         reaction;
+}
+
+/// The speed at which it may go at most; infinity: nobody's tail is ahead of it.
+double Straddling::most_speed(const VehicleState& driver) const {
+  double most = kInfinity;
+  const auto tails = tails_.find(driver.lane);
+  if (tails == tails_.end()) return most;
+  for (const Tail& tail : tails->second) {
+    const double ahead = tail.along - driver.lane_position;
+    if (ahead > 0.0 && ahead < kSight) most = std::min(most, safe_speed(driver, tail));
+  }
+  return most;
+}
+
+/// Is somebody level with it on or near another lane of its edge?
+bool Straddling::is_beside_one(const VehicleState& driver) const {
+  const int lane = graph_.find_lane(driver.lane);
+  if (lane == LaneGraph::kNone || graph_.edge_of(lane) == LaneGraph::kNone) return false;
+  const double front = driver.lane_position + kRoom;
+  const double rear = driver.lane_position - type_of_(driver.type).body.length() - kRoom;
+  return std::ranges::any_of(graph_.lanes_of(graph_.edge_of(lane)), [&](int other) {
+    const auto sides = sides_.find(graph_.lane(other).id);
+    return other != lane && sides != sides_.end() &&
+           std::ranges::any_of(sides->second, [&](double s) { return s > rear && s < front; });
+  });
+}
+
+void Straddling::show() {
+  tails_.clear();
+  sides_.clear();
+  for (const VehicleState& v : traffic_.vehicles()) {
+    if (is_controlled_(v.id)) find_tails(v);
+  }
+  if (sides_.empty() && capped_.empty() && kept_.empty()) return;
+  std::set<std::string> capped;
+  std::set<std::string> kept;
+  for (const VehicleState& v : traffic_.vehicles()) {
+    if (is_controlled_(v.id)) continue;
+    const double most = keeps_driver_(v) ? most_speed(v) : kInfinity;
+    if (most < kInfinity || capped_.contains(v.id)) traffic_.cap_speed(v.id, most);
+    if (most < kInfinity) capped.insert(v.id);
+    const bool stays = !sides_.empty() && is_beside_one(v);
+    if (stays || kept_.contains(v.id)) traffic_.keep_lane(v.id, stays);
+    if (stays) kept.insert(v.id);
+  }
+  capped_ = std::move(capped);
+  kept_ = std::move(kept);
+}
+
+}  // namespace mvtp

@@ -1,0 +1,170 @@
+// Who is let over junctions is decided for each control zone by itself: which guests are offered,
+// in which order, and whether the plans of the zone allow it.
+
+#include <algorithm>
+#include <iterator>
+
+#include "coordinator/drivers/human_drivers.hpp"
+#include "coordinator/junctions/coordinator.hpp"
+#include "coordinator/network/partition.hpp"
+
+namespace mvtp {
+
+/// The zone of each junction; LaneGraph::kNone: it is not coordinated.
+void Coordinator::find_zones() {
+  zone_of_junction_.assign(std::size_t(graph_.junctions()), LaneGraph::kNone);
+  const std::vector<ControlZone> zones = partition(graph_, coordinated_, options_.corridors.chain);
+  for (std::size_t z = 0; z < zones.size(); ++z) {
+    for (const int j : zones[z].junctions) zone_of_junction_[std::size_t(j)] = int(z);
+  }
+}
+
+/// The zone through which a corridor leads first.
+int Coordinator::zone_of(int corridor) const {
+  for (const CorridorPiece& piece : corridors_[corridor].course.pieces) {
+    if (graph_.edge_of(piece.lane) != LaneGraph::kNone) continue;
+    const int junction = graph_.link(graph_.links_over(piece.lane).front()).junction;
+    const int zone = zone_of_junction_[std::size_t(junction)];
+    if (zone != LaneGraph::kNone) return zone;
+  }
+  return LaneGraph::kNone;
+}
+
+/// The zone that somebody is in, or comes to next.
+int Coordinator::zone_of(const std::string& guest) const {
+  if (people_ && people_->knows(guest)) {
+    return zone_of_junction_[std::size_t(people_->junction_of(guest))];
+  }
+  const VehicleState* v = find_state(guest);
+  const int lane = v == nullptr ? LaneGraph::kNone : graph_.find_lane(v->lane);
+  if (lane == LaneGraph::kNone) return LaneGraph::kNone;
+  std::vector<int> junctions;
+  if (graph_.edge_of(lane) == LaneGraph::kNone) {
+    const auto links = graph_.links_over(lane);
+    if (!links.empty()) junctions.push_back(graph_.link(links.front()).junction);
+  }
+  for (const int edge : route_of(*v)) junctions.push_back(graph_.junction_behind(edge));
+  for (const int j : junctions) {
+    const int zone = j == LaneGraph::kNone ? j : zone_of_junction_[std::size_t(j)];
+    if (zone != LaneGraph::kNone) return zone;
+  }
+  return LaneGraph::kNone;
+}
+
+/// Those who may go over junctions now, in groups that only go together: guests at the gate,
+/// people, and drivers at signals, of each kind in turn.
+std::vector<std::vector<std::string>> Coordinator::groups_of_guests() {
+  std::vector<std::vector<std::vector<std::string>>> kinds(3);
+  for (const std::string& guest : gate_.propose()) kinds[0].push_back({guest});
+  if (people_) {
+    for (const std::string& crossing : people_->propose()) kinds[1].push_back({crossing});
+  }
+  if (humans_) kinds[2] = humans_->propose();
+  std::vector<std::vector<std::string>> groups;
+  for (std::size_t i = 0; std::ranges::any_of(kinds, [i](const auto& k) { return i < k.size(); });
+       ++i) {
+    for (auto& kind : kinds) {
+      if (i < kind.size()) groups.push_back(std::move(kind[i]));
+    }
+  }
+  return groups;
+}
+
+/// The order in which groups are tried: all at once, or else each alone.
+std::vector<std::vector<std::string>> Coordinator::in_order(
+    std::vector<std::vector<std::string>> groups) {
+  constexpr std::size_t kMost = 3;  // alone
+  std::vector<std::vector<std::string>> offers;
+  std::vector<std::string> all;
+  for (auto& group : groups) {
+    if (may_meet_people(group)) continue;
+    std::vector<std::string> with = all;
+    with.insert(with.end(), group.begin(), group.end());
+    if (!may_meet_people(with) && !exclude_each_other(all, group)) all = std::move(with);
+    offers.push_back(std::move(group));
+  }
+  if (offers.size() < 2) return offers;
+  offers.resize(std::min(offers.size(), kMost));
+  if (std::ranges::count(offers, all) == 0) offers.insert(offers.begin(), std::move(all));
+  return offers;
+}
+
+/// What may be offered, by control zone.
+std::map<int, Coordinator::ZoneOffers> Coordinator::offers_of_zones(
+    const std::vector<std::vector<std::string>>& groups) {
+  std::map<int, std::vector<std::vector<std::string>>> by_zone;
+  for (const auto& group : groups) by_zone[zone_of(group.front())].push_back(group);
+  std::map<int, ZoneOffers> offers;
+  for (auto& [zone, its_own] : by_zone) offers[zone].sets = in_order(std::move(its_own));
+  return offers;
+}
+
+/// What a trial means for those under control in a zone.
+Coordinator::ZoneVerdict Coordinator::verdict(const Trial& trial, int zone) const {
+  ZoneVerdict verdict;
+  const auto is_there = [&](std::int64_t key) {
+    const auto known = trial.zones.find(key);
+    return known != trial.zones.end() && known->second == zone;
+  };
+  for (const JointPlan::Entry& e : trial.decision.plan.entries) {
+    verdict.stepped += int(!e.profile->complete && is_there(e.key));
+  }
+  for (std::size_t g = 0; g < trial.decision.members.size(); ++g) {
+    if (std::ranges::none_of(trial.decision.members[g], is_there)) continue;
+    verdict.cost += trial.decision.costs[g];
+    verdict.is_refused |= std::ranges::binary_search(trial.refused, g);
+  }
+  return verdict;
+}
+
+/// May these guests of a zone go, as planned in `with`? Nobody there may lose its complete plan,
+/// and nobody may come where the guests may be; and it has to be worth what it costs.
+bool Coordinator::allows(const std::vector<std::string>& guests, int zone, const Trial& with,
+                         const Trial& without) {
+  const ZoneVerdict then = verdict(with, zone);
+  const ZoneVerdict before = verdict(without, zone);
+  if (then.stepped > before.stepped || then.is_refused) return false;
+  const bool looks_inside = people_ || is_at_gate(guests);
+  if (looks_inside && waits_inside(with, zone) && !waits_inside(without, zone)) return false;
+  if (!is_clear_of(guests, with) || touches_guests(guests, with)) return false;
+  const bool comparable = before.stepped == 0;
+  return !comparable || then.cost - before.cost <= worth(guests);
+}
+
+/// The plan with as many drivers and people getting green as is possible, and worth what it costs
+/// the vehicles under control. Zones share no ground: each has its own offers and its own verdict,
+/// and one trial plans an offer of every zone.
+/// @param tried  a trial of guests of all zones, which need not be made again; none: there is none.
+Coordinator::Trial Coordinator::best_trial_by_zones(const std::map<std::string, Driven>& arrivals,
+                                                    const std::set<std::string>& excluded,
+                                                    const std::vector<std::int64_t>& upset,
+                                                    std::map<int, ZoneOffers> offers,
+                                                    std::optional<Trial> tried) {
+  Trial without =
+      without_the_late(plan_trial(arrivals, excluded, upset, {}), arrivals, excluded, upset);
+  const auto guests_of_all = [&] {
+    std::vector<std::string> guests;
+    for (const auto& [zone, offer] : offers) {
+      if (offer.next < offer.sets.size())
+        std::ranges::copy(offer.present(), std::back_inserter(guests));
+    }
+    return guests;
+  };
+  while (true) {
+    const std::vector<std::string> guests = guests_of_all();
+    if (guests.empty()) return without;
+    const bool is_known = tried && tried->guests == guests && tried->excluded == without.excluded;
+    Trial with =
+        is_known ? *std::move(tried) : plan_trial(arrivals, without.excluded, upset, guests);
+    if (is_known) tried.reset();
+    bool all_go = true;
+    for (auto& [zone, offer] : offers) {
+      if (offer.next == offer.sets.size() || allows(offer.present(), zone, with, without)) continue;
+      ++offer.next;
+      all_go = false;
+    }
+    if (all_go) return with;
+  }
+}
+
+}  // namespace mvtp

@@ -1,0 +1,378 @@
+// How vehicles come under control of a coordinator, and how they are handed back.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string_view>
+#include <utility>
+
+#include "coordinator/audit/audit.hpp"
+#include "coordinator/drivers/human_drivers.hpp"
+#include "coordinator/junctions/coordinator.hpp"
+
+namespace mvtp {
+namespace {
+
+constexpr double kSpareRoom = 10.0;  ///< [m] before a line, beside what it takes to stop there
+
+/// The classes of road vehicles; what runs on rails, on foot or on two wheels without an engine
+/// stays human-driven.
+bool is_car_like(const std::string& vehicle_class) {
+  constexpr std::array<std::string_view, 12> kNot = {
+      "pedestrian",    "bicycle", "tram",      "rail",      "rail_urban", "rail_fast",
+      "rail_electric", "ship",    "container", "cable_car", "subway",     "aircraft"};
+  return std::ranges::find(kNot, vehicle_class) == kNot.end();
+}
+
+}  // namespace
+
+/// May it be taken over later? It has room to stop before its line.
+bool Coordinator::can_wait(double speed, const Vehicle& body, double to_line) {
+  return to_line >= stopping_distance(speed, comfortable_braking(body)) + kSpareRoom;
+}
+
+/// One that could not go on into the next corridor drives to the end of its own, where its driver
+/// takes over.
+void Coordinator::stay(const std::string& id) {
+  const Driven& driven = driven_.at(id);
+  const SpeedProfile* plan = plan_.find(driven.key);
+  const bool ends =
+      plan == nullptr || (plan->complete && plan->end() <= step_ + grid_.steps_per_decision);
+  if (ends) hand_back(id);
+}
+
+/// Tells the traffic along which edges the vehicle will be placed.
+void Coordinator::announce(const std::string& id, const Driven& driven) {
+  std::vector<std::string> edges;
+  const CorridorCourse& course = corridors_[driven.corridor].course;
+  if (graph_.edge_of(course.pieces.front().lane) == LaneGraph::kNone) {
+    edges.push_back(graph_.edge_id(driven.route.front()));
+  }
+  for (const CorridorPiece& piece : course.pieces) {
+    const int edge = graph_.edge_of(piece.lane);
+    if (edge != LaneGraph::kNone) edges.push_back(graph_.edge_id(edge));
+  }
+  traffic_.drive_along(id, edges);
+}
+
+/// Hands back those at the end of their corridor; but those with a stop line near are to go on into
+/// the next corridor.
+std::map<std::string, Driven> Coordinator::leave_corridors(bool may_go_on) {
+  std::map<std::string, Driven> going_on;
+  std::vector<std::string> finished;
+  for (const auto& [id, driven] : driven_) {
+    if (here(driven).s < driven.road.s_handback) {
+      if (stands_for_good(driven)) finished.push_back(id);
+      continue;
+    }
+    const bool inside = is_inside(driven);
+    const std::optional<Newcomer> next =
+        inside || planner_is_dead() ? std::nullopt : next_corridor(driven, believed(id, driven));
+    if (!next) {
+      const bool now = !inside && driver_has_room(driven) && nobody_comes_over(driven);
+      if (now || ends_soon(driven)) finished.push_back(id);
+    } else if (may_go_on) {
+      Driven& arrival = going_on.emplace(id, admit(*next, driven.key)).first->second;
+      // The traffic's speed is that along the lanes, which the two corridors may scale otherwise.
+      arrival.road.now.v = driven.road.now.v;
+      continue_on(arrival, driven);
+    }
+  }
+  for (const std::string& id : finished) hand_back(id);
+  return going_on;
+}
+
+/// Has it come to rest without a plan how to go on, and nobody makes another one?
+bool Coordinator::stands_for_good(const Driven& driven) const {
+  return planner_is_dead() && driven.road.now.v == 0.0 && !plan_.find(driven.key)->complete;
+}
+
+/// Is its front inside a junction? Its driver would have to turn, and behind it it may go on into
+/// the next corridor.
+bool Coordinator::is_inside(const Driven& driven) const {
+  const Corridor& corridor = corridors_[driven.corridor];
+  const CorridorPiece& piece = corridor.course.pieces[corridor.piece_at(here(driven).s)];
+  return graph_.edge_of(piece.lane) == LaneGraph::kNone;
+}
+
+/// Is there no place left for a later hand-back?
+bool Coordinator::ends_soon(const Driven& driven) const {
+  const InertialState now = here(driven);
+  return planner_is_dead() || now.s + now.v * grid_.dt >= corridors_[driven.corridor].s_latest;
+}
+
+/// Would the driver who gets it back have his headway to whoever is ahead? Else it is driven on
+/// for a while, and slows down as gently as its plan can.
+bool Coordinator::driver_has_room(const Driven& driven) {
+  constexpr double kRange = 60.0;  // [m]
+  const Corridor& corridor = corridors_[driven.corridor];
+  const InertialState now = here(driven);
+  const double b = corridors_.library().body(driven.road.path).max_decel;
+  const Pose here = path_of(driven).at(now.s);
+  return std::ranges::none_of(traffic_.vehicles(), [&](const VehicleState& v) {
+    const int lane = graph_.find_lane(v.lane);
+    if (lane == LaneGraph::kNone || distance(here, v.pose) > kRange) return false;
+    const std::optional<double> s = corridor.station(lane, v.lane_position, now.s);
+    if (!s || *s <= now.s) return false;
+    const Vehicle& ahead = type_of(v.type).body;
+    const double wanted = drivers_gap(driven.road, now.v, b, v.speed, ahead.max_decel);
+    return *s - now.s - ahead.length() < wanted;
+  });
+}
+
+/// Do all others under control keep off the ground on which the driver who gets it back would be,
+/// whether he speeds up or not, and off the gap that he keeps? He makes no room for who comes over.
+bool Coordinator::nobody_comes_over(const Driven& driven) const {
+  constexpr double kRange = 60.0;     // [m]
+  constexpr double kForesight = 4.0;  // [s]
+  const InertialState now = here(driven);
+  const Pose place = path_of(driven).at(now.s);
+  const Corridor& corridor = corridors_[driven.corridor];
+  const Vehicle& body = corridors_.library().body(driven.road.path);
+  const double cruise = std::max(now.v, driven.road.cruise_speed);
+  const auto steps = std::int64_t(kForesight / grid_.dt);
+  return std::ranges::none_of(driven_, [&](const auto& entry) {
+    const auto& [id, other] = entry;
+    if (other.key == driven.key || other.corridor == driven.corridor) return false;
+    const VehicleState& v = *find_state(id);
+    if (distance(place, v.pose) > kRange) return false;
+    // Who is ahead on its lane already is followed.
+    const std::optional<double> s =
+        corridor.station(graph_.find_lane(v.lane), v.lane_position, now.s);
+    if (s && *s > now.s) return false;
+    const ContactTable& contacts = corridors_.library().contacts(other.road.path, driven.road.path);
+    const SpeedProfile& plan = *plan_.find(other.key);
+    const double their_decel = corridors_.library().body(other.road.path).max_decel;
+    for (std::int64_t k = 1; k <= steps; ++k) {
+      const double t = double(k) * grid_.dt;
+      const InertialState there = state_at(plan, step_ + k);
+      const double faster = std::min(now.v * t + 0.5 * body.max_accel * t * t, cruise * t);
+      const double gap = drivers_gap(driven.road, now.v, body.max_decel, there.v, their_decel);
+      if (contacts.blocks(there.s, now.s + now.v * t, now.s + faster + gap)) return true;
+    }
+    return false;
+  });
+}
+
+void Coordinator::hand_back(const std::string& id) {
+  const Driven& driven = driven_.at(id);
+  traffic_.hand_back(id);
+  handed_back_.push_back(id);
+  predictor_.handed_back(id, driven.corridor);
+  std::erase_if(plan_.entries, [&](const auto& e) { return e.key == driven.key; });
+  driven_.erase(id);
+}
+
+/// The corridor through the next junctions, for a vehicle near the end of its own; nullopt if there
+/// is none for it, or no stop line near. @pre it is not inside
+std::optional<Coordinator::Newcomer> Coordinator::next_corridor(const Driven& driven,
+                                                                const VehicleState& state) {
+  const Corridor& corridor = corridors_[driven.corridor];
+  const double s = here(driven).s;
+  const std::size_t at = corridor.piece_at(s);
+  const CorridorPiece& piece = corridor.course.pieces[at];
+  // How many edges of the route lie behind.
+  std::size_t done =
+      graph_.edge_of(corridor.course.pieces.front().lane) == LaneGraph::kNone ? 1 : 0;
+  for (std::size_t i = 0; i < at; ++i) {
+    done += graph_.edge_of(corridor.course.pieces[i].lane) != LaneGraph::kNone ? 1 : 0;
+  }
+  std::vector<int> route(driven.route.begin() + std::ptrdiff_t(std::min(done, driven.route.size())),
+                         driven.route.end());
+  CourseQuery query = query_for(state, route);
+  query.lane = piece.last_lane();
+  query.position = (s - corridor.stations[at]) / corridor.scales[at];
+  std::optional<Newcomer> next = newcomer_at(state, query, route);
+  if (!next) return std::nullopt;
+  // What its body cannot drive is its driver's: it is taken over again behind that.
+  const Corridor& ahead = corridors_[next->corridor];
+  if (ahead.lines.front() - next->to_line < ahead.s_drivable) return std::nullopt;
+  return next;
+}
+
+/// Why it is left to its driver; empty: it is not. Where drivers wait in the lane beside it, a body
+/// that swings out before its turn would wait for them, and they for it.
+std::string Coordinator::why_undriven(const Corridor& corridor) const {
+  constexpr double kSwings = 1.0;  // [m] before its line
+  if (!corridor.undriven.empty() || !owns_signals()) return corridor.undriven;
+  for (std::size_t i = 0; i < corridor.lines.size(); ++i) {
+    const int lane = corridor.course.pieces[std::size_t(corridor.course.lines[i])].last_lane();
+    const bool is_alone = graph_.lanes_of(graph_.edge_of(lane)).size() < 2;
+    if (!is_alone && corridor.lines[i] - corridor.stops[i] > kSwings) {
+      return "the body would swing into the lane beside it, where human drivers wait";
+    }
+  }
+  return {};
+}
+
+std::optional<Coordinator::Newcomer> Coordinator::newcomer_at(const VehicleState& state,
+                                                              CourseQuery query,
+                                                              std::vector<int> route) {
+  query.edges = route;
+  const std::optional<CorridorCourse> course = finder_.find(query);
+  if (!course) return std::nullopt;
+  const VehicleType& type = type_of(state.type);
+  const int number = corridors_.corridor_for(*course, type.body);
+  const Corridor& corridor = corridors_[number];
+  const std::string undriven = why_undriven(corridor);
+  if (!undriven.empty()) {
+    const auto& pieces = corridor.course.pieces;
+    undriven_.try_emplace(
+        fmt::format("type {} from lane {} to lane {}", type.id,
+                    graph_.lane(pieces[std::size_t(corridor.course.lines.front())].last_lane()).id,
+                    graph_.lane(corridor.exit_lane).id),
+        undriven);
+    return std::nullopt;
+  }
+  const double s = corridor.station(query.lane, query.position, 0.0).value_or(0.0);
+  if (s < corridor.s_drivable && !can_wait(state.speed, type.body, corridor.lines.front() - s)) {
+    return std::nullopt;
+  }
+  if (!approach_to(corridor, state, s)
+           .is_drivable(corridors_.library().path(corridor.path), type.body, area_)) {
+    return std::nullopt;  // it stands too much askew, for now
+  }
+  predictor_.watch(corridor);
+  return Newcomer{.state = &state,
+                  .corridor = number,
+                  .to_line = corridor.lines.front() - s,
+                  .route = std::move(route)};
+}
+
+CourseQuery Coordinator::query_for(const VehicleState& v, std::span<const int> route) {
+  const VehicleType& type = type_of(v.type);
+  CourseQuery query{.lane = graph_.find_lane(v.lane),
+                    .position = v.lane_position,
+                    .edges = route,
+                    .length = type.body.length(),
+                    .vehicle_class = &type.vehicle_class};
+  const auto trail = trails_.find(v.id);
+  if (trail != trails_.end()) {
+    const bool is_there = trail->second.lane == query.lane;
+    query.previous_lane = is_there ? trail->second.before : trail->second.lane;
+  }
+  const bool has_choice = query.lane != LaneGraph::kNone && route.size() > 1 &&
+                          graph_.links_between(query.lane, route[1]).size() > 1;
+  if (has_choice) query.next_lane = graph_.find_lane(traffic_.next_lane(v.id));
+  if (const std::optional<Stop> stop = traffic_.next_stop(v.id)) {
+    const int edge = graph_.find_edge(stop->edge);
+    const auto at = std::ranges::find(route, edge);
+    if (at != route.end()) {
+      query.stop_edge = std::size_t(at - route.begin());
+      query.stop_lane = graph_.find_lane(stop->lane);
+      query.stop_position = stop->position;
+    }
+  }
+  return query;
+}
+
+std::vector<int> Coordinator::route_of(const VehicleState& v) const {
+  std::vector<int> route;
+  for (const std::string& edge : traffic_.route_edges(v.id)) {
+    const int number = graph_.find_edge(edge);
+    if (number == LaneGraph::kNone) break;
+    route.push_back(number);
+  }
+  return route;
+}
+
+/// Which normal lanes vehicles have come over: their tails may still be there; and how long they
+/// have stood.
+void Coordinator::remember_lanes() {
+  constexpr double kStanding = 0.1;  // [m/s]
+  std::unordered_map<std::string, Trail> trails;
+  for (const VehicleState& v : traffic_.vehicles()) {
+    Trail trail;
+    if (const auto known = trails_.find(v.id); known != trails_.end()) trail = known->second;
+    const int lane = graph_.find_lane(v.lane);
+    if (lane != LaneGraph::kNone && graph_.edge_of(lane) != LaneGraph::kNone &&
+        lane != trail.lane) {
+      const bool changed =
+          trail.lane != LaneGraph::kNone && graph_.edge_of(lane) == graph_.edge_of(trail.lane);
+      if (!changed) trail.before = trail.lane;
+      trail.lane = lane;
+    }
+    if (lane != LaneGraph::kNone && predictor_.watches(lane)) trail.watched = v.pose;
+    trail.stood = v.speed < kStanding ? trail.stood + 1 : 0;
+    trails.emplace(v.id, trail);
+  }
+  trails_ = std::move(trails);
+}
+
+/// The normal lane that it is on, or was on before.
+int Coordinator::came_from(const std::string& id) const {
+  const auto trail = trails_.find(id);
+  return trail == trails_.end() ? LaneGraph::kNone : trail->second.lane;
+}
+
+/// Is it on a lane that matters to those under control, or its tail still beside one, as it turns
+/// off?
+bool Coordinator::is_watched(const VehicleState& v) {
+  constexpr double kFork = 15.0;  // [m] along which two lanes that part are beside each other
+  const int lane = graph_.find_lane(v.lane);
+  if (lane == LaneGraph::kNone) return false;
+  if (predictor_.watches(lane)) return true;
+  const auto trail = trails_.find(v.id);
+  return trail != trails_.end() && trail->second.watched &&
+         distance(*trail->second.watched, v.pose) < type_of(v.type).body.length() + kFork;
+}
+
+std::vector<Coordinator::Newcomer> Coordinator::find_newcomers() {
+  std::vector<Newcomer> newcomers;
+  gate_.begin();
+  if (owns_signals()) humans_->begin(step_);
+  for (const VehicleState& v : traffic_.vehicles()) {
+    const int lane = graph_.find_lane(v.lane);
+    if (lane == LaneGraph::kNone) continue;
+    const bool passes = gate_.passes(v.id) || (humans_ && humans_->knows(v.id));
+    if (!finder_.may_approach(lane, v.lane_position) && !passes) continue;
+    if (driven_.contains(v.id) || traffic_.is_taken_over(v.id)) continue;
+    if (v.halted_by_stop || is_entering(v)) continue;
+    std::vector<int> route = route_of(v);
+    const CourseQuery query = query_for(v, route);
+    const std::string& vehicle_class = type_of(v.type).vehicle_class;
+    const bool is_car = is_car_like(vehicle_class);
+    if (!is_car) {
+      undriven_.try_emplace("type " + v.type,
+                            "class " + vehicle_class + " is not driven like a car");
+    }
+    if (!is_car || !options_.share.contains(v.id, v.type)) {
+      see_guest(v, query);
+    } else if (auto newcomer = newcomer_at(v, query, route)) {
+      gate_.keep(v.id);
+      if (!turns_yet(*newcomer)) newcomers.push_back(std::move(*newcomer));
+    } else {
+      see_guest(v, query);
+    }
+  }
+  gate_.end();
+  if (owns_signals()) humans_->end();
+  // Whoever is nearer to the line has arrived earlier; lanes keep their order this way.
+  std::ranges::stable_sort(newcomers, {}, &Newcomer::to_line);
+  return newcomers;
+}
+
+/// Does it enter the network just now, its tail still behind the beginning of its first lane?
+/// Inside a junction its tail may be beside the road, too, but it has been seen before.
+bool Coordinator::is_entering(const VehicleState& v) {
+  if (graph_.edge_of(graph_.find_lane(v.lane)) == LaneGraph::kNone) return false;
+  const double length = type_of(v.type).body.length();
+  const auto trail = trails_.find(v.id);
+  const bool came = trail != trails_.end() && trail->second.before != LaneGraph::kNone;
+  return !came && v.lane_position < length + 3.0 &&
+         area_.share_outside(v.pose, type_of(v.type).body, Audit::kRoadTolerance) > 0.0;
+}
+
+/// Is it, or its tail, still in a turn behind it? Then it is taken over later, if there is room to
+/// stop.
+bool Coordinator::turns_yet(const Newcomer& newcomer) {
+  const VehicleState& v = *newcomer.state;
+  if (!can_wait(v.speed, type_of(v.type).body, newcomer.to_line)) return false;
+  const Corridor& corridor = corridors_[newcomer.corridor];
+  const double s = corridor.lines.front() - newcomer.to_line;
+  return s < corridor.s_drivable || approach_to(corridor, v, s).is_aslant();
+}
+
+}  // namespace mvtp

@@ -1,0 +1,52 @@
+#include "coordinator/signals/signal_phases.hpp"
+
+#include <algorithm>
+#include <map>
+
+namespace mvtp {
+
+SignalPhases::SignalPhases(const Traffic& traffic, const LaneGraph& graph,
+                           const SignalHeads& heads) {
+  signal_of_.assign(std::size_t(graph.links()), LaneGraph::kNone);
+  std::map<std::string, std::vector<int>> links;
+  for (int k = 0; k < graph.links(); ++k) {
+    if (heads.owns(k)) links[graph.link(k).signal].push_back(k);
+  }
+  for (const auto& [signal, own] : links) {
+    std::vector<GreenPhase> phases = read_program(traffic, graph, signal, own);
+    if (phases.empty()) continue;
+    for (const int k : own) signal_of_[std::size_t(k)] = int(signals_.size());
+    for (const GreenPhase& phase : phases) find_who_yields(phase, heads);
+    signals_.push_back({signal, std::move(phases)});
+  }
+}
+
+std::vector<GreenPhase> SignalPhases::read_program(const Traffic& traffic, const LaneGraph& graph,
+                                                   const std::string& signal,
+                                                   const std::vector<int>& links) const {
+  std::vector<GreenPhase> phases;
+  for (const SignalPhase& phase : traffic.signal_phases(signal)) {
+    if (phase.lights.find_first_of("yu") != std::string::npos) continue;
+    GreenPhase green;
+    for (const int k : links) {
+      const auto index = std::size_t(graph.link(k).signal_index);
+      const char light = index < phase.lights.size() ? phase.lights[index] : 'r';
+      if (light == 'G' || light == 'g') green.links.insert(k);
+      if (light == 'g') green.yielding.insert(k);
+    }
+    const bool known = std::ranges::any_of(
+        phases, [&](const GreenPhase& other) { return other.links == green.links; });
+    if (!green.links.empty() && !known) phases.push_back(std::move(green));
+  }
+  return phases;
+}
+
+void SignalPhases::find_who_yields(const GreenPhase& phase, const SignalHeads& heads) {
+  for (const int k : phase.yielding) {
+    for (const int other : phase.links) {
+      if (heads.cross(k, other)) yields_.insert({k, other});
+    }
+  }
+}
+
+}  // namespace mvtp
