@@ -5,7 +5,7 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 
 # With the sanitizers and the scheduler on which one test runs a cluster of one node.
-tools/install_packages.sh clang-16 libclang-rt-16-dev munge slurm-client slurmctld slurmd
+tools/install_packages.sh clang-16 libclang-rt-16-dev llvm-16 munge slurm-client slurmctld slurmd
 for preset in asan product; do
   cmake --preset "$preset" >/dev/null
   cmake --build --preset "$preset"

@@ -148,7 +148,7 @@ class Command(unittest.TestCase):
         self.assertEqual(self.row()["verdict"], "pass")
 
     def test_a_failure_is_exit_1_and_a_run_that_hangs_is_ended(self):
-        self.assertEqual(self.suite("--timeout", "1", STUB_HANGS="1"), (1, 1))
+        self.assertEqual(self.suite("--timeout", "5", STUB_HANGS="1"), (1, 1))
         self.assertEqual(self.row()["reasons"], "timeout")
 
 
