@@ -77,6 +77,10 @@ class HumanDrivers {
   /// Groups of drivers that may get green now, the longest waiting first: each group wholly or not
   /// at all, and any of them beside each other. Nobody of a group meets a driver who has green.
   [[nodiscard]] std::vector<std::vector<std::string>> propose();
+  /// How long he has waited [s]; infinite if his light is green.
+  [[nodiscard]] double waited(const std::string& id) const;
+  /// Who stands first at his line, in the phase that is on, with nobody on foot before him.
+  [[nodiscard]] std::vector<std::string> first_at_lines() const;
   /// The passage of this one is planned: shows it green.
   void grant(const std::string& id);
   /// What it is worth that these pass now [s]: what they have waited, and what a stop costs those

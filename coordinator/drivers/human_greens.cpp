@@ -209,6 +209,27 @@ std::vector<std::vector<std::string>> HumanDrivers::propose() {
   return proposals;
 }
 
+double HumanDrivers::waited(const std::string& id) const {
+  const Agent& agent = agents_.at(id);
+  return is_shown_green(agent) ? std::numeric_limits<double>::infinity() : agent.waited;
+}
+
+std::vector<std::string> HumanDrivers::first_at_lines() const {
+  const auto is_barred = [this](const Agent& agent) {
+    return std::ranges::any_of(agent.links, [&](int k) {
+      return heads_.barred_until(k) > traffic_.time() || heads_.is_called_before(k, agent.came) ||
+             (phases_ && !phases_->allows(k));
+    });
+  };
+  std::vector<std::string> first;
+  for (const auto& [id, agent] : agents_) {
+    const bool waits = !agent.inside && !agent.granted && agent.speed < kStands &&
+                       agent.to_line < kStopLine && is_first(agent);
+    if (waits && !is_barred(agent)) first.push_back(id);
+  }
+  return first;
+}
+
 /// May they pass at once, as one of them yields to the other?
 bool HumanDrivers::go_together(const Agent& a, const Agent& b) const {
   return phases_ && std::ranges::any_of(a.links, [&](int k) {

@@ -271,6 +271,8 @@ class Coordinator : public Controller {
   [[nodiscard]] int zone_of(int corridor) const;
   [[nodiscard]] int zone_of(const std::string& guest) const;
   [[nodiscard]] std::vector<std::vector<std::string>> groups_of_guests();
+  [[nodiscard]] std::vector<std::string> crossings_to_offer();
+  [[nodiscard]] std::vector<std::vector<std::string>> groups_at_lights();
   [[nodiscard]] std::vector<std::vector<std::string>> in_order(
       std::vector<std::vector<std::string>> groups);
   [[nodiscard]] std::map<int, ZoneOffers> offers_of_zones(

@@ -51,15 +51,46 @@ int Coordinator::zone_of(const std::string& guest) const {
   return LaneGraph::kNone;
 }
 
-/// Those who may go over junctions now, in groups that only go together: guests at the gate,
-/// people, and drivers at signals, of each kind in turn.
-std::vector<std::vector<std::string>> Coordinator::groups_of_guests() {
-  std::vector<std::vector<std::vector<std::string>>> kinds(3);
-  for (const std::string& guest : gate_.propose()) kinds[0].push_back({guest});
-  if (people_) {
-    for (const std::string& crossing : people_->propose()) kinds[1].push_back({crossing});
+/// Crossings that may get green now. A driver who has waited longer goes first; but not one who has
+/// to wait for those at the kerb, who may well wait for him.
+std::vector<std::string> Coordinator::crossings_to_offer() {
+  if (!people_) return {};
+  std::vector<std::string> drivers;
+  if (humans_) drivers = humans_->first_at_lines();
+  std::erase_if(drivers, [this](const std::string& id) { return may_meet_people({id}); });
+  return people_->propose([&](int light) {
+    double longest = 0.0;
+    for (const std::string& id : drivers) {
+      if (humans_->is_crossed_by(id, light)) longest = std::max(longest, humans_->waited(id));
+    }
+    return longest;
+  });
+}
+
+/// Drivers and people at lights, those who have waited longest first.
+std::vector<std::vector<std::string>> Coordinator::groups_at_lights() {
+  std::vector<std::pair<double, std::vector<std::string>>> groups;
+  for (const std::string& crossing : crossings_to_offer()) {
+    groups.push_back({people_->waited(crossing), {crossing}});
   }
-  if (humans_) kinds[2] = humans_->propose();
+  if (humans_) {
+    for (std::vector<std::string>& drivers : humans_->propose()) {
+      const double waited = humans_->waited(drivers.front());
+      groups.emplace_back(waited, std::move(drivers));
+    }
+  }
+  std::ranges::stable_sort(groups, std::ranges::greater{}, [](const auto& g) { return g.first; });
+  std::vector<std::vector<std::string>> ordered;
+  for (auto& [waited, group] : groups) ordered.push_back(std::move(group));
+  return ordered;
+}
+
+/// Those who may go over junctions now, in groups that only go together: guests at the gate,
+/// and those at lights, in turn.
+std::vector<std::vector<std::string>> Coordinator::groups_of_guests() {
+  std::vector<std::vector<std::vector<std::string>>> kinds(2);
+  for (const std::string& guest : gate_.propose()) kinds[0].push_back({guest});
+  kinds[1] = groups_at_lights();
   std::vector<std::vector<std::string>> groups;
   for (std::size_t i = 0; std::ranges::any_of(kinds, [i](const auto& k) { return i < k.size(); });
        ++i) {

@@ -14,10 +14,11 @@ constexpr double kStep = 0.2;    ///< [m] between the places aside at which peop
 constexpr double kWalker = 0.3;
 constexpr double kStander = 0.06;
 constexpr double kShoulders = 0.26;  ///< half of what somebody covers across it
-constexpr double kInside = 0.4;      ///< [m] from its sides that the margins make up for
+constexpr double kSqueeze = 1.0;  ///< [m] from its sides that those may stand who are walked around
+constexpr double kInside = 0.4;   ///< [m] from its sides that the margins make up for
 
 /// Nobody needs more than a step to stop.
-Vehicle body(double along, double across) {
+Vehicle box(double along, double across) {
   Vehicle person;
   person.front = along;
   person.rear = along;
@@ -26,6 +27,21 @@ Vehicle body(double along, double across) {
   person.max_accel = 2.0;
   person.max_decel = 4.0;
   return person;
+}
+
+/// @param half  of the width of the crossing, without what the margins make up for [m].
+Vehicle body(CrossingPaths::Room room, double half) {
+  switch (room) {
+    case CrossingPaths::Room::kWalks:
+      return box(kWalker, half);
+    case CrossingPaths::Room::kSqueezes:
+      return box(kWalker, std::max(kShoulders, half - kSqueeze));
+    case CrossingPaths::Room::kComes:
+      return box(kStander, half);
+    case CrossingPaths::Room::kStands:
+      break;
+  }
+  return box(kStander, kShoulders);
 }
 
 }  // namespace
@@ -56,10 +72,7 @@ int CrossingPaths::path(int crossing, bool forward, Room room, double aside) {
   const auto [found, is_new] = paths_.try_emplace({crossing, forward, room, steps});
   if (!is_new) return found->second;
   const double half = graph_.crossing(crossing).crossing->width / 2.0 - kInside;
-  const Vehicle person = room == Room::kWalks   ? body(kWalker, half)
-                         : room == Room::kComes ? body(kStander, half)
-                                                : body(kStander, kShoulders);
-  return found->second = library_.add(line(crossing, forward, steps * kStep), person);
+  return found->second = library_.add(line(crossing, forward, steps * kStep), body(room, half));
 }
 
 double CrossingPaths::end(int crossing, bool forward) {

@@ -14,9 +14,10 @@ namespace mvtp {
 class CrossingPaths {
  public:
   /// How much of the ground a person needs: the whole width of the crossing, with room before and
-  /// behind him, while he walks on it; no room before the kerb at which he may stop; and only his
-  /// own place where he stands.
-  enum class Room { kWalks, kComes, kStands };
+  /// behind him, while he walks on it; less of the width where he walks around those who stand on
+  /// its edge; no room before the kerb at which he may stop; and only his own place where he
+  /// stands.
+  enum class Room { kWalks, kSqueezes, kComes, kStands };
 
   /// Where the path of a crossing meets the first kerb: a sample, so that who stands there is.
   static constexpr double kKerb = 4.0;

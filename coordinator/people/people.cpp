@@ -10,6 +10,7 @@ namespace {
 // How people walk: SUMO's lie between these, measured on its crossings.
 constexpr double kFast = 1.8;      ///< [m/s]
 constexpr double kSlow = 0.8;      ///< [m/s]
+constexpr double kUsual = 1.2;     ///< [m/s]
 constexpr double kHesitate = 1.0;  ///< [s] until one who stands walks at his green
 constexpr double kStands = 0.2;    ///< [m/s] below which somebody stands
 
@@ -23,9 +24,13 @@ constexpr double kSlack = 0.5;   ///< [s] that new plans keep before and behind 
 /// since who is in it can neither wait for them nor be waited for.
 constexpr double kSlackToCome = 5.0;
 constexpr double kPromiseAfter = 3.0;  ///< [s] after which a green is promised ahead of time,
-constexpr double kAhead = 3.0;       ///< so much [s]: longer than any vehicle in town needs to stop
-constexpr double kLongest = 6.0;     ///< [s] after which a green is worth any delay of others
-constexpr double kCourtesy = 1.0;    ///< [s] by which drivers who came later may still go first
+constexpr double kAhead = 3.0;     ///< so much [s]: longer than any vehicle in town needs to stop
+constexpr double kLongest = 6.0;   ///< [s] after which a green is worth any delay of others
+constexpr double kPatience = 8.0;  ///< [s] in which drivers go first who have waited longer
+constexpr double kCourtesy = 1.0;  ///< [s] by which drivers who came later may still go first
+/// [s] after which people walk around vehicles that stand on the edge of their crossing: such a
+/// vehicle may wait for them to leave the kerb beside which it has to pass.
+constexpr double kSqueezeAfter = 20.0;
 constexpr double kMostGreen = 12.0;  ///< [s]
 
 }  // namespace
@@ -63,6 +68,23 @@ void People::begin(std::int64_t step, const std::function<bool(const std::string
   }
   show_greens(is_clear);
   call_for_greens();
+  for (int c = 0; c < graph_.crossings(); ++c) heads_.expect_people(c, over_at(c));
+}
+
+/// When nobody is expected on it any more, as far as greens are promised [s]; in the past: nobody
+/// is.
+double People::over_at(int crossing) {
+  std::int64_t over = -1;
+  const auto granted = granted_.find(crossing);
+  if (granted != granted_.end()) {
+    over = granted->second.end + steps(0.5 * heads_.crossing_time(crossing));
+  }
+  for (const auto& [id, person] : people_) {
+    if (person.crossing != crossing || person.where != Where::kOnIt) continue;
+    const double left = paths_.end(crossing, person.forward) - person.s;
+    over = std::max(over, step_ + steps(std::max(0.0, left) / kUsual));
+  }
+  return over < 0 ? -1e300 : traffic_.time() + double(over - step_) * grid_.dt;
 }
 
 void People::see(const Pedestrian& p, Persons& now) {
@@ -145,9 +167,12 @@ bool People::waits_long(int crossing) const {
 }
 
 /// Long enough for those who wait, and at real timing for one who steps onto it at its end to be
-/// half over. Who has waited for long is promised one ahead at every other decision.
+/// half over. Who has waited for long is promised one ahead where one at once was not possible
+/// before.
 People::Green People::next_green(int crossing) const {
-  const bool ahead = waits_long(crossing) && (step_ / grid_.steps_per_decision) % 2 == 1;
+  const auto offered = offered_.find(crossing);
+  const bool ahead = waits_long(crossing) && offered != offered_.end() &&
+                     offered->second == step_ - grid_.steps_per_decision;
   const Green now{.begin = step_ + (ahead ? steps(kAhead) : 0)};
   double needed = std::max(heads_.timing().least_green,
                            heads_.timing().has_yellow ? 0.5 * heads_.crossing_time(crossing) : 0.0);
@@ -209,7 +234,12 @@ Forecast People::crosses(const Person& person, const Green& green) {
   if (person.speed < kStands) late += steps(kHesitate);
   const std::int64_t last = green.end - step_ - std::int64_t(to_kerb / slow / grid_.dt);
   late = std::clamp<std::int64_t>(late, 0, std::max<std::int64_t>(0, last));
-  const int path = paths_.path(person.crossing, person.forward, CrossingPaths::Room::kWalks);
+  const std::optional<std::int64_t> since = waits_since(person.crossing);
+  const bool squeezes =
+      person.where != Where::kOnIt && since && step_ - *since >= steps(kSqueezeAfter);
+  const int path =
+      paths_.path(person.crossing, person.forward,
+                  squeezes ? CrossingPaths::Room::kSqueezes : CrossingPaths::Room::kWalks);
   return forecast_on(path, person, walk(person.s, wait, fast, end, true),
                      walk(person.s, late, slow, end, true));
 }
@@ -256,17 +286,22 @@ Forecast People::forecast_on(int path, const Person& person, SpeedProfile earlie
   return forecast;
 }
 
-std::vector<std::string> People::propose() const {
-  std::vector<std::pair<std::int64_t, int>> waiting;
-  for (int c = 0; c < graph_.crossings(); ++c) {
-    if (!is_ours(c) || granted_.contains(c)) continue;
-    const std::optional<std::int64_t> since = waits_since(c);
-    if (since && heads_.may_turn_green(heads_.light_of_crossing(c)))
-      waiting.emplace_back(*since, c);
-  }
-  std::ranges::sort(waiting);
+double People::waited(const std::string& crossing) const {
+  const std::optional<std::int64_t> since = waits_since(numbers_.at(crossing));
+  return since ? double(step_ - *since) * grid_.dt : 0.0;
+}
+
+std::vector<std::string> People::propose(const std::function<double(int)>& drivers_waited) {
   std::vector<std::string> ids;
-  for (const auto& [since, c] : waiting) ids.push_back(id_of(c));
+  for (int c = 0; c < graph_.crossings(); ++c) {
+    if (!is_ours(c) || granted_.contains(c) || !waits_since(c)) continue;
+    const int light = heads_.light_of_crossing(c);
+    if (!heads_.may_turn_green(light)) continue;
+    const double here = waited(id_of(c));
+    if (here < kPatience && drivers_waited(light) > here) continue;
+    ids.push_back(id_of(c));
+    if (next_green(c).begin == step_) offered_[c] = step_;
+  }
   return ids;
 }
 

@@ -51,8 +51,13 @@ class People {
     return graph_.crossing(crossing).crossing->id;
   }
 
-  /// Crossings that should get green now, by id, the longest waiting first.
-  [[nodiscard]] std::vector<std::string> propose() const;
+  /// Crossings that should get green now, by id. As long as nobody there has waited for long,
+  /// drivers go first who have waited longer.
+  /// @param drivers_waited  how long a driver has waited at his line who crosses this light [s];
+  ///                        0: nobody has who could go now.
+  [[nodiscard]] std::vector<std::string> propose(const std::function<double(int)>& drivers_waited);
+  /// How long the first of those has waited who want to go over it [s].
+  [[nodiscard]] double waited(const std::string& crossing) const;
   /// What a green is worth that these crossings get now [s]: what those there have waited. At last
   /// it is worth whatever it costs others.
   [[nodiscard]] double worth(const std::vector<std::string>& crossings) const;
@@ -89,6 +94,7 @@ class People {
   [[nodiscard]] bool waits(const Person& person, int crossing) const;
   void show_greens(const std::function<bool(const std::string&)>& is_clear);
   void call_for_greens();
+  [[nodiscard]] double over_at(int crossing);
   [[nodiscard]] std::int64_t steps(double seconds) const;
   [[nodiscard]] bool is_ours(int crossing) const;
   [[nodiscard]] bool waits_long(int crossing) const;
@@ -111,7 +117,8 @@ class People {
   std::map<std::string, std::vector<int>> meeting_;  ///< those that begin or end at an edge
   std::int64_t step_ = 0;
   Persons people_;
-  std::map<int, Green> granted_;  ///< by crossing
+  std::map<int, Green> granted_;         ///< by crossing
+  std::map<int, std::int64_t> offered_;  ///< the last decision in which a green at once was wanted
   std::int64_t greens_ = 0;
 };
 

@@ -178,18 +178,27 @@ double PhaseChoice::change_time(int signal) const {
   return yellow_time(signal) + heads_.timing().all_red;
 }
 
+/// Is none of its lights green, nor yellow?
+bool PhaseChoice::is_dark(const GreenPhase& phase) const {
+  return std::ranges::all_of(phase.links, [&](int k) { return heads_.light(k) == Light::kRed; });
+}
+
 QueuePhases PhaseChoice::model_of(int signal, const Choice& choice) const {
   const std::vector<GreenPhase>& phases = phases_.signals()[std::size_t(signal)].phases;
   const double change = change_time(signal);
   const double ready = choice.since + change - traffic_.time();
+  // People may keep all its lights red.
+  const bool dark = is_dark(phases[std::size_t(choice.phase)]);
   return {.phases = int(phases.size()),
           .present = choice.phase,
           .ready = ready,
-          .least_end = ready + heads_.timing().least_green,
+          .least_end = dark ? ready : ready + heads_.timing().least_green,
+          .first_change = dark ? 0.0 : change,
           .change = change,
           .least_green = heads_.timing().least_green,
           .has_green = [&phases](int p, int k) { return phases[std::size_t(p)].links.contains(k); },
-          .yields_to = [this](int k, int other) { return phases_.yields_to(k, other); }};
+          .yields_to = [this](int k, int other) { return phases_.yields_to(k, other); },
+          .free_in = [this](int k) { return heads_.barred_until(k) - traffic_.time(); }};
 }
 
 }  // namespace mvtp

@@ -47,6 +47,7 @@ class PhaseChoice {
   void go_on(int signal, const Queues& queues);
   [[nodiscard]] const GreenPhase* present(int link) const;
   [[nodiscard]] bool is_contested(const Queues& queues) const;
+  [[nodiscard]] bool is_dark(const GreenPhase& phase) const;
   [[nodiscard]] double can_begin(int signal, const GreenPhase& phase) const;
   [[nodiscard]] QueuePhases model_of(int signal, const Choice& choice) const;
   [[nodiscard]] double yellow_time(int signal) const;

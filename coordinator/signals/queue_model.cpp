@@ -34,7 +34,7 @@ class Discharge {
       if (over && (first || wants_other(phase))) {
         clear(phase, t);
         phase = first ? *next : busiest(phase, t);
-        green = t + phases_.change;
+        green = t + (first ? phases_.first_change : phases_.change);
         first = false;
       }
       if (t >= green) serve(phase, green, t);
@@ -75,7 +75,9 @@ class Discharge {
       const QueuedVehicle* v = head(lane);
       if (v == nullptr || v->arrival > t || t < last_[lane] + kHeadway) continue;
       if ((v->stands || v->arrival < green) && t < green + kStart) continue;
-      if (phases_.has_green(phase, v->link) && !must_yield(lane, phase, t)) pass(lane, t);
+      if (phases_.has_green(phase, v->link) && t >= phases_.free_in(v->link) &&
+          !must_yield(lane, phase, t))
+        pass(lane, t);
     }
   }
 

@@ -19,13 +19,16 @@ using Queues = std::vector<std::vector<QueuedVehicle>>;
 /// Which connections may go at a signal, and when that changes.
 struct QueuePhases {
   int phases = 0;
-  int present = 0;           ///< the phase that has green, or is about to get it,
-  double ready = 0.0;        ///< [s] from now until it has,
-  double least_end = 0.0;    ///< [s] from now until it may end at the earliest
-  double change = 4.0;       ///< [s] from the end of one green to the next
-  double least_green = 5.0;  ///< [s]
+  int present = 0;            ///< the phase that has green, or is about to get it,
+  double ready = 0.0;         ///< [s] from now until it has,
+  double least_end = 0.0;     ///< [s] from now until it may end at the earliest
+  double first_change = 4.0;  ///< [s] from the end of the present phase to the next green,
+  double change = 4.0;        ///< [s] and from each later one
+  double least_green = 5.0;   ///< [s]
   std::function<bool(int phase, int link)> has_green;
   std::function<bool(int link, int other)> yields_to;
+  /// [s] from now until people on crossings let it be green.
+  std::function<double(int link)> free_in = [](int) { return 0.0; };
 };
 
 /// What the vehicles lose in all [s] if the present phase ends `end` seconds from now and `next`

@@ -140,6 +140,18 @@ void SignalHeads::occupy(int crossing, bool occupied) {
   heads_[std::size_t(light_of_crossing(crossing))].occupied = occupied;
 }
 
+void SignalHeads::expect_people(int crossing, double until) {
+  heads_[std::size_t(light_of_crossing(crossing))].people_until = until;
+}
+
+double SignalHeads::barred_until(int link) const {
+  double until = -1e300;
+  for (const int other : heads_[std::size_t(link)].crossing) {
+    until = std::max(until, heads_[std::size_t(other)].people_until);
+  }
+  return until;
+}
+
 bool SignalHeads::is_called_before(int link, std::int64_t came) const {
   const std::vector<int>& crossing = heads_[std::size_t(link)].crossing;
   return std::ranges::any_of(crossing,

@@ -69,6 +69,10 @@ class SignalHeads {
   void reserve(int crossing, bool reserved);
   /// Is somebody on the crossing? At real timing no light that crosses it turns green then.
   void occupy(int crossing, bool occupied);
+  /// People are expected on the crossing until then [s].
+  void expect_people(int crossing, double until);
+  /// Until when lights of crossings and people on them keep this light red [s].
+  [[nodiscard]] double barred_until(int link) const;
   /// Is somebody before them who came at this step and want this light?
   [[nodiscard]] bool is_called_before(int link, std::int64_t came) const;
 
@@ -99,7 +103,8 @@ class SignalHeads {
     bool yields = false;    ///< of its last green
     double since = -1e300;  ///< [s]
     std::vector<int> crossing;
-    bool occupied = false;  ///< by people
+    bool occupied = false;         ///< by people
+    double people_until = -1e300;  ///< [s]
   };
   void find_signals(const std::vector<bool>& coordinated);
   void find_conflicts(const std::vector<bool>& coordinated);
