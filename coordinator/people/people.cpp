@@ -59,6 +59,7 @@ bool People::knows(const std::string& crossing) const {
 
 void People::begin(std::int64_t step, const std::function<bool(const std::string&)>& is_clear) {
   step_ = step;
+  remember_crossings();
   Persons now;
   for (const Pedestrian& person : traffic_.pedestrians()) see(person, now);
   people_ = std::move(now);
@@ -87,18 +88,35 @@ double People::over_at(int crossing) {
   return over < 0 ? -1e300 : traffic_.time() + double(over - step_) * grid_.dt;
 }
 
+/// Who is on a crossing, or has come from it.
+void People::remember_crossings() {
+  std::map<std::string, int> last;
+  for (const Pedestrian& p : traffic_.pedestrians()) {
+    const auto on = numbers_.find(p.edge);
+    const auto before = last_crossing_.find(p.id);
+    if (on != numbers_.end()) {
+      last.emplace(p.id, on->second);
+    } else if (before != last_crossing_.end()) {
+      last.insert(*before);
+    }
+  }
+  last_crossing_ = std::move(last);
+}
+
 void People::see(const Pedestrian& p, Persons& now) {
   const auto on = numbers_.find(p.edge);
   if (on != numbers_.end()) see_at(p, on->second, Where::kOnIt, now);
   if (const auto before = numbers_.find(p.next); before != numbers_.end()) {
     return see_at(p, before->second, Where::kBefore, now);
   }
-  // Who walks along the kerb from one sidewalk to the next is in the path of those who turn, too.
+  // Who walks along the kerb from one sidewalk to the next is in the path of those who turn, too;
+  // but nobody goes back over the crossing that he comes from.
   auto near = meeting_.find(p.next);
   if (near == meeting_.end()) near = meeting_.find(p.edge);
   if (near == meeting_.end()) return;
+  const auto last = last_crossing_.find(p.id);
   for (const int c : near->second) {
-    if (on == numbers_.end() || c != on->second) see_at(p, c, Where::kNear, now);
+    if (last == last_crossing_.end() || c != last->second) see_at(p, c, Where::kNear, now);
   }
 }
 

@@ -89,6 +89,7 @@ class People {
     std::int64_t end = 0;
   };
 
+  void remember_crossings();
   void see(const Pedestrian& person, Persons& now);
   void see_at(const Pedestrian& person, int crossing, Where where, Persons& now);
   [[nodiscard]] bool waits(const Person& person, int crossing) const;
@@ -116,6 +117,7 @@ class People {
   std::map<std::string, int> numbers_;               ///< of crossings, by id
   std::map<std::string, std::vector<int>> meeting_;  ///< those that begin or end at an edge
   std::int64_t step_ = 0;
+  std::map<std::string, int> last_crossing_;  ///< by person
   Persons people_;
   std::map<int, Green> granted_;         ///< by crossing
   std::map<int, std::int64_t> offered_;  ///< the last decision in which a green at once was wanted

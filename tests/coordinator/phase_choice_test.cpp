@@ -130,6 +130,22 @@ TEST(QueueModel, ToCutAPlatoonCostsMoreThanToLetItPass) {
   EXPECT_GT(queue_delay(queues, two_phases(), 0.0, 1), queue_delay(queues, two_phases(), 12.0, 1));
 }
 
+TEST(QueueModel, ALightThatPeopleKeepRedLetsNobodyPass) {
+  const Queues queues = {{{.link = 0, .arrival = 0.0, .stands = true}},
+                         {{.link = 1, .arrival = 0.0, .stands = true}}};
+  QueuePhases phases = two_phases();
+  EXPECT_GT(queue_delay(queues, phases, 0.0, 1), queue_delay(queues, phases, 3.0, 1));
+  phases.free_in = [](int link) { return link == 0 ? 10.0 : 0.0; };
+  EXPECT_LT(queue_delay(queues, phases, 0.0, 1), queue_delay(queues, phases, 3.0, 1));
+}
+
+TEST(QueueModel, AChangeFromAPhaseWithoutAnyGreenTakesNoTime) {
+  const Queues queues = {{}, {{.link = 1, .arrival = 0.0, .stands = true}}};
+  QueuePhases phases = two_phases();
+  phases.first_change = 0.0;
+  EXPECT_NEAR(queue_delay(queues, phases, 0.0, 1), 1.0, 0.6);
+}
+
 TEST(QueueModel, WhoYieldsPassesInAGapOrAtTheEnd) {
   QueuePhases phases = two_phases();
   phases.has_green = [](int phase, int) { return phase == 0; };

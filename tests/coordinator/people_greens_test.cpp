@@ -1,0 +1,161 @@
+// Who is expected on a crossing, and who gets its green, decision by decision.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "coordinator/network/partition.hpp"
+#include "coordinator/people/people.hpp"
+#include "tests/coordinator/fake_traffic.hpp"
+
+namespace mvtp {
+namespace {
+
+using testing::ElementsAre;
+using testing::IsEmpty;
+
+/// Stands still, with people where they are put.
+class PlacedPeople : public FakeTraffic {
+ public:
+  using FakeTraffic::FakeTraffic;
+  std::span<const Pedestrian> pedestrians() const override { return people; }
+  std::vector<Pedestrian> people;
+};
+
+class PeopleAtLights : public testing::Test {
+ protected:
+  PlacedPeople traffic{with_crossings(with_signals(crossroads_shape())).network,
+                       std::vector<FakeTrip>{}};
+  LaneGraph graph{traffic.network()};
+  PathLibrary library;
+  SignalHeads heads{traffic, graph, select_junctions(graph, {}, 50.0), SignalTiming::real()};
+  DecisionGrid grid;
+  People people{traffic, graph, library, heads, grid};
+  std::int64_t step = 100;
+
+  void SetUp() override { heads.own(); }
+
+  const PedestrianCrossing& crossing() const { return *graph.crossing(0).crossing; }
+  /// At a kerb of the first crossing, which he wants to go over.
+  Pedestrian at_kerb() const {
+    return {.id = "p",
+            .position = crossing().shape.front(),
+            .edge = crossing().ends.front(),
+            .next = crossing().id};
+  }
+  void decide() {
+    people.begin(step, [](const std::string&) { return true; });
+    step += grid.steps_per_decision;
+  }
+  void wait(double seconds) {
+    for (double t = 0.0; t < seconds - 1e-9; t += grid.decision()) decide();
+  }
+  std::vector<std::string> offered(double driver_waited = 0.0) {
+    return people.propose([driver_waited](int) { return driver_waited; });
+  }
+  /// On which crossings is this person expected?
+  std::vector<int> expected_on(const std::vector<std::string>& greens) {
+    std::vector<int> crossings;
+    for (const People::Expected& e : people.expect(greens)) crossings.push_back(e.crossing);
+    return crossings;
+  }
+};
+
+TEST_F(PeopleAtLights, NobodyGoesBackOverTheCrossingThatHeComesFrom) {
+  Pedestrian person = at_kerb();
+  person.edge = crossing().id;
+  person.next = {};
+  traffic.people = {person};
+  decide();
+  person.edge = crossing().ends.front();
+  person.speed = 1.3;
+  Pedestrian other = person;
+  other.id = "other";
+  traffic.people = {person};
+  for (int i = 0; i < 3; ++i) {
+    decide();
+    EXPECT_THAT(expected_on({}), testing::Each(testing::Ne(0))) << i;
+  }
+  traffic.people = {other};  // who has come along the road
+  decide();
+  EXPECT_THAT(expected_on({}), testing::Contains(0));
+}
+
+TEST_F(PeopleAtLights, WhoWantsToGoBackIsExpectedTo) {
+  Pedestrian person = at_kerb();
+  person.edge = crossing().id;
+  traffic.people = {person};
+  decide();
+  traffic.people = {at_kerb()};
+  decide();
+  EXPECT_THAT(expected_on({}), ElementsAre(0));
+}
+
+TEST_F(PeopleAtLights, LetDriversGoFirstWhoHaveWaitedLongerButNotForEver) {
+  traffic.people = {at_kerb()};
+  decide();
+  wait(2.0);
+  EXPECT_THAT(offered(1.0), ElementsAre(crossing().id));
+  EXPECT_THAT(offered(60.0), IsEmpty());
+  wait(6.5);
+  EXPECT_THAT(offered(60.0), ElementsAre(crossing().id));
+}
+
+TEST_F(PeopleAtLights, ArePromisedAGreenOnlyWhereNoneAtOnceWasPossible) {
+  const int light = heads.light_of_crossing(0);
+  traffic.people = {at_kerb()};
+  decide();
+  wait(5.0);
+  ASSERT_THAT(offered(), ElementsAre(crossing().id));
+  decide();  // it was not granted
+  ASSERT_THAT(offered(), ElementsAre(crossing().id));
+  people.grant(crossing().id);
+  EXPECT_EQ(heads.light(light), Light::kRed);
+  wait(3.0);
+  EXPECT_EQ(heads.light(light), Light::kRed);
+  decide();
+  EXPECT_EQ(heads.light(light), Light::kGreen);
+}
+
+TEST_F(PeopleAtLights, WhoHasWaitedForLongButCouldNotBeOfferedGoesAtOnce) {
+  traffic.people = {at_kerb()};
+  decide();
+  wait(5.0);
+  ASSERT_THAT(offered(), ElementsAre(crossing().id));
+  people.grant(crossing().id);
+  EXPECT_EQ(heads.light(heads.light_of_crossing(0)), Light::kGreen);
+}
+
+TEST_F(PeopleAtLights, NeedLessOfTheCrossingWhenTheyHaveWaitedForVeryLong) {
+  traffic.people = {at_kerb()};
+  const auto width = [&] {
+    const std::vector<People::Expected> all = people.expect({crossing().id});
+    return library.body(all.front().forecast.vehicle.path).width;
+  };
+  decide();
+  wait(18.0);
+  const double whole = width();
+  wait(4.0);
+  EXPECT_NEAR(width(), whole - 2.0, 1e-9);
+}
+
+TEST_F(PeopleAtLights, KeepTheLightsOfThoseRedWhoCrossThem) {
+  traffic.people = {at_kerb()};
+  decide();
+  offered();
+  people.grant(crossing().id);
+  decide();
+  for (int k = 0; k < graph.links(); ++k) {
+    const double until = heads.barred_until(k);
+    if (heads.cross(k, heads.light_of_crossing(0))) {
+      EXPECT_GT(until, traffic.time() + SignalTiming::real().least_green);
+      EXPECT_LT(until, traffic.time() + 30.0);
+    } else {
+      EXPECT_LT(until, traffic.time());
+    }
+  }
+}
+
+}  // namespace
+}  // namespace mvtp
