@@ -13,16 +13,6 @@ namespace {
 constexpr double kCell = 8.0;          ///< [m] of the look-up grid
 constexpr double kMaxTolerance = 1.0;  ///< [m] that queries may ask for
 
-/// The place of the segment that is nearest to `p`.
-Point nearest(const Point& p, const Point& a, const Point& b) {
-  const double dx = b.x - a.x;
-  const double dy = b.y - a.y;
-  const double squared = dx * dx + dy * dy;
-  const double f =
-      squared > 0.0 ? std::clamp(((p.x - a.x) * dx + (p.y - a.y) * dy) / squared, 0.0, 1.0) : 0.0;
-  return {a.x + f * dx, a.y + f * dy};
-}
-
 /// @pre the line has a point
 Point nearest(const Point& p, std::span<const Point> line) {
   Point best = line.front();

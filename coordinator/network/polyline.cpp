@@ -23,6 +23,15 @@ double distance(const Point& a, const Point& b) { return std::hypot(b.x - a.x, b
 
 double heading(const Point& a, const Point& b) { return std::atan2(b.y - a.y, b.x - a.x); }
 
+Point nearest(const Point& p, const Point& a, const Point& b) {
+  const double dx = b.x - a.x;
+  const double dy = b.y - a.y;
+  const double squared = dx * dx + dy * dy;
+  const double f =
+      squared > 0.0 ? std::clamp(((p.x - a.x) * dx + (p.y - a.y) * dy) / squared, 0.0, 1.0) : 0.0;
+  return {a.x + f * dx, a.y + f * dy};
+}
+
 double length_of(std::span<const Point> line) {
   double length = 0.0;
   for (std::size_t i = 1; i < line.size(); ++i) length += distance(line[i - 1], line[i]);

@@ -13,6 +13,8 @@ namespace mvtp {
 [[nodiscard]] double distance(const Point& a, const Point& b);
 /// The direction from `a` to `b` [rad].
 [[nodiscard]] double heading(const Point& a, const Point& b);
+/// The place of the segment from `a` to `b` that is nearest to `p`.
+[[nodiscard]] Point nearest(const Point& p, const Point& a, const Point& b);
 [[nodiscard]] double length_of(std::span<const Point> line);
 [[nodiscard]] Point point_at(std::span<const Point> line, double s);
 [[nodiscard]] double distance_to(std::span<const Point> line, const Pose& place);

@@ -10,7 +10,6 @@ namespace {
 // How people walk: SUMO's lie between these, measured on its crossings.
 constexpr double kFast = 1.8;      ///< [m/s]
 constexpr double kSlow = 0.8;      ///< [m/s]
-constexpr double kUsual = 1.2;     ///< [m/s]
 constexpr double kHesitate = 1.0;  ///< [s] until one who stands walks at his green
 constexpr double kStands = 0.2;    ///< [m/s] below which somebody stands
 
@@ -83,7 +82,7 @@ double People::over_at(int crossing) {
   for (const auto& [id, person] : people_) {
     if (person.crossing != crossing || person.where != Where::kOnIt) continue;
     const double left = paths_.end(crossing, person.forward) - person.s;
-    over = std::max(over, step_ + steps(std::max(0.0, left) / kUsual));
+    over = std::max(over, step_ + steps(std::max(0.0, left) / SignalHeads::kWalking));
   }
   return over < 0 ? -1e300 : traffic_.time() + double(over - step_) * grid_.dt;
 }
@@ -179,9 +178,9 @@ void People::call_for_greens() {
   }
 }
 
-bool People::waits_long(int crossing) const {
+bool People::has_waited(int crossing, double seconds) const {
   const std::optional<std::int64_t> since = waits_since(crossing);
-  return since && step_ - *since >= steps(kPromiseAfter);
+  return since && step_ - *since >= steps(seconds);
 }
 
 /// Long enough for those who wait, and at real timing for one who steps onto it at its end to be
@@ -189,7 +188,7 @@ bool People::waits_long(int crossing) const {
 /// before.
 People::Green People::next_green(int crossing) const {
   const auto offered = offered_.find(crossing);
-  const bool ahead = waits_long(crossing) && offered != offered_.end() &&
+  const bool ahead = has_waited(crossing, kPromiseAfter) && offered != offered_.end() &&
                      offered->second == step_ - grid_.steps_per_decision;
   const Green now{.begin = step_ + (ahead ? steps(kAhead) : 0)};
   double needed = std::max(heads_.timing().least_green,
@@ -252,9 +251,7 @@ Forecast People::crosses(const Person& person, const Green& green) {
   if (person.speed < kStands) late += steps(kHesitate);
   const std::int64_t last = green.end - step_ - std::int64_t(to_kerb / slow / grid_.dt);
   late = std::clamp<std::int64_t>(late, 0, std::max<std::int64_t>(0, last));
-  const std::optional<std::int64_t> since = waits_since(person.crossing);
-  const bool squeezes =
-      person.where != Where::kOnIt && since && step_ - *since >= steps(kSqueezeAfter);
+  const bool squeezes = person.where != Where::kOnIt && has_waited(person.crossing, kSqueezeAfter);
   const int path =
       paths_.path(person.crossing, person.forward,
                   squeezes ? CrossingPaths::Room::kSqueezes : CrossingPaths::Room::kWalks);

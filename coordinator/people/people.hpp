@@ -98,7 +98,7 @@ class People {
   [[nodiscard]] double over_at(int crossing);
   [[nodiscard]] std::int64_t steps(double seconds) const;
   [[nodiscard]] bool is_ours(int crossing) const;
-  [[nodiscard]] bool waits_long(int crossing) const;
+  [[nodiscard]] bool has_waited(int crossing, double seconds) const;
   [[nodiscard]] std::optional<std::int64_t> waits_since(int crossing) const;
   [[nodiscard]] Green next_green(int crossing) const;
   [[nodiscard]] Forecast expect_one(const Person& person, const std::optional<Green>& green);

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <map>
 
+#include "coordinator/network/polyline.hpp"
+
 namespace mvtp {
 namespace {
 
@@ -23,26 +25,17 @@ std::vector<Point> middle_of(const LaneGraph& graph, const LaneGraph::Link& link
   return line;
 }
 
-double distance_to_segment(const Point& p, const Point& a, const Point& b) {
-  const double dx = b.x - a.x;
-  const double dy = b.y - a.y;
-  const double length = dx * dx + dy * dy;
-  const double f =
-      length > 0.0 ? std::clamp(((p.x - a.x) * dx + (p.y - a.y) * dy) / length, 0.0, 1.0) : 0.0;
-  return std::hypot(a.x + f * dx - p.x, a.y + f * dy - p.y);
-}
-
 /// Do two lines come nearer to each other than `near` [m]? Looks every half metre.
 bool are_close(const std::vector<Point>& a, const std::vector<Point>& b, double near) {
   constexpr double kLook = 0.5;  // [m]
   for (std::size_t i = 1; i < a.size(); ++i) {
-    const double length = std::hypot(a[i].x - a[i - 1].x, a[i].y - a[i - 1].y);
+    const double length = distance(a[i - 1], a[i]);
     const int looks = std::max(1, int(std::ceil(length / kLook)));
     for (int k = 0; k <= looks; ++k) {
       const double f = double(k) / looks;
       const Point p{a[i - 1].x + f * (a[i].x - a[i - 1].x), a[i - 1].y + f * (a[i].y - a[i - 1].y)};
       for (std::size_t j = 1; j < b.size(); ++j) {
-        if (distance_to_segment(p, b[j - 1], b[j]) < near) return true;
+        if (distance(p, nearest(p, b[j - 1], b[j])) < near) return true;
       }
     }
   }

@@ -38,6 +38,8 @@ inline constexpr Light kYieldingGreen{'g'};
 /// Lights go by the numbers of their links; those of crossings by light_of_crossing().
 class SignalHeads {
  public:
+  static constexpr double kWalking = 1.2;  ///< [m/s] of people over a crossing [RiLSA]
+
   /// @param graph  must outlive it.
   SignalHeads(Traffic& traffic, const LaneGraph& graph, const std::vector<bool>& coordinated,
               const SignalTiming& timing);
@@ -58,7 +60,7 @@ class SignalHeads {
   /// @param beside  lights that may be green beside it though they cross.
   [[nodiscard]] bool may_turn_green(
       int link, const std::function<bool(int)>& beside = [](int) { return false; }) const;
-  /// How long people need to the other side at 1.2 m/s [RiLSA] [s].
+  /// How long people need to the other side [s].
   [[nodiscard]] double crossing_time(int crossing) const {
     return graph_.crossing(crossing).length / kWalking;
   }
@@ -92,7 +94,6 @@ class SignalHeads {
   [[nodiscard]] std::int64_t greens() const { return greens_; }
 
  private:
-  static constexpr double kWalking = 1.2;  ///< [m/s]
   static constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::max();
 
   struct Head {
