@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
+#include <optional>
 
 #include "coordinator/network/partition.hpp"
 #include "planner/search/draws.hpp"
@@ -219,6 +221,15 @@ void ClosedLoop::look_for_contacts(const std::map<std::string, Seen>& now) {
   }
 }
 
+/// Where its front has come to the end of its last lane and it leaves the network [m along its
+/// path]; infinity: it drives on.
+double ClosedLoop::leaves_at(const Driven& driven) const {
+  const Corridor& corridor = coordinator.corridors()[driven.corridor];
+  if (!graph_.links_from(corridor.exit_lane).empty())
+    return std::numeric_limits<double>::infinity();
+  return corridor.s_exit + graph_.lane(corridor.exit_lane).length;
+}
+
 /// Everybody brakes from where the decision found him, in lock-step, until all stand.
 void ClosedLoop::look_at_braking() {
   const RoadScene scene = coordinator.scene();
@@ -228,6 +239,7 @@ void ClosedLoop::look_at_braking() {
     const RoadVehicle* road;
     const ReferencePath* path;
     const Vehicle* body;
+    double leaves_at;
   };
   std::vector<Braking> all;
   double longest = 0.0;
@@ -235,21 +247,22 @@ void ClosedLoop::look_at_braking() {
     const RoadVehicle& road = scene.vehicle(driven.key);
     const Vehicle& b = scene.body(road);
     longest = std::max(longest, road.now.v / b.max_decel);
-    all.push_back({&id, &driven, &road, &scene.library->path(road.path), &b});
+    all.push_back({&id, &driven, &road, &scene.library->path(road.path), &b, leaves_at(driven)});
   }
-  std::vector<Pose> poses(all.size());
+  std::vector<std::optional<Pose>> poses(all.size());
   for (double tau = 0.0; tau < longest + 0.1; tau += 0.1) {
     for (std::size_t i = 0; i < all.size(); ++i) {
       const double v = all[i].road->now.v;
       const double b = all[i].body->max_decel;
       const double t = std::min(tau, v / b);
-      poses[i] =
-          all[i].driven->approach.pose(*all[i].path, all[i].road->now.s + t * v - 0.5 * b * t * t);
+      const double at = all[i].road->now.s + t * v - 0.5 * b * t * t;
+      poses[i].reset();
+      if (at < all[i].leaves_at) poses[i] = all[i].driven->approach.pose(*all[i].path, at);
     }
     for (std::size_t i = 0; i < all.size(); ++i) {
       for (std::size_t j = 0; j < i; ++j) {
-        if (std::hypot(poses[i].x - poses[j].x, poses[i].y - poses[j].y) > 30.0) continue;
-        const double deep = overlap(poses[i], *all[i].body, poses[j], *all[j].body);
+        if (!poses[i] || !poses[j] || distance(*poses[i], *poses[j]) > 30.0) continue;
+        const double deep = overlap(*poses[i], *all[i].body, *poses[j], *all[j].body);
         if (deep <= kTouch) continue;
         const std::string two = *all[i].id + " and " + *all[j].id;
         return report(fmt::format("touch {:.1f} s after all brake [m]", tau), two, deep);

@@ -64,12 +64,14 @@ class ClosedLoop {
   void look_at_motion(const VehicleState& v, const Seen& before, const Seen& now);
   void look_for_contacts(const std::map<std::string, Seen>& now);
   void look_at_braking();
+  [[nodiscard]] double leaves_at(const Driven& driven) const;
   void look_at_hand_backs();
   [[nodiscard]] const Vehicle& body(const std::string& type);
   [[nodiscard]] std::string words(const std::string& id, const Seen& seen) const;
   void report(const std::string& what, const std::string& who, double value);
 
   Simulation simulation_{traffic};
+  LaneGraph graph_{traffic.network()};
   std::map<std::string, VehicleType> types_;
   std::map<std::string, Seen> last_;
   std::map<std::string, std::string> type_of_;

@@ -69,7 +69,7 @@ TEST_P(CarsOnly, ArriveWithoutContact) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Shapes, CarsOnly,
-                         Combine(Range(std::size_t{0}, all_shapes().size()), Values(1U, 2U),
+                         Combine(Range(std::size_t{0}, all_shapes().size()), Values(1U, 2U, 4U, 7U),
                                  Values(0.1, 0.25, 1.0)),
                          [](const auto& run) { return name_of(tight(), run.param); });
 
