@@ -12,6 +12,7 @@ constexpr double kLength = 20.0;   ///< [m] of an approach
 constexpr double kNotable = 0.02;  ///< [m], and per metre
 constexpr double kAslant = 0.08;   ///< [m] per metre: it swings 0.3 m aside
 constexpr double kSteepest = 0.6;  ///< [rad] between heading and path that is made up for
+constexpr double kAcross = 1.5;    ///< [rad] beyond which the slope says no more
 constexpr double kFarthest = 1.5;  ///< [m] beside the path from which it is reached
 
 }  // namespace
@@ -23,7 +24,7 @@ PathApproach::PathApproach(const ReferencePath& path, const Pose& pose, double n
   aside_ = offset.y;
   // On a bend, the metres beside the path are not those of the path.
   const double stretch = 1.0 - path.curvature(begin_) * aside_;
-  slope_ = std::tan(std::clamp(wrap_to_pi(offset.theta), -kSteepest, kSteepest)) * stretch;
+  slope_ = std::tan(std::clamp(wrap_to_pi(offset.theta), -kAcross, kAcross)) * stretch;
 }
 
 bool PathApproach::is_notable() const {
@@ -59,8 +60,9 @@ bool PathApproach::is_drivable(const ReferencePath& path, const Vehicle& body,
                                const DrivableArea& area) const {
   if (!is_notable()) return true;
   constexpr double kStep = 0.5;  // [m]
-  if (std::abs(aside_) > kFarthest || std::abs(slope_) > std::tan(kSteepest)) return false;
   Pose before = pose(path, begin_);
+  const double askew = std::abs(wrap_to_pi(before.theta - path.at(begin_).theta));
+  if (std::abs(aside_) > kFarthest || askew > kSteepest) return false;
   for (double s = begin_ + kStep; s <= begin_ + length_; s += kStep) {
     const Pose here = pose(path, s);
     const double turned = std::abs(wrap_to_pi(here.theta - before.theta));

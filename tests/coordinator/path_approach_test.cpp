@@ -83,5 +83,31 @@ TEST(PathApproach, EndsOnThePathAndBeginsWhereTheVehicleIs) {
   EXPECT_TRUE(approach.is_notable());
 }
 
+// However much room there is and however tightly the body turns.
+TEST(PathApproach, WhoStandsAcrossItsPathDoesNotGetOntoIt) {
+  Lane lane;
+  lane.id = "E_0";
+  lane.edge = "E";
+  lane.width = 100.0;
+  lane.shape = {{-100.0, 0.0}, {200.0, 0.0}};
+  RoadNetwork network;
+  network.lanes.emplace(lane.id, lane);
+  const DrivableArea area(network);
+  Vehicle body;
+  body.min_turning_radius = 1.0;
+  const ReferencePath path(std::vector<Point>{{0.0, 0.0}, {100.0, 0.0}});
+  const auto is_drivable = [&](double askew) {
+    const Pose pose{50.0, 0.4, askew};
+    const PathApproach approach(path, pose, 50.0);
+    if (std::abs(askew) < 1.5) {
+      EXPECT_NEAR(approach.pose(path, approach.begin()).theta, askew, 1e-9);
+    }
+    return approach.is_drivable(path, body, area);
+  };
+  for (const double askew : {0.0, 0.2, 0.55}) EXPECT_TRUE(is_drivable(askew)) << askew;
+  for (const double askew : {0.65, 0.9, 1.4, 1.6, 3.0}) EXPECT_FALSE(is_drivable(askew)) << askew;
+  for (const double askew : {-0.65, -0.9, -1.4, -1.6, -3.0}) EXPECT_FALSE(is_drivable(askew));
+}
+
 }  // namespace
 }  // namespace mvtp
