@@ -15,6 +15,8 @@ constexpr double kHalfWidth = 1.0;  ///< [m] beside the middle of its lane that 
 constexpr double kNear = 2.0;       ///< [m] beside it a body may be there soon
 constexpr double kRoom = 5.0;       ///< [m] that those who change lanes keep ahead and behind
 constexpr double kSight = 60.0;     ///< [m] behind a tail in which drivers matter
+constexpr double kInside = 20.0;    ///< [m] between two inside a junction that may meet
+constexpr double kStanding = 0.1;   ///< [m/s]
 constexpr double kSample = 1.0;     ///< [m] between two points of a body's side
 
 /// Where a point is beside a lane.
@@ -60,11 +62,11 @@ std::vector<Point> sides(const Pose& pose, const Vehicle& body) {
 }  // namespace
 
 Straddling::Straddling(Traffic& traffic, const LaneGraph& graph, IsControlled is_controlled,
-                       KeepsDriver keeps_driver, TypeOf type_of, CameFrom came_from)
+                       Reaction reaction, TypeOf type_of, CameFrom came_from)
     : traffic_(traffic),
       graph_(graph),
       is_controlled_(std::move(is_controlled)),
-      keeps_driver_(std::move(keeps_driver)),
+      reaction_(std::move(reaction)),
       type_of_(std::move(type_of)),
       came_from_(std::move(came_from)) {}
 
@@ -91,26 +93,34 @@ void Straddling::find_tails(const VehicleState& v) {
   if (from == LaneGraph::kNone || is_clear(v, lane, from)) return;
   const std::vector<Point> body = sides(v.pose, type_of_(v.type).body);
   for (const int other : graph_.lanes_of(graph_.edge_of(from))) {
-    if (other == lane) continue;
-    for (const Point& p : body) {
-      const std::optional<Beside> place = beside(graph_.lane(other), p);
-      if (!place || place->aside >= kNear) continue;
-      sides_[graph_.lane(other).id].push_back(place->along);
-      if (place->aside < kHalfWidth) {
-        tails_[graph_.lane(other).id].push_back({place->along, v.speed});
-      }
-    }
+    if (other != lane) add_body(body, other, v.speed);
   }
+}
+
+/// A body on or near a lane. Who moves over has but its nose there: drivers keep behind all of it,
+/// not beside it.
+void Straddling::add_body(const std::vector<Point>& body, int lane, double speed) {
+  std::vector<Tail> tails;
+  double rear = kInfinity;
+  for (const Point& p : body) {
+    const std::optional<Beside> place = beside(graph_.lane(lane), p);
+    if (!place || place->aside >= kNear) continue;
+    rear = std::min(rear, place->along);
+    sides_[graph_.lane(lane).id].push_back(place->along);
+    if (place->aside < kHalfWidth) tails.push_back({place->along, speed});
+  }
+  if (tails.empty()) return;
+  tails.push_back({rear, speed});
+  std::vector<Tail>& all = tails_[graph_.lane(lane).id];
+  all.insert(all.end(), tails.begin(), tails.end());
 }
 
 /// From which the driver can stop behind it, braking as it does [Krauss 1998].
 double Straddling::safe_speed(const VehicleState& driver, const Tail& tail) const {
   const VehicleType& type = type_of_(driver.type);
   const double gap = std::max(0.0, tail.along - driver.lane_position - type.min_gap);
-  const double reaction = type.body.max_decel * type.tau;
-  return std::sqrt(reaction * reaction + tail.speed * tail.speed +
-                   2.0 * type.body.max_decel * gap) -
-         reaction;
+  const double lost = type.body.max_decel * reaction_(driver);
+  return std::sqrt(lost * lost + tail.speed * tail.speed + 2.0 * type.body.max_decel * gap) - lost;
 }
 
 /// The speed at which it may go at most; infinity: nobody's tail is ahead of it.
@@ -125,10 +135,29 @@ double Straddling::most_speed(const VehicleState& driver) const {
   return most;
 }
 
-/// Is somebody level with it on or near another lane of its edge?
+/// Is it inside a junction, or may it be after the next step? Not who stands at the line: there
+/// somebody may still have to change to a lane that leads where it goes.
+bool Straddling::enters_junction(const VehicleState& driver, int lane) const {
+  if (graph_.edge_of(lane) == LaneGraph::kNone) return true;
+  if (driver.speed <= kStanding) return false;
+  const double step = traffic_.step_length();
+  const double reach = (driver.speed + type_of_(driver.type).body.max_accel * step) * step;
+  return driver.lane_position + reach >= graph_.lane(lane).length;
+}
+
+bool Straddling::is_near_one(const VehicleState& driver) const {
+  return std::ranges::any_of(controlled_, [&](const Pose& other) {
+    return std::hypot(other.x - driver.pose.x, other.y - driver.pose.y) < kInside;
+  });
+}
+
+/// Is somebody level with it on or near another lane of its edge? Inside a junction, where lanes
+/// side by side may be changed too, but lead apart: is somebody near?
 bool Straddling::is_beside_one(const VehicleState& driver) const {
   const int lane = graph_.find_lane(driver.lane);
-  if (lane == LaneGraph::kNone || graph_.edge_of(lane) == LaneGraph::kNone) return false;
+  if (lane == LaneGraph::kNone) return false;
+  if (enters_junction(driver, lane) && is_near_one(driver)) return true;
+  if (graph_.edge_of(lane) == LaneGraph::kNone) return false;
   const double front = driver.lane_position + kRoom;
   const double rear = driver.lane_position - type_of_(driver.type).body.length() - kRoom;
   return std::ranges::any_of(graph_.lanes_of(graph_.edge_of(lane)), [&](int other) {
@@ -141,18 +170,21 @@ bool Straddling::is_beside_one(const VehicleState& driver) const {
 void Straddling::show() {
   tails_.clear();
   sides_.clear();
+  controlled_.clear();
   for (const VehicleState& v : traffic_.vehicles()) {
-    if (is_controlled_(v.id)) find_tails(v);
+    if (!is_controlled_(v.id)) continue;
+    controlled_.push_back(v.pose);
+    find_tails(v);
   }
-  if (sides_.empty() && capped_.empty() && kept_.empty()) return;
+  if (controlled_.empty() && capped_.empty() && kept_.empty()) return;
   std::set<std::string> capped;
   std::set<std::string> kept;
   for (const VehicleState& v : traffic_.vehicles()) {
     if (is_controlled_(v.id)) continue;
-    const double most = keeps_driver_(v) ? most_speed(v) : kInfinity;
+    const double most = most_speed(v);
     if (most < kInfinity || capped_.contains(v.id)) traffic_.cap_speed(v.id, most);
     if (most < kInfinity) capped.insert(v.id);
-    const bool stays = !sides_.empty() && is_beside_one(v);
+    const bool stays = is_beside_one(v);
     if (stays || kept_.contains(v.id)) traffic_.keep_lane(v.id, stays);
     if (stays) kept.insert(v.id);
   }

@@ -15,19 +15,19 @@ namespace mvtp {
 /// slowly, or turns off. SUMO's drivers see a vehicle that is placed from outside only on the lane
 /// that its front bumper is on [sumo#7496]; those behind it on the others would drive into its
 /// tail, and those beside would change lanes into its side. The first are kept from driving faster
-/// than they could stop behind it, as behind any leader; the others are kept in their lanes.
+/// than they could stop behind it, as behind any leader; the others are kept in their lanes,
+/// and so are those inside a junction where somebody under control is near.
 class Straddling {
  public:
   using IsControlled = std::function<bool(const std::string&)>;
-  /// Does a vehicle keep its driver? The others are soon under control, or have just been: they are
-  /// planned for as they are, and only kept in their lanes.
-  using KeepsDriver = std::function<bool(const VehicleState&)>;
+  /// How much earlier than with full braking a driver has to begin to stop [s].
+  using Reaction = std::function<double(const VehicleState&)>;
   using TypeOf = std::function<const VehicleType&(const std::string&)>;
   /// The normal lane that a vehicle inside a junction comes from; LaneGraph::kNone: not known.
   using CameFrom = std::function<int(const std::string&)>;
 
   Straddling(Traffic& traffic, const LaneGraph& graph, IsControlled is_controlled,
-             KeepsDriver keeps_driver, TypeOf type_of, CameFrom came_from);
+             Reaction reaction, TypeOf type_of, CameFrom came_from);
 
   /// To be called before each step.
   void show();
@@ -40,6 +40,9 @@ class Straddling {
   };
   [[nodiscard]] bool is_clear(const VehicleState& v, int lane, int from) const;
   void find_tails(const VehicleState& v);
+  void add_body(const std::vector<Point>& body, int lane, double speed);
+  [[nodiscard]] bool enters_junction(const VehicleState& driver, int lane) const;
+  [[nodiscard]] bool is_near_one(const VehicleState& driver) const;
   [[nodiscard]] bool is_beside_one(const VehicleState& driver) const;
   [[nodiscard]] double safe_speed(const VehicleState& driver, const Tail& tail) const;
   [[nodiscard]] double most_speed(const VehicleState& driver) const;
@@ -47,9 +50,10 @@ class Straddling {
   Traffic& traffic_;
   const LaneGraph& graph_;
   IsControlled is_controlled_;
-  KeepsDriver keeps_driver_;
+  Reaction reaction_;
   TypeOf type_of_;
   CameFrom came_from_;
+  std::vector<Pose> controlled_;                      ///< who is under control
   std::map<std::string, std::vector<Tail>> tails_;    ///< by lane
   std::map<std::string, std::vector<double>> sides_;  ///< of bodies on or near a lane, along it [m]
   std::set<std::string> capped_;                      ///< drivers

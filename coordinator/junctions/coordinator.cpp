@@ -32,9 +32,11 @@ Coordinator::Coordinator(Traffic& traffic, const DrivableArea& area,
             !options.greens && options.share.is_whole() ? Passage::kAll : Passage::kOneLine),
       straddling_(
           traffic, graph_, [this](const std::string& id) { return drives(id); },
+          // Who is soon under control brakes at the last moment only.
           [this](const VehicleState& v) {
-            return !options_.share.contains(v.id, v.type) || gate_.holds_guest(v.id) ||
-                   gate_.passes(v.id);
+            const bool keeps_driver = !options_.share.contains(v.id, v.type) ||
+                                      gate_.holds_guest(v.id) || gate_.passes(v.id);
+            return keeps_driver ? type_of(v.type).tau : options_.decision;
           },
           [this](const std::string& type) -> const VehicleType& { return type_of(type); },
           [this](const std::string& id) { return came_from(id); }) {

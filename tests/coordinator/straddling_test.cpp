@@ -69,7 +69,7 @@ class StraddlingTest : public testing::Test {
         graph(traffic.network()),
         straddling(
             traffic, graph, [](const std::string& id) { return id == "across"; },
-            [this](const VehicleState& v) { return v.id != taken_over_later; },
+            [this](const VehicleState&) { return reaction; },
             [](const std::string& type) -> const VehicleType& {
               static const VehicleType kCar = fake_type("car");
               EXPECT_EQ(type, "car");
@@ -93,8 +93,8 @@ class StraddlingTest : public testing::Test {
   }
 
   CappedTraffic traffic;
-  std::string taken_over_later;
-  Pose middle;  ///< of "across" in its lane
+  double reaction = fake_type("car").tau;  ///< [s] of all drivers
+  Pose middle;                             ///< of "across" in its lane
   LaneGraph graph;
   Straddling straddling;
 };
@@ -117,11 +117,33 @@ TEST_F(StraddlingTest, DriversBehindATailOnTheirLaneCanStopBehindIt) {
   EXPECT_GT(v, 5.0);
 }
 
-TEST_F(StraddlingTest, WhoIsTakenOverLaterDrivesAsItLikes) {
-  taken_over_later = "behind";
+// Beside it they would keep it from moving on, and it them.
+TEST_F(StraddlingTest, DriversStopBehindAllOfWhoHasItsNoseInTheirLane) {
+  traffic.place("across", compose(middle, {0.0, -0.5, -0.27}), 0.0);
+  traffic.step();
+  ASSERT_EQ(at("across").lane, "W-C_1");
+  straddling.show();
+  ASSERT_THAT(traffic.caps, ElementsAre(Key("behind")));
+  const double v = traffic.caps.at("behind");
+  const VehicleType type = fake_type("car");
+  const double rear = at("across").lane_position - type.body.length();
+  const double gap = rear - at("behind").lane_position - type.min_gap;
+  EXPECT_NEAR(v * reaction + v * v / (2.0 * type.body.max_decel), gap, 1.0);
+}
+
+TEST_F(StraddlingTest, WhoReactsSoonerMayDriveFasterAndCanStillStop) {
   put_aside(1.6);
   straddling.show();
-  EXPECT_THAT(traffic.caps, IsEmpty());
+  const double early = traffic.caps.at("behind");
+  reaction = 0.1;
+  straddling.show();
+  ASSERT_THAT(traffic.caps, ElementsAre(Key("behind")));
+  const double late = traffic.caps.at("behind");
+  EXPECT_GT(late, early + 1.0);
+  const VehicleType type = fake_type("car");
+  const double gap =
+      at("across").lane_position - type.body.length() - at("behind").lane_position - type.min_gap;
+  EXPECT_NEAR(late * reaction + late * late / (2.0 * type.body.max_decel), gap, 1.5);
 }
 
 // Else they would change to the right, into its tail.
