@@ -8,6 +8,7 @@
 
 #include "coordinator/audit/audit.hpp"
 #include "coordinator/corridor/drivers_path.hpp"
+#include "coordinator/corridor/least_curvature.hpp"
 #include "coordinator/corridor/reference_path.hpp"
 #include "coordinator/network/kerbs.hpp"
 #include "coordinator/network/polyline.hpp"
@@ -83,6 +84,28 @@ int CorridorMap::corridor_for(const CorridorCourse& course, const Vehicle& body)
   used_.push_back(true);
   alike.push_back(size() - 1);
   return alike.back();
+}
+
+int CorridorMap::joined(int c, const PathApproach& approach) {
+  const ReferencePath& path = library_.path((*this)[c].path);
+  const Vehicle body = library_.body((*this)[c].path);
+  const Pose first = approach.pose(path, approach.begin());
+  std::vector<Point> points;
+  for (std::size_t i = 0; i < path.samples(); ++i) {
+    const double s = double(i) * ReferencePath::kSpacing;
+    const double behind = approach.begin() - s;
+    const Pose pose = behind > 0.0 ? compose(first, {-behind, 0.0, 0.0}) : approach.pose(path, s);
+    points.push_back({pose.x, pose.y});
+  }
+  auto corridor = std::make_unique<Corridor>((*this)[c]);
+  const ReferencePath whole(points);
+  corridor->lane_limits.clear();
+  corridor->lateral_limits.clear();
+  set_limits(whole, body, *corridor);
+  corridor->path = library_.add(whole, body, stretches_of(*corridor, body));
+  corridors_.push_back(std::move(corridor));
+  used_.push_back(true);
+  return size() - 1;
 }
 
 void CorridorMap::forget_unused() {
@@ -164,6 +187,25 @@ RoadNetwork CorridorMap::road_along(const CorridorCourse& course) const {
   return road;
 }
 
+/// Not free is where vehicles change hands.
+FreeCourse CorridorMap::free_course(const Line& line, const CorridorCourse& course,
+                                    const Vehicle& body) {
+  constexpr double kBefore = 7.5;  // [m] the first line
+  FreeCourse free;
+  for (const int piece : course.lines) free.lines.push_back(line.begins[std::size_t(piece) + 1]);
+  const double exit = line.begins[std::size_t(course.exit_piece)];
+  free.within = {free.lines.front() - kBefore, exit + body.length() + 1.0 - body.front};
+  return free;
+}
+
+double CorridorMap::narrowest_lane(const CorridorCourse& course) const {
+  double width = std::numeric_limits<double>::infinity();
+  for (const CorridorPiece& piece : course.pieces) {
+    width = std::min({width, graph_.lane(piece.lane).width, graph_.lane(piece.last_lane()).width});
+  }
+  return width;
+}
+
 ReferencePath CorridorMap::path_along(const Line& line, const CorridorCourse& course,
                                       const Vehicle& body) const {
   if (course.human_driven) return drivers_path(line.points, body);
@@ -175,11 +217,20 @@ ReferencePath CorridorMap::path_along(const Line& line, const CorridorCourse& co
   const RoadNetwork road = road_along(course);
   const DrivableArea own(road);
   DrivableArea clear_of_kerbs = own;
-  for (Polygon& kerb : kerbs_where_people_wait(road)) clear_of_kerbs.keep_off(std::move(kerb));
+  std::vector<Polygon> kerbs = kerbs_where_people_wait(road);
+  const bool people_walk = !kerbs.empty();
+  for (Polygon& kerb : kerbs) clear_of_kerbs.keep_off(std::move(kerb));
+  // Round a corner where people walk, nobody comes nearer to it than the lanes do.
+  const auto straightest = [&](ReferencePath path, const DrivableArea& kept_to) {
+    if (people_walk) return path;
+    return straightened(path, {from, to}, free_course(line, course, body), narrowest_lane(course),
+                        body, kept_to, area_);
+  };
   ReferencePath path = make_reference_path(line.points, from, to, body, clear_of_kerbs, area_);
   // One that keeps off less than all of it is neither the best for people nor for vehicles.
-  if (!touches(path, body, clear_of_kerbs)) return path;
-  return make_reference_path(line.points, from, to, body, own, area_);
+  if (!touches(path, body, clear_of_kerbs)) return straightest(path, clear_of_kerbs);
+  path = make_reference_path(line.points, from, to, body, own, area_);
+  return straightest(path, own);
 }
 
 /// Courses that differ only in where a vehicle is handed back share a path.

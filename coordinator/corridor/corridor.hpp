@@ -9,6 +9,8 @@
 #include <vector>
 
 #include "coordinator/corridor/corridor_course.hpp"
+#include "coordinator/corridor/least_curvature.hpp"
+#include "coordinator/corridor/path_approach.hpp"
 #include "coordinator/network/drivable_area.hpp"
 #include "coordinator/traffic.hpp"
 #include "planner/road/path_library.hpp"
@@ -64,6 +66,9 @@ class CorridorMap {
   /// The corridor along this course for this body.
   int corridor_for(const CorridorCourse& course, const Vehicle& body);
 
+  /// The corridor `c` with the approach to its path as part of that, for one vehicle.
+  int joined(int c, const PathApproach& approach);
+
   /// Metres on the ground per metre that the network gives a lane: its shape may be shorter or
   /// longer than its length.
   [[nodiscard]] double metres_per_metre(int lane) const;
@@ -88,6 +93,9 @@ class CorridorMap {
   [[nodiscard]] static Shape shape_of(const Vehicle& body);
   [[nodiscard]] Line centre_line(const CorridorCourse& course) const;
   [[nodiscard]] RoadNetwork road_along(const CorridorCourse& course) const;
+  [[nodiscard]] static FreeCourse free_course(const Line& line, const CorridorCourse& course,
+                                              const Vehicle& body);
+  [[nodiscard]] double narrowest_lane(const CorridorCourse& course) const;
   [[nodiscard]] ReferencePath path_along(const Line& line, const CorridorCourse& course,
                                          const Vehicle& body) const;
   [[nodiscard]] Corridor build(const CorridorCourse& course, const Vehicle& body);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <span>
 
 #include "coordinator/network/drivable_area.hpp"
@@ -21,6 +22,8 @@ class PathApproach {
   [[nodiscard]] double begin() const { return begin_; }
   /// The rear axle when it has come to `s` on the path.
   [[nodiscard]] Pose pose(const ReferencePath& path, double s) const;
+  /// How far off the path it begins [m].
+  [[nodiscard]] double aside() const { return std::abs(aside_); }
   /// Does it begin so far off the path that driving it differs from driving the path?
   [[nodiscard]] bool is_notable() const;
   /// The share of `accel` [m/s^2] that the vehicle may use along the path, so that its speed over

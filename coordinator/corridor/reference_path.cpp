@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "coordinator/audit/audit.hpp"
+#include "coordinator/corridor/least_curvature.hpp"
 #include "coordinator/corridor/path_shape.hpp"
 
 namespace mvtp {
@@ -24,12 +25,6 @@ constexpr std::array<Knob, 4> kKnobs = {{{&Swing::out, -4.0, 4.0, 1.0},
                                          {&Swing::in, -2.0, 4.0, 1.0},
                                          {&Swing::lead_out, 4.0, 18.0, 3.0},
                                          {&Swing::lead_in, 4.0, 18.0, 3.0}}};
-
-/// What the rear axle drives of a path [m].
-struct Stretch {
-  double from = 0.0;
-  double to = 0.0;
-};
 
 /// A shape with the rear axle's path that it gives, coarsely: one entry per place of the base.
 struct Candidate {

@@ -215,6 +215,7 @@ class Coordinator : public Controller {
                                                     std::vector<int> route);
   [[nodiscard]] CourseQuery query_for(const VehicleState& state, std::span<const int> route);
   [[nodiscard]] std::vector<int> route_of(const VehicleState& state) const;
+  int corridor_beside(int number, const PathApproach& approach, const VehicleState& v);
   [[nodiscard]] PathApproach approach_to(const Corridor& corridor, const VehicleState& state,
                                          double station) const;
   [[nodiscard]] bool is_impatient(const std::string& id) const;

@@ -72,24 +72,34 @@ bool Coordinator::is_impatient(const std::string& id) const {
   return times != turned_away_.end() && times->second * grid_.decision() > kStuckAfter;
 }
 
+/// Beside its path a vehicle drives a little faster or slower than along it: the same corridor for
+/// a body that accelerates as much less.
+int Coordinator::corridor_beside(int number, const PathApproach& approach, const VehicleState& v) {
+  const Corridor& along = corridors_[number];
+  Vehicle body = type_of(v.type).body;
+  const double left =
+      approach.acceleration_share(corridors_.library().path(along.path), v.speed,
+                                  std::min(body.max_accel, body.max_decel), along.lateral_limits);
+  if (left >= kWholeShare) return number;
+  const double share = std::max(std::floor(left / kShareStep) * kShareStep, kLeastShare);
+  body.max_accel *= share;
+  body.max_decel *= share;
+  return corridors_.corridor_for(along.course, body);
+}
+
 Driven Coordinator::admit(const Newcomer& newcomer, std::int64_t key) {
   const VehicleState& v = *newcomer.state;
   const VehicleType& type = type_of(v.type);
   Driven driven{.key = key, .corridor = newcomer.corridor, .route = newcomer.route};
-  const CorridorCourse& course = corridors_[newcomer.corridor].course;
   const double expected = corridors_[newcomer.corridor].lines.front() - newcomer.to_line;
   driven.approach = approach_to(corridors_[driven.corridor], v, expected);
-  // Beside its path the vehicle drives a little faster or slower than along it.
-  const Corridor& along = corridors_[driven.corridor];
-  Vehicle body = type.body;
-  const double left = driven.approach.acceleration_share(
-      corridors_.library().path(along.path), v.speed, std::min(body.max_accel, body.max_decel),
-      along.lateral_limits);
-  if (left < kWholeShare) {
-    const double share = std::max(std::floor(left / kShareStep) * kShareStep, kLeastShare);
-    body.max_accel *= share;
-    body.max_decel *= share;
-    driven.corridor = corridors_.corridor_for(course, body);
+  // Plans know no more of it than its path: half of what is kept off others at the sides counts.
+  constexpr double kBeside = 0.1;  // [m]
+  if (driven.approach.aside() > kBeside) {
+    driven.corridor = corridors_.joined(driven.corridor, driven.approach);
+    driven.approach = approach_to(corridors_[driven.corridor], v, expected);
+  } else {
+    driven.corridor = corridor_beside(driven.corridor, driven.approach, v);
   }
   const Corridor& c = corridors_[driven.corridor];
 

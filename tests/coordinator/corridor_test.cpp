@@ -88,6 +88,72 @@ TEST(Corridor, ItsStationsGrowAndItsLimitsCoverThePath) {
   }
 }
 
+// Lanes side by side, arms straight: whatever is beside the middle of them has been straightened.
+TEST(Corridor, PathsAreOffTheMiddleOfTheirLanesOnlyWhereNobodyChangesHands) {
+  Walk walk(make_crossroads());
+  const DrivableArea area(walk.network);
+  CorridorMap map(walk.graph, area, {});
+  const Vehicle body = fake_type("car").body;
+  for (const std::string to : {"S_out", "N_out"}) {
+    const auto course = walk.finder.find(walk.at("W_in_0", 150.0, {"W_in", to}));
+    const Corridor& c = map[map.corridor_for(*course, body)];
+    const ReferencePath& path = map.library().path(c.path);
+    const auto aside = [&](double s) {
+      const Pose p = path.at(s);
+      return s < c.s_exit ? std::abs(p.y - path.at(0.0).y)
+                          : std::abs(p.x - path.at(path.length() - 1.0).x);
+    };
+    double most = 0.0;
+    for (double s = body.rear; s < c.lines.front(); s += 0.5) {
+      if (s < c.lines.front() + body.front - 12.0) {
+        EXPECT_LT(aside(s), 1e-6) << s;
+      }
+      most = std::max(most, aside(s));
+    }
+    EXPECT_GT(most, 0.02) << to;
+    EXPECT_EQ(c.stops, c.lines) << "they wait at their lines";
+    for (double s = c.s_exit + body.length() + 5.0; s < path.length() - 2.0; s += 0.5) {
+      EXPECT_LT(aside(s), 0.01) << s;
+    }
+  }
+}
+
+TEST(Corridor, TheApproachToAPathCanBePartOfIt) {
+  Walk walk(make_crossroads());
+  const DrivableArea area(walk.network);
+  CorridorMap map(walk.graph, area, {});
+  const Vehicle body = fake_type("car").body;
+  const auto course = walk.finder.find(walk.at("W_in_0", 150.0, {"W_in", "N_out"}));
+  const int plain = map.corridor_for(*course, body);
+  for (const double aside : {-0.5, 0.3}) {
+    const ReferencePath path = map.library().path(map[plain].path);
+    const double s = map[plain].lines.front() - 12.0;
+    const Pose pose = compose(path.at(s), {0.0, aside, 0.03});
+    const int number = map.joined(plain, PathApproach(path, pose, s));
+    const Corridor& c = map[number];
+    const ReferencePath& joined = map.library().path(c.path);
+    const Pose first = joined.at(s);
+    EXPECT_NEAR(first.x, pose.x, 0.05);
+    EXPECT_NEAR(first.y, pose.y, 0.01);
+    EXPECT_NEAR(first.theta, pose.theta, 0.01);
+    EXPECT_LT(PathApproach(joined, pose, s).aside(), 0.01);
+    EXPECT_LT(joined.max_abs_curvature(), body.max_curvature());
+    for (double on = s + 21.0; on < path.length() - 1.0; on += 1.0) {
+      EXPECT_LT(distance(joined.at(on), path.at(on)), 0.06) << on;
+    }
+    EXPECT_EQ(c.stations, map[plain].stations);
+    EXPECT_EQ(c.lane_limits.size(), joined.samples());
+    EXPECT_EQ(c.lateral_limits.size(), joined.samples());
+    // It is one vehicle's: nobody else gets it, and it is forgotten.
+    EXPECT_EQ(map.corridor_for(*course, body), plain);
+    map.forget_unused();
+    map.use(plain);
+    map.forget_unused();
+    EXPECT_FALSE(map.holds(number));
+    EXPECT_TRUE(map.holds(plain));
+  }
+}
+
 TEST(Corridor, ARunUpLeavesMostOfTheRoadBeforeTheLine) {
   const Vehicle body = fake_type("car").body;
   for (const NetworkShape& shape : {crossroads_shape(), chain_shape(), short_arms_shape()}) {
