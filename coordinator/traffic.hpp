@@ -166,6 +166,13 @@ class Traffic {
                               const std::vector<std::string>& /*waiting*/) {}
   /// Keeps a vehicle that is not taken over in its lane (true), as a solid line does.
   virtual void keep_lane(const std::string& /*id*/, bool /*keep*/) {}
+  /// Two vehicles that are not taken over, and stand level on lanes of the same edge, each go on
+  /// from where the other stands.
+  virtual void swap_lanes(const std::string& /*id*/, const std::string& /*other*/) {}
+  /// The driver of a vehicle that is not taken over gives up its route: it drives on where its lane
+  /// leads, and from there by the fastest path to where the route ends. False: there is no path, or
+  /// stops are left on the route.
+  virtual bool detour(const std::string& /*id*/) { return false; }
   /// From the next step on a light shows this, until the signal is shown otherwise or freed.
   virtual void show(const std::string& /*signal*/, int /*index*/, Light /*light*/) {}
   /// The same for all lights of a signal: a letter each, as in SignalPhase.

@@ -178,6 +178,16 @@ class Backend final : public SumoTraffic {
     ask([&] { drivers_.keep_lane(id, keep); });
   }
 
+  void swap_lanes(const std::string& id, const std::string& other) override {
+    if (!is_driven_by_sumo(id) || !is_driven_by_sumo(other)) return;
+    ask([&] { SumoDrivers::swap_lanes(id, other); });
+  }
+
+  bool detour(const std::string& id) override {
+    if (!is_driven_by_sumo(id)) return false;
+    return ask([&] { return routes_.detour(id); });
+  }
+
   void swerve(const std::string& id) override {
     if (!is_driven_by_sumo(id)) return;
     ask([&] { drivers_.swerve(id); });

@@ -54,6 +54,15 @@ void SumoDrivers::keep_lane(const std::string& id, bool keep) {
   }
 }
 
+void SumoDrivers::swap_lanes(const std::string& id, const std::string& other) {
+  const std::string lane = api::Vehicle::getLaneID(id);
+  const double position = api::Vehicle::getLanePosition(id);
+  const std::string lane_beside = api::Vehicle::getLaneID(other);
+  const double position_beside = api::Vehicle::getLanePosition(other);
+  api::Vehicle::moveTo(id, lane_beside, position_beside);
+  api::Vehicle::moveTo(other, lane, position);
+}
+
 void SumoDrivers::swerve(const std::string& id) {
   const int lane = api::Vehicle::getLaneIndex(id);
   const int lanes = api::Edge::getLaneNumber(api::Vehicle::getRoadID(id));

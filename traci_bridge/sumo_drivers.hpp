@@ -21,6 +21,7 @@ class SumoDrivers {
   void let_through(const std::string& id, Passage passage);
   void rely_on_signal(const std::string& id, const std::vector<std::string>& waiting);
   void keep_lane(const std::string& id, bool keep);
+  static void swap_lanes(const std::string& id, const std::string& other);
   void swerve(const std::string& id);
   void react_late(const std::string& id, double seconds);
   void cap_speed(const std::string& id, double speed);

@@ -1,6 +1,7 @@
 #include "traci_bridge/sumo_routes.hpp"
 
 #include <algorithm>
+#include <optional>
 #include <set>
 
 namespace mvtp::MVTP_SUMO_NAMESPACE {
@@ -142,6 +143,33 @@ bool SumoRoutes::give(const std::string& id, const std::string& name) {
     static_cast<void>(log_.take_errors());
     return false;
   }
+}
+
+bool SumoRoutes::detour(const std::string& id) {
+  if (is_cut(id) || !api::Vehicle::getStops(id, kAllStops).empty()) return false;
+  const std::string lane = api::Vehicle::getLaneID(id);
+  const std::string type = api::Vehicle::getTypeID(id);
+  const std::string destination = api::Vehicle::getRoute(id).back();
+  std::optional<libsumo::TraCIStage> best;
+  for (const std::string& next : edges_after(lane)) {
+    libsumo::TraCIStage path = api::Simulation::findRoute(next, destination, type);
+    if (path.edges.empty() || (best && best->travelTime <= path.travelTime)) continue;
+    best = std::move(path);
+  }
+  if (!best) return false;
+  best->edges.insert(best->edges.begin(), network_.lanes.at(lane).edge);
+  return give(id, name_of(best->edges));
+}
+
+/// Where the connections of a lane lead.
+std::vector<std::string> SumoRoutes::edges_after(const std::string& lane) const {
+  std::vector<std::string> edges;
+  const auto junction = network_.junctions.find(ends_.at(network_.lanes.at(lane).edge).second);
+  if (junction == network_.junctions.end()) return edges;
+  for (const Connection& c : junction->second.connections) {
+    if (c.from_lane == lane) edges.push_back(network_.lanes.at(c.to_lane).edge);
+  }
+  return edges;
 }
 
 std::vector<libsumo::TraCINextStopData> SumoRoutes::stops_behind(const std::string& id) const {

@@ -39,6 +39,9 @@ class SumoRoutes {
   /// Lets SUMO know the whole rest again, and the stops on it. Returns whether SUMO accepts it.
   bool restore(const std::string& id, double time);
 
+  /// See Traffic::detour.
+  bool detour(const std::string& id);
+
   /// The stops that SUMO does not know because they lie behind the piece that it knows.
   [[nodiscard]] std::vector<libsumo::TraCINextStopData> stops_behind(const std::string& id) const;
 
@@ -67,6 +70,7 @@ class SumoRoutes {
   [[nodiscard]] bool meets_itself(const Route& route) const;
   [[nodiscard]] std::size_t clear_length(std::span<const std::string> edges) const;
   [[nodiscard]] bool is_near_end(const std::string& id) const;
+  [[nodiscard]] std::vector<std::string> edges_after(const std::string& lane) const;
   [[nodiscard]] bool give(const std::string& id, const std::string& name);
   const std::string& name_of(const std::vector<std::string>& edges);
 

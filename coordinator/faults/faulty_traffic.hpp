@@ -69,6 +69,10 @@ class FaultyTraffic : public Traffic {
     world_.rely_on_signal(id, waiting);
   }
   void keep_lane(const std::string& id, bool keep) override { world_.keep_lane(id, keep); }
+  void swap_lanes(const std::string& id, const std::string& other) override {
+    world_.swap_lanes(id, other);
+  }
+  bool detour(const std::string& id) override { return world_.detour(id); }
   void show(const std::string& signal, int index, Light light) override {
     world_.show(signal, index, light);
   }

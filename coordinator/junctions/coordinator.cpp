@@ -39,7 +39,8 @@ Coordinator::Coordinator(Traffic& traffic, const DrivableArea& area,
             return keeps_driver ? type_of(v.type).tau : options_.decision;
           },
           [this](const std::string& type) -> const VehicleType& { return type_of(type); },
-          [this](const std::string& id) { return came_from(id); }) {
+          [this](const std::string& id) { return came_from(id); }),
+      wrong_lanes_(traffic, graph_, [this](const std::string& id) { return drives(id); }) {
   find_zones();
   grid_.dt = traffic.step_length();
   grid_.steps_per_decision = std::max(1, int(std::lround(options.decision / grid_.dt)));
@@ -95,6 +96,7 @@ void Coordinator::decide() {
   if (step_ % grid_.steps_per_decision == 0) {
     forget_corridors();
     remember_lanes();
+    wrong_lanes_.look();
     predictor_.see(halted_queues());
     replan();
     if (owns_signals()) humans_->settle();

@@ -17,6 +17,7 @@
 #include "coordinator/drivers/controlled_share.hpp"
 #include "coordinator/drivers/gate.hpp"
 #include "coordinator/drivers/straddling.hpp"
+#include "coordinator/drivers/wrong_lanes.hpp"
 #include "coordinator/faults/fault_model.hpp"
 #include "coordinator/junctions/priority.hpp"
 #include "coordinator/junctions/referee.hpp"
@@ -95,6 +96,10 @@ class Coordinator : public Controller {
   [[nodiscard]] const std::vector<std::string>& handed_back() const { return handed_back_; }
   /// Observations of human-driven vehicles near a stop line.
   [[nodiscard]] std::int64_t guest_sightings() const { return guest_sightings_; }
+  /// Drivers who stood in a wrong lane for long and took another path.
+  [[nodiscard]] int detours() const { return wrong_lanes_.detours(); }
+  /// Pairs of such drivers who changed lanes at once.
+  [[nodiscard]] int lane_swaps() const { return wrong_lanes_.swaps(); }
   /// Vehicles that were not where their plans had them, and have been given up.
   [[nodiscard]] const std::vector<FaultEvent>& losses() const { return losses_; }
   [[nodiscard]] const CorridorMap& corridors() const { return corridors_; }
@@ -305,6 +310,7 @@ class Coordinator : public Controller {
   Predictor predictor_;
   Gate gate_;
   Straddling straddling_;
+  WrongLanes wrong_lanes_;
   std::optional<SignalHeads> heads_;
   std::optional<GreenLanes> greens_;
   std::unique_ptr<HumanDrivers> humans_;

@@ -273,6 +273,8 @@ std::string summary_json(const RunReport& r) {
   j["max_speed"] = r.audit.max_speed;
   j["max_jump_m"] = r.audit.max_jump;
   j["hard_brakings_after_handback"] = r.audit.hard_brakings_after_handback;
+  j["detours"] = r.detours;
+  j["lane_swaps"] = r.lane_swaps;
   j["left_to_sumo_sightings"] = r.left_to_sumo_sightings;
   j["replan_ms"] = {{"p50", quantile(ms, 0.5)},
                     {"p95", quantile(ms, 0.95)},

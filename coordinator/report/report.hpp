@@ -82,6 +82,8 @@ struct RunReport {
   std::optional<HumanFaultFigures> human_faults;  ///< none: nobody was asked to misbehave
   PeopleFigures people;
   std::int64_t people_greens = 0;           ///< shown at crossings
+  int detours = 0;                          ///< drivers who left their routes, see WrongLanes
+  int lane_swaps = 0;                       ///< pairs of drivers, see WrongLanes
   std::int64_t left_to_sumo_sightings = 0;  ///< vehicles near a stop line, over the decisions
   double begin = 0.0;                       ///< [s] simulated time
   double end = 0.0;                         ///< [s]

@@ -162,6 +162,24 @@ TEST_F(StraddlingTest, DriversNearItStayInTheirLanes) {
   }
 }
 
+// Lanes side by side inside a junction may lead apart.
+TEST_F(StraddlingTest, WhoEntersAJunctionNearOneKeepsItsLane) {
+  const double length = traffic.network().lanes.at("W-C_1").length;
+  traffic.add(car("enters", "C-N", 1, length - 1.5));
+  FakeTrip waits = car("waits in a wrong lane", "C-N", 0, length);
+  waits.at->second = 0.0;
+  traffic.add(waits);
+  traffic.insert_now();
+  straddling.show();
+  EXPECT_THAT(traffic.kept, IsEmpty());
+  Pose near_line = middle;
+  near_line.x = at("enters").pose.x - 10.0;
+  traffic.place("across", near_line, 0.0);
+  traffic.step();
+  straddling.show();
+  EXPECT_THAT(traffic.kept, ElementsAre("enters"));
+}
+
 // As a lorry does that swings out over a line, to turn.
 TEST_F(StraddlingTest, SoCanThoseBehindOneWhoseNoseIsOnNoLane) {
   put_aside(1.6);

@@ -283,6 +283,63 @@ TEST_F(SumoTrafficTest, WhoReliesOnHisSignalYieldsToNobodyNamed) {
   }
 }
 
+TEST_F(SumoTrafficTest, TwoWhoWaitForEachOthersLaneGoOnOnceTheySwap) {
+  network_ = "crossroads2";
+  const std::string at_end = "departPos=\"289\" departLane=";
+  const auto traffic = open(vehicle("left", 0.0, "Wi No", at_end + "\"0\"") +
+                            vehicle("right", 0.0, "Wi So", at_end + "\"1\""));
+  run_until(*traffic, 60.0);
+  ASSERT_EQ(at(*traffic, "left").lane, "Wi_0");
+  ASSERT_EQ(at(*traffic, "right").lane, "Wi_1");
+  traffic->swap_lanes("left", "right");
+  run_until(*traffic, 75.0);
+  EXPECT_EQ(at(*traffic, "left").lane, "No_1");
+  EXPECT_EQ(at(*traffic, "right").lane, "So_0");
+  EXPECT_EQ(traffic->collisions(), 0);
+}
+
+TEST_F(SumoTrafficTest, ADetourLeadsWhereTheRouteEnds) {
+  network_ = "../tests/traci_bridge/short_blocks";
+  const auto traffic =
+      open(vehicle("a", 0.0, "left1A1 A1A0 A0B0 B0bottom1", "departPos=\"40\" departLane=\"1\"") +
+           vehicle("b", 0.0, "left0A0 A0bottom0", "departPos=\"40\" departLane=\"1\""));
+  traffic->step();
+  traffic->keep_lane("a", true);
+  traffic->keep_lane("b", true);
+  run_until(*traffic, 20.0);
+  ASSERT_EQ(at(*traffic, "a").lane, "left1A1_1");
+  EXPECT_TRUE(traffic->detour("a"));
+  EXPECT_THAT(traffic->route("a"), ElementsAre("left1A1", "A1B1", "B1B0", "B0bottom1"));
+  EXPECT_TRUE(traffic->detour("b"));
+  std::string last;
+  traffic->keep_lane("a", false);
+  traffic->keep_lane("b", false);
+  while (find(*traffic, "a") != nullptr && traffic->time() < 120.0) {
+    last = at(*traffic, "a").lane;
+    traffic->step();
+  }
+  EXPECT_THAT(last, HasSubstr("B0bottom1"));
+}
+
+TEST_F(SumoTrafficTest, WhoHasNoOtherPathKeepsItsRoute) {
+  network_ = "crossroads2";
+  const auto traffic = open(vehicle("a", 0.0, "Wi So", "departPos=\"289\" departLane=\"1\""));
+  traffic->step();
+  EXPECT_FALSE(traffic->detour("a"));
+  EXPECT_THAT(traffic->route("a"), ElementsAre("Wi", "So"));
+}
+
+TEST_F(SumoTrafficTest, WhoStopsOnItsRouteKeepsIt) {
+  network_ = "../tests/traci_bridge/short_blocks";
+  const auto traffic = open(
+      R"(<vehicle id="a" type="car" depart="0" departPos="40" departLane="1">
+         <route edges="left1A1 A1A0 A0B0 B0bottom1"/>
+         <stop lane="B0bottom1_0" endPos="30" duration="5"/></vehicle>)");
+  traffic->step();
+  EXPECT_FALSE(traffic->detour("a"));
+  EXPECT_EQ(traffic->route("a").size(), 4U);
+}
+
 TEST_F(SumoTrafficTest, ALowerLimitHoldsForEveryDriver) {
   const auto traffic = open(vehicle("a", 0, "Wi Eo", "departPos=\"100\""));
   traffic->limit_speed("Wi_0", 5.0);

@@ -252,6 +252,8 @@ void Drivers::report_to(RunReport& report) const {
   }
   std::ranges::stable_sort(report.replans, {}, &Replan::time);
   if (!coordinator_) return;
+  report.detours = coordinator_->detours();
+  report.lane_swaps = coordinator_->lane_swaps();
   report.left_to_sumo_sightings = coordinator_->guest_sightings();
   if (report.faults) report.faults->given_up = coordinator_->losses();
   if (const People* people = coordinator_->people()) report.people_greens = people->greens();
