@@ -135,6 +135,18 @@ double Straddling::most_speed(const VehicleState& driver) const {
   return most;
 }
 
+std::optional<double> Straddling::halts_at(const VehicleState& driver) const {
+  const auto tails = tails_.find(driver.lane);
+  if (tails == tails_.end()) return std::nullopt;
+  double most = kInfinity;
+  for (const Tail& tail : tails->second) {
+    if (tail.speed > kStanding || tail.along <= driver.lane_position) continue;
+    most = std::min(most, tail.along - type_of_(driver.type).min_gap);
+  }
+  if (most == kInfinity) return std::nullopt;
+  return std::max(most, driver.lane_position);
+}
+
 /// Is it inside a junction, or may it be after the next step? Not who stands at the line: there
 /// somebody may still have to change to a lane that leads where it goes.
 bool Straddling::enters_junction(const VehicleState& driver, int lane) const {

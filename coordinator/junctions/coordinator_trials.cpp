@@ -290,7 +290,9 @@ Stand Coordinator::stand_of(const VehicleState& v) const {
   constexpr double kBoarding = 5.0;  // [s] at least: stops last longer than they are planned to
   const auto trail = trails_.find(v.id);
   const int decisions = trail == trails_.end() ? 0 : trail->second.stood;
-  if (!v.halted_by_stop) return {.so_far = decisions * grid_.decision()};
+  if (!v.halted_by_stop) {
+    return {.so_far = decisions * grid_.decision(), .behind = straddling_.halts_at(v)};
+  }
   const std::optional<Stop> stop = traffic_.next_stop(v.id);
   if (!stop) return {.scheduled = kBoarding};
   return {.scheduled = std::max({kBoarding, stop->duration, stop->until - traffic_.time()})};

@@ -218,8 +218,14 @@ std::optional<StopLine> Predictor::behind_queue(const Placed& placed,
 }
 
 std::vector<StopLine> Predictor::lines_ahead(const Placed& placed, const CourseQuery& query,
+                                             const Stand& stand,
                                              const std::optional<StopLine>& own) const {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
   std::vector<StopLine> lines;
+  if (stand.behind) {
+    const double s = placed.road.now.s + *stand.behind - query.position;
+    lines.push_back({.s = s, .hardest = kInfinity});
+  }
   for (const auto& line : {own, behind_queue(placed, query)}) {
     if (line) lines.push_back(*line);
   }
@@ -263,7 +269,7 @@ std::vector<Forecast> Predictor::predict(const VehicleState& v, const CourseQuer
     // How quickly it goes nobody knows: it may speed up as it can, or slow down to a crawl, and
     // wait where its lane ends.
     forecast.earliest = predict_passage(road, body.max_accel, grid, step);
-    forecast.latest = predict_crawl(road, lines_ahead(*placed, query, stop), grid, step);
+    forecast.latest = predict_crawl(road, lines_ahead(*placed, query, stand, stop), grid, step);
     forecast.yields = false;
     expected_on_[v.id] = {placed->corridor, s};
     return {forecast};
@@ -276,7 +282,7 @@ std::vector<Forecast> Predictor::predict(const VehicleState& v, const CourseQuer
     const double line = s + (is_held ? std::min(*to_line, to_end) : *to_line);
     if (!stop || line < stop->s - kSame) stop = StopLine{line, body.max_decel};
   }
-  const std::vector<StopLine> lines = lines_ahead(*placed, query, stop);
+  const std::vector<StopLine> lines = lines_ahead(*placed, query, stand, stop);
   forecast.earliest = predict_leader(road, lines, grid, step, at_line ? 0.0 : stand.so_far);
   if (is_held) forecast.held = held_at_line(forecast.earliest, grid);
   return {forecast};

@@ -32,10 +32,12 @@ struct StopLine {
   double until = std::numeric_limits<double>::infinity();  ///< [s] from now on
 };
 
-/// How long somebody stands where he is.
+/// How long somebody stands where he is, or soon will.
 struct Stand {
   double scheduled = 0.0;  ///< [s] still, at a stop of his
   double so_far = 0.0;     ///< [s]
+  /// [m] on its lane, where its front halts behind somebody who stands across it; none: nobody.
+  std::optional<double> behind = {};
 };
 
 /// What vehicles that nobody controls are expected to do.
@@ -88,6 +90,7 @@ class Predictor {
   [[nodiscard]] std::optional<StopLine> behind_queue(const Placed& placed,
                                                      const CourseQuery& query) const;
   [[nodiscard]] std::vector<StopLine> lines_ahead(const Placed& placed, const CourseQuery& query,
+                                                  const Stand& stand,
                                                   const std::optional<StopLine>& own) const;
   [[nodiscard]] int path_of(const VehicleState& vehicle, const CourseQuery& query,
                             const Vehicle& body, double& station);

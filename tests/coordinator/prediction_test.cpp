@@ -236,6 +236,19 @@ TEST(Predictor, WhoHasStoodForLongIsExpectedToStandAsLongAgain) {
   EXPECT_NEAR(stands(1000.0), stands(100.0), 1e-9);
 }
 
+TEST(Predictor, WhoHaltsBehindSomebodyAcrossItsLaneGoesNoFurther) {
+  Prediction p(crossroads_shape());
+  const double start = p.shape.network.lanes.at("W-C_0").shape.front().x;
+  for (const double behind : {60.0, 70.0}) {
+    const auto forecasts =
+        p.predict("W-C_0", 60.0, 0.0, {"W-C", "C-E"}, Intent::kWaits, {.behind = behind});
+    ASSERT_THAT(forecasts, SizeIs(1));
+    const double most = p.place(forecasts[0], 7 + 400).x - start;
+    EXPECT_LE(most, behind + 0.01);
+    EXPECT_GE(most, behind - 1.5);
+  }
+}
+
 TEST(Predictor, NobodyIsExpectedToDriveThroughAQueue) {
   Prediction p(crossroads_shape());
   const double tail = 40.0;
