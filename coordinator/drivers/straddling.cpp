@@ -135,7 +135,7 @@ double Straddling::most_speed(const VehicleState& driver) const {
   return most;
 }
 
-std::optional<double> Straddling::halts_at(const VehicleState& driver) const {
+std::optional<double> Straddling::stop_position(const VehicleState& driver) const {
   const auto tails = tails_.find(driver.lane);
   if (tails == tails_.end()) return std::nullopt;
   double most = kInfinity;

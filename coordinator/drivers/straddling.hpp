@@ -33,8 +33,8 @@ class Straddling {
   /// To be called before each step.
   void show();
   /// Where on its lane the front of a driver stops behind somebody who stood there at the last
-  /// show(), or halts already [m]; none: nobody's tail is ahead of it.
-  [[nodiscard]] std::optional<double> halts_at(const VehicleState& driver) const;
+  /// show(), or stands already [m]; none: nobody's tail is ahead of it.
+  [[nodiscard]] std::optional<double> stop_position(const VehicleState& driver) const;
 
  private:
   /// A point of a body on a lane that its front is not on.

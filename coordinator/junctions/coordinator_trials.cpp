@@ -291,7 +291,7 @@ Stand Coordinator::stand_of(const VehicleState& v) const {
   const auto trail = trails_.find(v.id);
   const int decisions = trail == trails_.end() ? 0 : trail->second.stood;
   if (!v.halted_by_stop) {
-    return {.so_far = decisions * grid_.decision(), .behind = straddling_.halts_at(v)};
+    return {.so_far = decisions * grid_.decision(), .behind = straddling_.stop_position(v)};
   }
   const std::optional<Stop> stop = traffic_.next_stop(v.id);
   if (!stop) return {.scheduled = kBoarding};

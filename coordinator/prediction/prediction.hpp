@@ -36,7 +36,7 @@ struct StopLine {
 struct Stand {
   double scheduled = 0.0;  ///< [s] still, at a stop of his
   double so_far = 0.0;     ///< [s]
-  /// [m] on its lane, where its front halts behind somebody who stands across it; none: nobody.
+  /// [m] on its lane, where its front stops behind somebody who stands across it; none: nobody.
   std::optional<double> behind = {};
 };
 

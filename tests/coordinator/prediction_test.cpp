@@ -236,7 +236,7 @@ TEST(Predictor, WhoHasStoodForLongIsExpectedToStandAsLongAgain) {
   EXPECT_NEAR(stands(1000.0), stands(100.0), 1e-9);
 }
 
-TEST(Predictor, WhoHaltsBehindSomebodyAcrossItsLaneGoesNoFurther) {
+TEST(Predictor, WhoStopsBehindSomebodyAcrossItsLaneGoesNoFurther) {
   Prediction p(crossroads_shape());
   const double start = p.shape.network.lanes.at("W-C_0").shape.front().x;
   for (const double behind : {60.0, 70.0}) {

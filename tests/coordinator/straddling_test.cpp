@@ -131,29 +131,29 @@ TEST_F(StraddlingTest, DriversStopBehindAllOfWhoHasItsNoseInTheirLane) {
   EXPECT_NEAR(v * reaction + v * v / (2.0 * type.body.max_decel), gap, 1.0);
 }
 
-TEST_F(StraddlingTest, DriversHaltBehindATailThatStands) {
+TEST_F(StraddlingTest, DriversStopBehindATailThatStands) {
   put_aside(1.6);
   straddling.show();
   const double tail = at("across").lane_position - fake_type("car").body.length();
-  const std::optional<double> halts = straddling.halts_at(at("behind"));
-  ASSERT_TRUE(halts.has_value());
-  EXPECT_NEAR(*halts, tail - fake_type("car").min_gap, 1.0);
-  EXPECT_FALSE(straddling.halts_at(at("ahead")).has_value());
-  EXPECT_FALSE(straddling.halts_at(at("left")).has_value());
+  const std::optional<double> stops = straddling.stop_position(at("behind"));
+  ASSERT_TRUE(stops.has_value());
+  EXPECT_NEAR(*stops, tail - fake_type("car").min_gap, 1.0);
+  EXPECT_FALSE(straddling.stop_position(at("ahead")).has_value());
+  EXPECT_FALSE(straddling.stop_position(at("left")).has_value());
   traffic.place("across", at("across").pose, 3.0);
   traffic.step();
   straddling.show();
-  EXPECT_FALSE(straddling.halts_at(at("behind")).has_value());
+  EXPECT_FALSE(straddling.stop_position(at("behind")).has_value());
 }
 
 // Its nose is ahead of them, and its tail behind their front bumpers.
-TEST_F(StraddlingTest, WhoIsLevelWithItHaltsWhereItIs) {
+TEST_F(StraddlingTest, WhoIsLevelWithItStaysWhereItIs) {
   traffic.place("across", compose(middle, {0.0, -0.5, -0.27}), 0.0);
   traffic.add(car("level", "C-E", 0, at("across").lane_position - 2.0));
   traffic.step();
   straddling.show();
   const VehicleState& level = at("level");
-  EXPECT_EQ(straddling.halts_at(level), level.lane_position);
+  EXPECT_EQ(straddling.stop_position(level), level.lane_position);
 }
 
 TEST_F(StraddlingTest, WhoReactsSoonerMayDriveFasterAndCanStillStop) {
