@@ -56,7 +56,7 @@ void Gate::see(const VehicleState& v, const Place& place, const Vehicle& body) {
 /// Drivers of SUMO change lanes at their lines and inside junctions, too, onto ground that is not
 /// theirs. Who has to, may.
 void Gate::keep_in_lane(const std::string& id, const Visitor& guest) {
-  traffic_.keep_lane(id, guest.passes && guest.enters);
+  keeping_.keep(id, LaneKeeping::Reason::kGuest, guest.passes && guest.enters);
 }
 
 void Gate::keep(const std::string& id) {
@@ -135,7 +135,7 @@ void Gate::release(const std::string& id) {
   if (visitor == visitors_.end()) return;
   if (visitor->second.held) traffic_.hold(id, false);
   if (visitor->second.passes) traffic_.let_through(id, Passage::kNone);
-  traffic_.keep_lane(id, false);
+  keeping_.keep(id, LaneKeeping::Reason::kGuest, false);
   visitors_.erase(visitor);
 }
 

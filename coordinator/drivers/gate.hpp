@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "coordinator/drivers/lane_keeping.hpp"
 #include "coordinator/traffic.hpp"
 
 namespace mvtp {
@@ -18,7 +19,8 @@ class Gate {
  public:
   /// @param passage  what those need not heed who are let through: where nobody stops for signals
   ///     they pass several lines at once, else one.
-  Gate(Traffic& traffic, Passage passage) : traffic_(traffic), passage_(passage) {}
+  Gate(Traffic& traffic, LaneKeeping& keeping, Passage passage)
+      : traffic_(traffic), keeping_(keeping), passage_(passage) {}
 
   /// Where a guest is.
   struct Place {
@@ -67,6 +69,7 @@ class Gate {
   [[nodiscard]] static bool are_apart(const Visitor& a, const Visitor& b);
 
   Traffic& traffic_;
+  LaneKeeping& keeping_;
   Passage passage_;
   std::map<std::string, Visitor> visitors_;
   std::int64_t decisions_ = 0;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "coordinator/drivers/lane_keeping.hpp"
 #include "coordinator/signals/phase_choice.hpp"
 #include "planner/motion/inertial_car.hpp"
 
@@ -12,11 +13,12 @@ constexpr double kKeepLane = 45.0;  ///< [m] before its line a driver keeps his 
 
 }  // namespace
 
-HumanDrivers::HumanDrivers(Traffic& traffic, const LaneGraph& graph, CorridorMap& corridors,
-                           Predictor& predictor, const std::vector<bool>& coordinated,
-                           SignalHeads& heads, const DecisionGrid& grid, KnownIntent intent,
-                           PlanOf plan_of)
+HumanDrivers::HumanDrivers(Traffic& traffic, LaneKeeping& keeping, const LaneGraph& graph,
+                           CorridorMap& corridors, Predictor& predictor,
+                           const std::vector<bool>& coordinated, SignalHeads& heads,
+                           const DecisionGrid& grid, KnownIntent intent, PlanOf plan_of)
     : traffic_(traffic),
+      keeping_(keeping),
       graph_(graph),
       corridors_(corridors),
       predictor_(predictor),
@@ -167,7 +169,7 @@ void HumanDrivers::see(const VehicleState& v, const CourseQuery& query, double t
     const double wanted = SpeedEnvelope(agent.driver().limits, 1e9).at(agent.driver().road.now.s);
     agent.waited += grid_.decision() * std::max(0.0, 1.0 - v.speed / std::max(0.1, wanted));
   }
-  traffic_.keep_lane(v.id, !agent.links.empty() && to_line < kKeepLane);
+  keeping_.keep(v.id, LaneKeeping::Reason::kSignal, !agent.links.empty() && to_line < kKeepLane);
 }
 
 /// What bounds its motion, and where its tail is clear of the junction.
@@ -223,12 +225,14 @@ std::vector<Forecast> HumanDrivers::passages(const std::string& id) const {
 
 void HumanDrivers::drop(const Agent& agent) {
   traffic_.rely_on_signal(agent.id, {});
-  traffic_.keep_lane(agent.id, false);
+  keeping_.keep(agent.id, LaneKeeping::Reason::kSignal, false);
 }
 
 void HumanDrivers::release_all() {
   for (const auto& [id, agent] : agents_) {
-    if (!agent.granted) drop(agent);  // whoever has green goes on as planned
+    // Whoever has green goes on as planned.
+    if (!agent.granted) traffic_.rely_on_signal(id, {});
+    keeping_.keep(id, LaneKeeping::Reason::kSignal, false);
   }
   agents_.clear();
 }

@@ -18,6 +18,7 @@
 
 namespace mvtp {
 
+class LaneKeeping;
 class PhaseChoice;
 
 /// The ground ahead of a driver on which he may be at some moments.
@@ -45,9 +46,9 @@ class HumanDrivers {
   /// The plan that a vehicle under control follows; nullptr if it is not under control.
   using PlanOf = std::function<const SpeedProfile*(const std::string&)>;
 
-  HumanDrivers(Traffic& traffic, const LaneGraph& graph, CorridorMap& corridors,
-               Predictor& predictor, const std::vector<bool>& coordinated, SignalHeads& heads,
-               const DecisionGrid& grid, KnownIntent intent, PlanOf plan_of);
+  HumanDrivers(Traffic& traffic, LaneKeeping& keeping, const LaneGraph& graph,
+               CorridorMap& corridors, Predictor& predictor, const std::vector<bool>& coordinated,
+               SignalHeads& heads, const DecisionGrid& grid, KnownIntent intent, PlanOf plan_of);
   HumanDrivers(HumanDrivers&&) = delete;
   ~HumanDrivers();
 
@@ -195,6 +196,7 @@ class HumanDrivers {
                                                const Pose& where, std::int64_t then) const;
 
   Traffic& traffic_;
+  LaneKeeping& keeping_;
   const LaneGraph& graph_;
   CorridorMap& corridors_;
   Predictor& predictor_;

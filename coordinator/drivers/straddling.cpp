@@ -61,37 +61,38 @@ std::vector<Point> sides(const Pose& pose, const Vehicle& body) {
 
 }  // namespace
 
-Straddling::Straddling(Traffic& traffic, const LaneGraph& graph, IsControlled is_controlled,
-                       Reaction reaction, TypeOf type_of, CameFrom came_from)
+Straddling::Straddling(Traffic& traffic, LaneKeeping& keeping, const LaneGraph& graph,
+                       PoseSoon pose_soon, Reaction reaction, TypeOf type_of, CameFrom came_from)
     : traffic_(traffic),
+      keeping_(keeping),
       graph_(graph),
-      is_controlled_(std::move(is_controlled)),
+      pose_soon_(std::move(pose_soon)),
       reaction_(std::move(reaction)),
       type_of_(std::move(type_of)),
       came_from_(std::move(came_from)) {}
 
 /// Is all of the body within the lane of its front, or beyond the lane that it comes from? Quick.
-bool Straddling::is_clear(const VehicleState& v, int lane, int from) const {
+bool Straddling::is_clear(const Pose& pose, const Vehicle& body, int lane, int from) const {
   constexpr double kInLane = 0.3;  // [m] from the middle of the lane: still within it
-  const Vehicle& body = type_of_(v.type).body;
   if (lane != from) {
     const Point& end = graph_.lane(from).shape.back();
-    return std::hypot(v.pose.x - end.x, v.pose.y - end.y) > body.length();
+    return std::hypot(pose.x - end.x, pose.y - end.y) > body.length();
   }
   if (graph_.lanes_of(graph_.edge_of(lane)).size() < 2) return true;
   return std::ranges::all_of(std::array{-body.rear, body.front}, [&](double x) {
-    const Pose p = compose(v.pose, {x, 0.0, 0.0});
+    const Pose p = compose(pose, {x, 0.0, 0.0});
     const std::optional<Beside> place = beside(graph_.lane(lane), {p.x, p.y});
     return place && place->aside < kInLane;
   });
 }
 
-void Straddling::find_tails(const VehicleState& v) {
+void Straddling::find_tails(const VehicleState& v, const Pose& pose) {
   const int lane = graph_.find_lane(v.lane);  // none where it swings out between two
   const bool inside = lane == LaneGraph::kNone || graph_.edge_of(lane) == LaneGraph::kNone;
   const int from = inside ? came_from_(v.id) : lane;
-  if (from == LaneGraph::kNone || is_clear(v, lane, from)) return;
-  const std::vector<Point> body = sides(v.pose, type_of_(v.type).body);
+  const Vehicle& shape = type_of_(v.type).body;
+  if (from == LaneGraph::kNone || is_clear(pose, shape, lane, from)) return;
+  const std::vector<Point> body = sides(pose, shape);
   for (const int other : graph_.lanes_of(graph_.edge_of(from))) {
     if (other != lane) add_body(body, other, v.speed);
   }
@@ -184,21 +185,27 @@ void Straddling::show() {
   sides_.clear();
   controlled_.clear();
   for (const VehicleState& v : traffic_.vehicles()) {
-    if (!is_controlled_(v.id)) continue;
+    const std::optional<Pose> soon = pose_soon_(v.id);
+    if (!soon) continue;
     controlled_.push_back(v.pose);
-    find_tails(v);
+    find_tails(v, v.pose);
+    // Nobody is planned into a lane but where its driver can stop. He has to begin to.
+    find_tails(v, *soon);
   }
   if (controlled_.empty() && capped_.empty() && kept_.empty()) return;
   std::set<std::string> capped;
   std::set<std::string> kept;
   for (const VehicleState& v : traffic_.vehicles()) {
-    if (is_controlled_(v.id)) continue;
+    if (pose_soon_(v.id)) continue;
     const double most = most_speed(v);
     if (most < kInfinity || capped_.contains(v.id)) traffic_.cap_speed(v.id, most);
     if (most < kInfinity) capped.insert(v.id);
-    const bool stays = is_beside_one(v);
-    if (stays || kept_.contains(v.id)) traffic_.keep_lane(v.id, stays);
-    if (stays) kept.insert(v.id);
+    if (!is_beside_one(v)) continue;
+    keeping_.keep(v.id, LaneKeeping::Reason::kBeside, true);
+    kept.insert(v.id);
+  }
+  for (const std::string& id : kept_) {
+    if (!kept.contains(id)) keeping_.keep(id, LaneKeeping::Reason::kBeside, false);
   }
   capped_ = std::move(capped);
   kept_ = std::move(kept);

@@ -7,27 +7,29 @@
 #include <string>
 #include <vector>
 
+#include "coordinator/drivers/lane_keeping.hpp"
 #include "coordinator/network/lane_graph.hpp"
 #include "coordinator/traffic.hpp"
 
 namespace mvtp {
 
-/// Shows drivers the bodies of vehicles under control that stand across lanes: who changes lanes
-/// slowly, or turns off. SUMO's drivers see a vehicle that is placed from outside only on the lane
-/// that its front bumper is on [sumo#7496]; those behind it on the others would drive into its
-/// tail, and those beside would change lanes into its side. The first are kept from driving faster
-/// than they could stop behind it, as behind any leader; the others are kept in their lanes,
-/// and so are those inside a junction where somebody under control is near.
+/// Shows drivers the bodies of vehicles under control that are across lanes, or are about to be:
+/// who changes lanes slowly, or turns off. SUMO's drivers see a vehicle that is placed from outside
+/// only on the lane that its front bumper is on [sumo#7496]; those behind it on the others would
+/// drive into its tail, and those beside would change lanes into its side. The first are kept from
+/// driving faster than they could stop behind it, as behind any leader; the others are kept in
+/// their lanes, and so are those inside a junction where somebody under control is near.
 class Straddling {
  public:
-  using IsControlled = std::function<bool(const std::string&)>;
+  /// Where a vehicle under control will be a decision from now; nullopt: it has a driver.
+  using PoseSoon = std::function<std::optional<Pose>(const std::string&)>;
   /// How much earlier than with full braking a driver has to begin to stop [s].
   using Reaction = std::function<double(const VehicleState&)>;
   using TypeOf = std::function<const VehicleType&(const std::string&)>;
   /// The normal lane that a vehicle inside a junction comes from; LaneGraph::kNone: not known.
   using CameFrom = std::function<int(const std::string&)>;
 
-  Straddling(Traffic& traffic, const LaneGraph& graph, IsControlled is_controlled,
+  Straddling(Traffic& traffic, LaneKeeping& keeping, const LaneGraph& graph, PoseSoon pose_soon,
              Reaction reaction, TypeOf type_of, CameFrom came_from);
 
   /// To be called before each step.
@@ -42,8 +44,8 @@ class Straddling {
     double along = 0.0;  ///< [m] from the start of the lane
     double speed = 0.0;  ///< [m/s] along the lane
   };
-  [[nodiscard]] bool is_clear(const VehicleState& v, int lane, int from) const;
-  void find_tails(const VehicleState& v);
+  [[nodiscard]] bool is_clear(const Pose& pose, const Vehicle& body, int lane, int from) const;
+  void find_tails(const VehicleState& v, const Pose& pose);
   void add_body(const std::vector<Point>& body, int lane, double speed);
   [[nodiscard]] bool enters_junction(const VehicleState& driver, int lane) const;
   [[nodiscard]] bool is_near_one(const VehicleState& driver) const;
@@ -52,8 +54,9 @@ class Straddling {
   [[nodiscard]] double most_speed(const VehicleState& driver) const;
 
   Traffic& traffic_;
+  LaneKeeping& keeping_;
   const LaneGraph& graph_;
-  IsControlled is_controlled_;
+  PoseSoon pose_soon_;
   Reaction reaction_;
   TypeOf type_of_;
   CameFrom came_from_;

@@ -28,10 +28,11 @@ Coordinator::Coordinator(Traffic& traffic, const DrivableArea& area,
       corridors_(graph_, area, options.limits),
       area_(area),
       predictor_(graph_, finder_, corridors_, options.corridors.takeover),
-      gate_(traffic,
+      keeping_(traffic),
+      gate_(traffic, keeping_,
             !options.greens && options.share.is_whole() ? Passage::kAll : Passage::kOneLine),
       straddling_(
-          traffic, graph_, [this](const std::string& id) { return drives(id); },
+          traffic, keeping_, graph_, [this](const std::string& id) { return pose_soon(id); },
           // Who is soon under control brakes at the last moment only.
           [this](const VehicleState& v) {
             const bool keeps_driver = !options_.share.contains(v.id, v.type) ||
@@ -59,8 +60,8 @@ Coordinator::Coordinator(Traffic& traffic, const DrivableArea& area,
     const auto driven = driven_.find(id);
     return driven == driven_.end() ? nullptr : plan_.find(driven->second.key);
   };
-  humans_ = std::make_unique<HumanDrivers>(traffic, graph_, corridors_, predictor_, coordinated_,
-                                           *heads_, grid_, options.intent, plan_of);
+  humans_ = std::make_unique<HumanDrivers>(traffic, keeping_, graph_, corridors_, predictor_,
+                                           coordinated_, *heads_, grid_, options.intent, plan_of);
 }
 
 Coordinator::~Coordinator() = default;
@@ -345,6 +346,14 @@ void Coordinator::place_all() {
     if (driven.past.size() > kept) driven.past.pop_back();
   }
   if (traffic_.wants_plans()) announce_plans();
+}
+
+/// Where a vehicle under control will be a decision from now; nullopt: it has a driver.
+std::optional<Pose> Coordinator::pose_soon(const std::string& id) const {
+  const auto driven = driven_.find(id);
+  if (driven == driven_.end()) return std::nullopt;
+  const std::int64_t next = step_ + grid_.steps_per_decision;
+  return planned_pose(driven->second, state_at(*plan_.find(driven->second.key), next)).pose;
 }
 
 PlannedPose Coordinator::planned_pose(const Driven& driven, const InertialState& state) const {

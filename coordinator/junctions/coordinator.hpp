@@ -16,6 +16,7 @@
 #include "coordinator/corridor/path_approach.hpp"
 #include "coordinator/drivers/controlled_share.hpp"
 #include "coordinator/drivers/gate.hpp"
+#include "coordinator/drivers/lane_keeping.hpp"
 #include "coordinator/drivers/straddling.hpp"
 #include "coordinator/drivers/wrong_lanes.hpp"
 #include "coordinator/faults/fault_model.hpp"
@@ -187,6 +188,7 @@ class Coordinator : public Controller {
   [[nodiscard]] std::vector<std::int64_t> stagnating_groups();
   void notice_the_stuck();
   void place_all();
+  [[nodiscard]] std::optional<Pose> pose_soon(const std::string& id) const;
   [[nodiscard]] PlannedPose planned_pose(const Driven& driven, const InertialState& state) const;
 
   // Messages that take their time, and vehicles that do not obey: coordinator_tolerance.cpp
@@ -308,6 +310,7 @@ class Coordinator : public Controller {
   CorridorMap corridors_;
   const DrivableArea& area_;
   Predictor predictor_;
+  LaneKeeping keeping_;
   Gate gate_;
   Straddling straddling_;
   WrongLanes wrong_lanes_;

@@ -56,7 +56,8 @@ class GateTest : public testing::Test {
 
   const Vehicle car = fake_type("car").body;
   NotedTraffic traffic;
-  Gate gate{traffic, Passage::kOneLine};
+  LaneKeeping keeping{traffic};
+  Gate gate{traffic, keeping, Passage::kOneLine};
 };
 
 TEST_F(GateTest, HoldsWhoeverCanStillStop) {

@@ -68,7 +68,10 @@ class StraddlingTest : public testing::Test {
                  car("left", "C-N", 1, 30.0), car("across", "C-N", 1, 60.0)}),
         graph(traffic.network()),
         straddling(
-            traffic, graph, [](const std::string& id) { return id == "across"; },
+            traffic, keeping, graph,
+            [this](const std::string& id) {
+              return id == "across" ? std::optional(compose(at(id).pose, soon)) : std::nullopt;
+            },
             [this](const VehicleState&) { return reaction; },
             [](const std::string& type) -> const VehicleType& {
               static const VehicleType kCar = fake_type("car");
@@ -95,6 +98,8 @@ class StraddlingTest : public testing::Test {
   CappedTraffic traffic;
   double reaction = fake_type("car").tau;  ///< [s] of all drivers
   Pose middle;                             ///< of "across" in its lane
+  Pose soon{0.0, 0.0, 0.0};                ///< of "across" a decision later, seen from where it is
+  LaneKeeping keeping{traffic};
   LaneGraph graph;
   Straddling straddling;
 };
@@ -115,6 +120,21 @@ TEST_F(StraddlingTest, DriversBehindATailOnTheirLaneCanStopBehindIt) {
   const double gap = tail - at("behind").lane_position - type.min_gap;
   EXPECT_NEAR(v * type.tau + v * v / (2.0 * type.body.max_decel), gap, 1.5);
   EXPECT_GT(v, 5.0);
+}
+
+// Else they come level with it while it moves over, and neither can stop in time.
+TEST_F(StraddlingTest, DriversSeeWhoIsAboutToMoveIntoTheirLane) {
+  put_aside(0.2);
+  straddling.show();
+  ASSERT_THAT(traffic.caps, IsEmpty());
+  soon = {3.0, -1.6, 0.0};
+  straddling.show();
+  ASSERT_THAT(traffic.caps, ElementsAre(Key("behind")));
+  const double v = traffic.caps.at("behind");
+  const VehicleType type = fake_type("car");
+  const double rear = at("across").lane_position - type.body.length() + soon.x;
+  const double gap = rear - at("behind").lane_position - type.min_gap;
+  EXPECT_NEAR(v * reaction + v * v / (2.0 * type.body.max_decel), gap, 1.0);
 }
 
 // Beside it they would keep it from moving on, and it them.

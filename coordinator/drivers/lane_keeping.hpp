@@ -1,0 +1,31 @@
+#pragma once
+
+#include <map>
+#include <set>
+#include <string>
+
+#include "coordinator/traffic.hpp"
+
+namespace mvtp {
+
+/// Who keeps drivers in their lanes, so that nobody lets go whom another one still keeps.
+class LaneKeeping {
+ public:
+  enum class Reason {
+    kSignal,  ///< he is near his line, with a light of the coordinator
+    kGuest,   ///< he passes a junction as a guest
+    kBeside,  ///< somebody under control is beside him, or will be
+  };
+
+  /// @param traffic  must outlive it.
+  explicit LaneKeeping(Traffic& traffic) : traffic_(traffic) {}
+
+  /// From now on there is this reason to keep him in his lane, or there is none.
+  void keep(const std::string& id, Reason reason, bool keep);
+
+ private:
+  Traffic& traffic_;
+  std::map<std::string, std::set<Reason>> reasons_;  ///< of those who are kept
+};
+
+}  // namespace mvtp

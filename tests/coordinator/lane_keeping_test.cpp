@@ -1,0 +1,62 @@
+#include "coordinator/drivers/lane_keeping.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "tests/coordinator/closed_loop.hpp"
+
+namespace mvtp {
+namespace {
+
+using testing::ElementsAre;
+using testing::IsEmpty;
+using Reason = LaneKeeping::Reason;
+
+/// Notes who is kept in his lane.
+class KeepingTraffic : public FakeTraffic {
+ public:
+  KeepingTraffic() : FakeTraffic(make_crossroads(), {}) {}
+  void keep_lane(const std::string& id, bool keep) override {
+    keep ? (void)kept.insert(id) : (void)kept.erase(id);
+  }
+  std::set<std::string> kept;
+};
+
+TEST(LaneKeeping, WhoIsKeptForTwoReasonsIsFreeWhenBothHaveEnded) {
+  constexpr Reason kAll[] = {Reason::kSignal, Reason::kGuest, Reason::kBeside};
+  for (const Reason first : kAll) {
+    for (const Reason second : kAll) {
+      if (first == second) continue;
+      KeepingTraffic traffic;
+      LaneKeeping keeping{traffic};
+      keeping.keep("a", first, true);
+      keeping.keep("a", second, true);
+      keeping.keep("a", second, false);
+      EXPECT_THAT(traffic.kept, ElementsAre("a"));
+      keeping.keep("a", first, false);
+      EXPECT_THAT(traffic.kept, IsEmpty());
+    }
+  }
+}
+
+TEST(LaneKeeping, AReasonCountsOnceHoweverOftenItIsGiven) {
+  KeepingTraffic traffic;
+  LaneKeeping keeping{traffic};
+  keeping.keep("a", Reason::kSignal, true);
+  keeping.keep("a", Reason::kSignal, true);
+  keeping.keep("a", Reason::kSignal, false);
+  EXPECT_THAT(traffic.kept, IsEmpty());
+}
+
+TEST(LaneKeeping, WhatHoldsForOneDoesNotForAnother) {
+  KeepingTraffic traffic;
+  LaneKeeping keeping{traffic};
+  keeping.keep("a", Reason::kBeside, true);
+  keeping.keep("b", Reason::kBeside, false);
+  EXPECT_THAT(traffic.kept, ElementsAre("a"));
+}
+
+}  // namespace
+}  // namespace mvtp
