@@ -5,7 +5,7 @@
 namespace mvtp {
 namespace {
 
-constexpr double kBareGap = 0.2;   ///< [m] between two that are stuck
+constexpr double kBareGap = 0.05;  ///< [m] between two that are stuck
 constexpr double kClose = 1.0;     ///< [m]: longer than any margin, shorter than any vehicle
 constexpr double kGraze = 0.5;     ///< [m] by which two in one lane may overlap at their sides
 constexpr double kNotice = 2.0;    ///< [s] until a driver answers to who has come into his lane
@@ -109,8 +109,8 @@ bool RoadContact::touch_braking(const InertialState& a, const InertialState& b,
   if (!lenient && ab_->touches(stop_a.rest(), stop_b.rest())) return true;
   // At least one look, for two that stand.
   const int looks = std::max({1, stop_a.looks(), stop_b.looks()});
-  return touch([&](int i) { return stop_a.position(i); }, [&](int i) { return stop_b.position(i); },
-               looks, lenient);
+  return touch_though_they_brake([&](int i) { return stop_a.position(i); },
+                                 [&](int i) { return stop_b.position(i); }, looks, lenient);
 }
 
 bool RoadContact::a_blocks(const InertialState& a, const InertialState& b) const {
@@ -159,6 +159,21 @@ double RoadContact::gap(double s_a, double s_b) const {
   const double across = std::max(gap_across(a, b), gap_across(b, a));
   if (!in_one_lane_ || across > -kGraze) return separation(a, b);
   return (b_ahead_ ? 1.0 : -1.0) * distance_along(a, b) - a.half_length - half_depth(a, b);
+}
+
+/// Is the gap anywhere between these positions too small, to the length of a finger? Halves them
+/// until no point of a body can have moved by as much as they are apart.
+bool RoadContact::dips(double a, double a_end, double b, double b_end) const {
+  constexpr double kFinger = 0.05;  // [m] of both, along their paths
+  constexpr double kSwing = 2.0;    // by which the nose of a car that turns moves further than that
+  const double moved = (a_end - a) + (b_end - b);
+  if (moved <= kFinger) return false;
+  const double middle_a = 0.5 * (a + a_end);
+  const double middle_b = 0.5 * (b + b_end);
+  const double there = gap(middle_a, middle_b);
+  if (there < std::min(least_gap_, 0.5 * least_gap_) - kNoWorse) return true;
+  if (there > least_gap_ + 0.5 * kSwing * moved) return false;
+  return dips(a, middle_a, b, middle_b) || dips(middle_a, a_end, middle_b, b_end);
 }
 
 bool drives_ahead(const PathLibrary& library, const PlaceOnPath& a, const PlaceOnPath& b) {

@@ -52,8 +52,13 @@ class RoadContact {
   /// @param lenient  margins do not count; see is_close().
   template <class A, class B>
   [[nodiscard]] bool touch(const A& a, const B& b, int last, bool lenient) const {
-    if (lenient) return comes_closer(a, b, last);
-    return meet(a, b, 0, last);
+    return lenient ? comes_closer(a, b, last) || grazes(a, b, last) : meet(a, b, 0, last);
+  }
+  /// The same for two who brake fully, and so can do no more: what they come to between the looks
+  /// does not count if they are close.
+  template <class A, class B>
+  [[nodiscard]] bool touch_though_they_brake(const A& a, const B& b, int last, bool lenient) const {
+    return lenient ? comes_closer(a, b, last) : meet(a, b, 0, last);
   }
 
   [[nodiscard]] bool touch_braking(const InertialState& a, const InertialState& b,
@@ -107,6 +112,18 @@ class RoadContact {
     }
     return false;
   }
+
+  /// Between the looks the gap may be half of what it has to be at them. Whoever turns in behind
+  /// the tail of another one is nearest to it there.
+  template <class A, class B>
+  [[nodiscard]] bool grazes(const A& a, const B& b, int last) const {
+    for (int i = 0; i < last; ++i) {
+      const double a_from = a(i), a_to = a(i + 1), b_from = b(i), b_to = b(i + 1);
+      if (ab_->sweeps(a_from, a_to, b_from, b_to) && dips(a_from, a_to, b_from, b_to)) return true;
+    }
+    return false;
+  }
+  [[nodiscard]] bool dips(double a, double a_end, double b, double b_end) const;
 
   static constexpr double kNoWorse = 1e-6;  ///< [m]
 

@@ -92,6 +92,48 @@ TEST_F(RoadContactTest, BrakingIsClearAtEveryMoment) {
   EXPECT_GT(clear, 1000);
 }
 
+// Two that are stuck, and move on at once: what counts as clear is so at every moment, also where
+// one turns its nose in behind the tail of the other one between two looks.
+TEST_F(TooClose, WhoMovesOnBehindATailIsClearBetweenTheLooksToo) {
+  library.add(ReferencePath(std::vector<Point>{{-100, 3}, {0, 3}, {30, -9}, {60, -30}}), kCar);
+  Draws draws(11);
+  int clear = 0;
+  for (int round = 0; round < 20000; ++round) {
+    scene.vehicles.clear();
+    add(draws.between(0, 1) == 0 ? 0 : 4, 92.0 + 16.0 * draws.share(), 0.0).stuck = true;
+    add(1, 92.0 + 16.0 * draws.share(), 0.0).stuck = true;
+    const RoadVehicle& a = scene.vehicles[0];
+    const RoadVehicle& b = scene.vehicles[1];
+    const RoadContact contact(scene, a, b, 0.0);
+    if (!contact.is_close_now() || gap(a, a.now.s, b, b.now.s) < 0.1) continue;
+    const double v_a = 8.0 * draws.share();
+    const double v_b = 8.0 * draws.share();
+    const auto at_a = [&](double i) { return a.now.s + 0.2 * i * v_a; };
+    const auto at_b = [&](double i) { return b.now.s + 0.2 * i * v_b; };
+    if (contact.touch(at_a, at_b, 5, true)) continue;
+    ++clear;
+    for (double i = 0.0; i <= 5.0; i += 0.02) {
+      ASSERT_GT(gap(a, at_a(i), b, at_b(i)), 0.0) << "round " << round << ", look " << i;
+    }
+  }
+  EXPECT_GT(clear, 100);
+}
+
+// The bare gap between two that are stuck: less is touched, more is passed.
+TEST_F(TooClose, TwoThatAreStuckPassEachOtherAtAHairsBreadth) {
+  for (const double beside : {0.02, 0.08, 0.15}) {
+    const int path = library.add(straight({-100, 1.8 + beside}, {100, 1.8 + beside}), kCar);
+    scene.vehicles.clear();
+    add(0, 90.0, 0.0).stuck = true;
+    add(path, 100.0, 0.0).stuck = true;
+    const RoadContact contact(scene, scene.vehicles[0], scene.vehicles[1], 0.0);
+    const auto passes = [](int i) { return 90.0 + double(i); };
+    const auto stands = [](int) { return 100.0; };
+    const bool lenient = contact.is_close(scene.vehicles[0].now, scene.vehicles[1].now);
+    EXPECT_EQ(contact.touch(passes, stands, 20, lenient), beside < 0.05) << beside << " m";
+  }
+}
+
 TEST_F(OrderOfVehicles, WhoStandsInTheWayOfAnotherComesBeforeIt) {
   add(0, 60.0, 5.0);   // 0: before the crossing
   add(2, 80.0, 5.0);   // 1: ahead of it in the same lane
