@@ -38,11 +38,7 @@ std::vector<WrongLanes::Waiting> WrongLanes::waiting() const {
     if (v.speed > kStanding || is_controlled_(v.id) || !stands_at_end(v, lane)) continue;
     const int next = next_edge(v, lane);
     if (next == LaneGraph::kNone) continue;
-    const auto before = since_.find(v.id);
-    all.push_back({.state = &v,
-                   .lane = lane,
-                   .next = next,
-                   .since = before == since_.end() ? traffic_.time() : before->second});
+    all.push_back({.state = &v, .lane = lane, .next = next});
   }
   return all;
 }
@@ -55,24 +51,30 @@ bool WrongLanes::suit_each_other(const Waiting& a, const Waiting& b) const {
 }
 
 void WrongLanes::look() {
-  std::vector<Waiting> all = waiting();
-  since_.clear();
-  for (const Waiting& w : all) since_.emplace(w.state->id, w.since);
+  const std::vector<Waiting> all = waiting();
+  std::map<std::string, Wait> waits;
   for (const Waiting& w : all) {
-    if (traffic_.time() - w.since < kGivesUp || !since_.contains(w.state->id)) continue;
+    const auto before = waits_.find(w.state->id);
+    waits.emplace(w.state->id, before == waits_.end() ? Wait{traffic_.time()} : before->second);
+  }
+  waits_ = std::move(waits);
+  for (const Waiting& w : all) {
+    const auto wait = waits_.find(w.state->id);
+    if (wait == waits_.end() || traffic_.time() - wait->second.since < kGivesUp) continue;
     const auto other = std::ranges::find_if(all, [&](const Waiting& o) {
-      return since_.contains(o.state->id) && suit_each_other(w, o);
+      return waits_.contains(o.state->id) && suit_each_other(w, o);
     });
     if (other != all.end()) {
       traffic_.swap_lanes(w.state->id, other->state->id);
-      since_.erase(other->state->id);
+      waits_.erase(other->state->id);
+      waits_.erase(w.state->id);
       ++swaps_;
-    } else if (traffic_.detour(w.state->id)) {
+    } else if (!wait->second.no_path) {
+      wait->second.no_path = !traffic_.detour(w.state->id);
+      if (wait->second.no_path) continue;
+      waits_.erase(wait);
       ++detours_;
-    } else {
-      continue;
     }
-    since_.erase(w.state->id);
   }
 }
 

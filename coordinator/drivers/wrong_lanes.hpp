@@ -36,8 +36,12 @@ class WrongLanes {
   struct Waiting {
     const VehicleState* state = nullptr;
     int lane = 0;
-    int next = 0;        ///< the edge where it means to go
-    double since = 0.0;  ///< [s] when it came to stand there
+    int next = 0;  ///< the edge where it means to go
+  };
+  /// How long, and in vain.
+  struct Wait {
+    double since = 0.0;    ///< [s] when it came to stand there
+    bool no_path = false;  ///< from where its lane leads
   };
 
   [[nodiscard]] std::vector<Waiting> waiting() const;
@@ -48,7 +52,7 @@ class WrongLanes {
   Traffic& traffic_;
   const LaneGraph& graph_;
   IsControlled is_controlled_;
-  std::map<std::string, double> since_;  ///< [s] when each of those who wait came to stand there
+  std::map<std::string, Wait> waits_;  ///< of each of those drivers
   int detours_ = 0;
   int swaps_ = 0;
 };

@@ -94,6 +94,7 @@ TEST_F(WrongLanesTest, WithoutAPathItWaitsForAPartner) {
   traffic->has_path = false;
   look_until(WrongLanes::kGivesUp + 5.0);
   EXPECT_EQ(wrong_lanes->detours(), 0);
+  EXPECT_THAT(traffic->detours, ElementsAre("a"));  // asked once
   traffic->add(car("b", "C-E", 1));
   traffic->insert_now();
   wrong_lanes->look();
