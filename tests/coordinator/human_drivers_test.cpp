@@ -183,6 +183,27 @@ TEST(HumanDrivers, WhoStoppedAfterAllWaitsForGreen) {
   EXPECT_TRUE(waits_again);
 }
 
+// He cannot stop any more, but there is nothing behind the end of his lane: whoever comes behind
+// him must not count on his driving on.
+TEST(HumanDrivers, NeverPassTheEndOfALaneThatDoesNotLeadOn) {
+  const NetworkShape shape = with_signals(two_lanes_shape());
+  FakeTrip fast{"fast", 0.4, "W-C", "C-E"};
+  fast.lane = 1;
+  fast.at = std::pair(shape.network.lanes.at("W-C_1").length - 8.0, 12.0);
+  FakeTrip beside{"beside", 0.0, "W-C", "C-E"};  // so he cannot change lanes
+  beside.at = std::pair(shape.network.lanes.at("W-C_0").length - 8.0, 0.0);
+  ClosedLoop run(shape, {beside, fast}, 0.1, share(0.0));
+  run.traffic.freeze("beside");
+  int known = 0;
+  while (run.traffic.time() < 1.0) {
+    run.step();
+    known += int(run.coordinator.humans()->knows("fast"));
+    EXPECT_FALSE(run.coordinator.humans()->passes("fast")) << run.traffic.time();
+  }
+  EXPECT_GT(known, 0);
+  EXPECT_EQ(run.coordinator.humans()->unplanned_passages(), 0);
+}
+
 // They stand further from their lines than they would from a leader.
 TEST(HumanDrivers, WhoStandAtTheirLinesGetGreen) {
   const NetworkShape shape = crossroads_with_phases();
