@@ -186,10 +186,17 @@ void HumanDrivers::set_driver(Movement& movement, const RoadVehicle& road, doubl
   for (double& limit : movement.driver.limits) {
     limit = std::min(limit * speed_factor, type.body.max_speed);
   }
+  const std::vector<CorridorPiece>& pieces = corridor.course.pieces;
+  const auto is_inside = [&](std::size_t i) {
+    return graph_.edge_of(pieces[i].lane) == LaneGraph::kNone;
+  };
+  for (std::size_t i = 1; i < pieces.size(); ++i) {
+    const bool waits_there = is_inside(i - 1) && is_inside(i);
+    if (waits_there) movement.driver.waiting_places.push_back(corridor.stations[i]);
+  }
   movement.s_clear = movement.driver.line;
-  for (std::size_t i = 0; i < corridor.course.pieces.size(); ++i) {
-    const bool normal = graph_.edge_of(corridor.course.pieces[i].lane) != LaneGraph::kNone;
-    if (!normal || corridor.stations[i] < movement.driver.line - 0.1) continue;
+  for (std::size_t i = 0; i < pieces.size(); ++i) {
+    if (is_inside(i) || corridor.stations[i] < movement.driver.line - 0.1) continue;
     movement.s_clear = corridor.stations[i] + type.body.length();
     break;
   }

@@ -15,11 +15,24 @@ constexpr double kStart = 0.5;       ///< [s] until one that stands moves at its
 constexpr double kLateFollow = 0.5;  ///< [s] of headway beside his own
 constexpr double kLeastGap = 1.0;    ///< [m] that a follower keeps, more than any margin
 constexpr double kHorizon = 100.0;   ///< [s] as that of plans
+constexpr double kSight = 4.5;  ///< [m] before a waiting place he sees that he may go on [sumo]
 
 SpeedEnvelope envelope(const std::vector<double>& limits, double share, double braking) {
   std::vector<double> scaled = limits;
   for (double& v : scaled) v = std::max(0.5, v * share);
   return {std::move(scaled), braking};
+}
+
+/// The speeds from which he can stop at each place where he may wait, until he sees that he need
+/// not.
+SpeedEnvelope before_waiting_places(const TubeDriver& driver) {
+  std::vector<double> limits(driver.limits.size(), 1e9);
+  for (const double place : driver.waiting_places) {
+    const double i = std::round((place - kSight) / ReferencePath::kSpacing);
+    const bool is_ahead = i >= 0.0 && i < double(limits.size());
+    if (is_ahead) limits[std::size_t(i)] = std::sqrt(2.0 * driver.max_decel * kSight);
+  }
+  return {std::move(limits), driver.max_decel};
 }
 
 /// How far a leader has come `steps` after now [m]; before now it kept its speed.
@@ -50,6 +63,7 @@ Tube predict_tube(const TubeDriver& driver, const std::vector<TubeLeader>& leade
                   const DecisionGrid& grid, std::int64_t step) {
   const SpeedEnvelope fast = envelope(driver.limits, kFastest, driver.max_decel);
   const SpeedEnvelope slow = envelope(driver.limits, kSlowest, kGentle * driver.max_decel);
+  const SpeedEnvelope careful = before_waiting_places(driver);
   const RoadVehicle& road = driver.road;
   const auto drive = [&](bool latest) {
     SpeedProfile t{.begin = step, .states = {road.now}};
@@ -60,7 +74,8 @@ Tube predict_tube(const TubeDriver& driver, const std::vector<TubeLeader>& leade
     const auto longest = std::size_t(kHorizon / grid.dt);
     while (t.states.back().s < road.s_end && t.states.size() < longest) {
       const InertialState last = t.states.back();
-      const double wanted = (latest ? slow : fast).at(last.s + last.v * grid.dt);
+      const double ahead = last.s + last.v * grid.dt;
+      const double wanted = latest ? std::min(slow.at(ahead), careful.at(ahead)) : fast.at(ahead);
       double a = std::clamp((wanted - last.v) / grid.dt, -driver.max_decel, most);
       if (int(t.states.size()) <= waits) a = 0.0;
       InertialState next = advance(last, a, grid.dt);

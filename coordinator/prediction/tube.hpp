@@ -32,6 +32,9 @@ struct TubeDriver {
   double max_accel = 2.6;      ///< [m/s^2] of the vehicle
   double max_decel = 4.5;      ///< [m/s^2]
   double line = 0.0;           ///< station of his stop line [m]
+  /// Stations where those wait inside who yield [m]. SUMO's drivers come to them so slowly that
+  /// they could stop, whether or not they will, until they are near.
+  std::vector<double> waiting_places = {};
   /// Until this step he may stand there, or inside where he is, since he yields; < 0: to nobody.
   std::int64_t yields_until = -1;
 };

@@ -57,6 +57,25 @@ TEST(Tube, SlowsDownForALowerLimit) {
   }
 }
 
+// Where those wait inside who yield, SUMO's drivers could stop until they are 4.5 m before it, and
+// do not have to.
+TEST(Tube, MayComeSlowlyToAPlaceWhereOthersWait) {
+  constexpr double kPlace = 120.0;
+  TubeDriver d = driver(70.0, kLimit);
+  const Tube freely = predict(d);
+  d.waiting_places = {kPlace, 1e6, 0.0};  // the others are off his path
+  const Tube t = predict(d);
+  EXPECT_EQ(t.earliest.states, freely.earliest.states);
+  for (std::int64_t k = 7; k < t.latest.end(); ++k) {
+    const InertialState at = t.latest.at(k);
+    if (at.s > kPlace - 5.0 && at.s < kPlace - 4.5) {
+      EXPECT_LE(at.v, std::sqrt(2.0 * d.max_decel * 5.0)) << at.s;
+    }
+  }
+  EXPECT_GE(t.latest.states.back().s, 300.0);
+  EXPECT_GT(t.latest.end(), freely.latest.end());
+}
+
 TEST(Tube, NobodyDrivesThroughHisLeader) {
   SpeedProfile stands{.begin = 7, .states = {{0.0, 0.0}}, .complete = false};
   const Tube t = predict(driver(70.0, 10.0),
