@@ -7,6 +7,7 @@
 
 #include "coordinator/drivers/human_drivers.hpp"
 #include "coordinator/network/partition.hpp"
+#include "planner/road/road_contact.hpp"
 #include "planner/search/draws.hpp"
 
 namespace mvtp {
@@ -308,14 +309,31 @@ std::vector<std::int64_t> Coordinator::stagnating_groups() {
   return upset;
 }
 
-/// Who has stood for long without a complete plan, or blocking a guest who may not go because
-/// of it, is stuck until the end of its corridor: its plan may be to wait for that guest.
+namespace {
+
+/// Does a vehicle stand where one of these drivers, who stands too, has to pass, and he where it
+/// has to?
+bool stands_against_one(const RoadScene& scene, const RoadVehicle& road,
+                        const std::vector<Forecast>& drivers) {
+  return std::ranges::any_of(drivers, [&](const Forecast& driver) {
+    const RoadVehicle& other = driver.vehicle;
+    return other.now.v == 0.0 && RoadContact(scene, road, other, 0.0).block_each_other();
+  });
+}
+
+}  // namespace
+
+/// Who has stood for long without a complete plan, or blocking a driver who may not go because
+/// of it, is stuck until the end of its corridor: its plan may be to wait for him.
 void Coordinator::notice_the_stuck() {
+  const RoadScene now = empty_scene();
   std::map<std::int64_t, int> standing;
   for (auto& [id, driven] : driven_) {
     RoadVehicle& road = driven.road;
-    const bool waits = blocking_guests_.contains(driven.key) || !plan_.find(driven.key)->complete;
-    if (road.now.v != 0.0 || !waits) continue;
+    if (road.now.v != 0.0) continue;
+    const bool waits = blocking_guests_.contains(driven.key) || !plan_.find(driven.key)->complete ||
+                       (humans_ && stands_against_one(now, road, forecasts_));
+    if (!waits) continue;
     const auto before = standing_.find(driven.key);
     const int decisions = before == standing_.end() ? 1 : before->second + 1;
     standing.emplace(driven.key, decisions);

@@ -75,6 +75,10 @@ class RoadContact {
   [[nodiscard]] bool is_behind(const InertialState& a, const InertialState& b) const {
     return b_blocks(a, b) && !a_blocks(a, b);
   }
+  /// Does each, where it is now, block the rest of the path of the other?
+  [[nodiscard]] bool block_each_other() const {
+    return !never() && a_blocks(a_->now, b_->now) && b_blocks(a_->now, b_->now);
+  }
   /// Is `a` not in the lane of `b` yet, although they drive the same way? Its driver does not see
   /// it there.
   [[nodiscard]] bool a_is_beside(const InertialState& a, const InertialState& b) const;

@@ -119,6 +119,22 @@ TEST_F(TooClose, WhoMovesOnBehindATailIsClearBetweenTheLooksToo) {
   EXPECT_GT(clear, 100);
 }
 
+// Two noses that are within each other's margins, and one vehicle behind another.
+TEST_F(RoadContactTest, TwoBlockEachOtherOnlyIfNeitherCanPassTheOther) {
+  add(0, 97.0, 0.0);
+  for (const double s : {90.0, 95.2, 110.0}) {
+    scene.vehicles.resize(1);
+    add(1, s, 0.0);
+    const RoadContact contact(scene, scene.vehicles[0], scene.vehicles[1], 0.0);
+    const RoadContact other(scene, scene.vehicles[1], scene.vehicles[0], 0.0);
+    EXPECT_EQ(contact.block_each_other(), s == 95.2) << s;
+    EXPECT_EQ(other.block_each_other(), s == 95.2) << s;
+  }
+  scene.vehicles.resize(1);
+  add(2, 80.0, 0.0);
+  EXPECT_FALSE(RoadContact(scene, scene.vehicles[0], scene.vehicles[1], 0.0).block_each_other());
+}
+
 // The bare gap between two that are stuck: less is touched, more is passed.
 TEST_F(TooClose, TwoThatAreStuckPassEachOtherAtAHairsBreadth) {
   for (const double beside : {0.02, 0.08, 0.15}) {
