@@ -184,9 +184,13 @@ void Straddling::show() {
   tails_.clear();
   sides_.clear();
   controlled_.clear();
+  std::vector<const VehicleState*> drivers;
   for (const VehicleState& v : traffic_.vehicles()) {
     const std::optional<Pose> soon = pose_soon_(v.id);
-    if (!soon) continue;
+    if (!soon) {
+      drivers.push_back(&v);
+      continue;
+    }
     controlled_.push_back(v.pose);
     find_tails(v, v.pose);
     // Nobody is planned into a lane but where its driver can stop. He has to begin to.
@@ -195,14 +199,13 @@ void Straddling::show() {
   if (controlled_.empty() && capped_.empty() && kept_.empty()) return;
   std::set<std::string> capped;
   std::set<std::string> kept;
-  for (const VehicleState& v : traffic_.vehicles()) {
-    if (pose_soon_(v.id)) continue;
-    const double most = most_speed(v);
-    if (most < kInfinity || capped_.contains(v.id)) traffic_.cap_speed(v.id, most);
-    if (most < kInfinity) capped.insert(v.id);
-    if (!is_beside_one(v)) continue;
-    keeping_.keep(v.id, LaneKeeping::Reason::kBeside, true);
-    kept.insert(v.id);
+  for (const VehicleState* v : drivers) {
+    const double most = most_speed(*v);
+    if (most < kInfinity || capped_.contains(v->id)) traffic_.cap_speed(v->id, most);
+    if (most < kInfinity) capped.insert(v->id);
+    if (!is_beside_one(*v)) continue;
+    keeping_.keep(v->id, LaneKeeping::Reason::kBeside, true);
+    kept.insert(v->id);
   }
   for (const std::string& id : kept_) {
     if (!kept.contains(id)) keeping_.keep(id, LaneKeeping::Reason::kBeside, false);

@@ -38,7 +38,7 @@ class WrongLanes {
     int lane = 0;
     int next = 0;  ///< the edge where it means to go
   };
-  /// How long, and in vain.
+  /// What is known of one who waits.
   struct Wait {
     double since = 0.0;    ///< [s] when it came to stand there
     bool no_path = false;  ///< from where its lane leads

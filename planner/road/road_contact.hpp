@@ -52,7 +52,7 @@ class RoadContact {
   /// @param lenient  margins do not count; see is_close().
   template <class A, class B>
   [[nodiscard]] bool touch(const A& a, const B& b, int last, bool lenient) const {
-    return lenient ? comes_closer(a, b, last) || grazes(a, b, last) : meet(a, b, 0, last);
+    return touch_though_they_brake(a, b, last, lenient) || (lenient && grazes(a, b, last));
   }
   /// The same for two who brake fully, and so can do no more: what they come to between the looks
   /// does not count if they are close.

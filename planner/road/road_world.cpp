@@ -96,10 +96,6 @@ RoadStepWorld::Motion RoadStepWorld::safe_stop(int i, const State& state) const 
   return {state, -b, advance(state, -b, scene().grid.decision())};
 }
 
-bool RoadStepWorld::is_safe_stop(int i, const Motion& motion) const {
-  return motion == safe_stop(i, motion.from);
-}
-
 bool RoadStepWorld::conflict(int i, const Motion& a, int j, const Motion& b) const {
   if (i > j) return conflict(j, b, i, a);
   const RoadContact& contact = *pairs_.between(std::size_t(i), std::size_t(j)).contact;
@@ -111,7 +107,7 @@ bool RoadStepWorld::conflict(int i, const Motion& a, int j, const Motion& b) con
   const auto position_a = [&](int k) { return advance(a.from, a.acceleration, k * dt).s; };
   const auto position_b = [&](int k) { return advance(b.from, b.acceleration, k * dt).s; };
   const int steps = scene().grid.steps_per_decision;
-  const bool they_brake = is_safe_stop(i, a) && is_safe_stop(j, b);
+  const bool they_brake = lenient && a == safe_stop(i, a.from) && b == safe_stop(j, b.from);
   const bool touch = they_brake
                          ? contact.touch_though_they_brake(position_a, position_b, steps, lenient)
                          : contact.touch(position_a, position_b, steps, lenient);

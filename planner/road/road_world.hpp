@@ -36,7 +36,6 @@ class RoadStepWorld {
   /// Robots are numbered as the scene's vehicles.
   [[nodiscard]] std::vector<Motion> candidates(int i, const State& state) const;
   [[nodiscard]] Motion safe_stop(int i, const State& state) const;
-  [[nodiscard]] bool is_safe_stop(int i, const Motion& motion) const;
   [[nodiscard]] bool conflict(int i, const Motion& a, int j, const Motion& b) const;
   [[nodiscard]] std::span<const int> near(int i) const { return near_[std::size_t(i)]; }
 

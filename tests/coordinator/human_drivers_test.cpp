@@ -183,8 +183,8 @@ TEST(HumanDrivers, WhoStoppedAfterAllWaitsForGreen) {
   EXPECT_TRUE(waits_again);
 }
 
-// He cannot stop any more, but there is nothing behind the end of his lane: whoever comes behind
-// him must not count on his driving on.
+// He is too fast to stop before the end of his lane, from which no connection leads where he goes:
+// a follower must not count on his driving on.
 TEST(HumanDrivers, NeverPassTheEndOfALaneThatDoesNotLeadOn) {
   const NetworkShape shape = with_signals(two_lanes_shape());
   FakeTrip fast{"fast", 0.4, "W-C", "C-E"};

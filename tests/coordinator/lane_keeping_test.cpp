@@ -24,13 +24,17 @@ class KeepingTraffic : public FakeTraffic {
   std::set<std::string> kept;
 };
 
-TEST(LaneKeeping, WhoIsKeptForTwoReasonsIsFreeWhenBothHaveEnded) {
+class LaneKeepingTest : public testing::Test {
+ protected:
+  KeepingTraffic traffic;
+  LaneKeeping keeping{traffic};
+};
+
+TEST_F(LaneKeepingTest, WhoIsKeptForTwoReasonsIsFreeWhenBothHaveEnded) {
   constexpr Reason kAll[] = {Reason::kSignal, Reason::kGuest, Reason::kBeside};
   for (const Reason first : kAll) {
     for (const Reason second : kAll) {
       if (first == second) continue;
-      KeepingTraffic traffic;
-      LaneKeeping keeping{traffic};
       keeping.keep("a", first, true);
       keeping.keep("a", second, true);
       keeping.keep("a", second, false);
@@ -41,18 +45,14 @@ TEST(LaneKeeping, WhoIsKeptForTwoReasonsIsFreeWhenBothHaveEnded) {
   }
 }
 
-TEST(LaneKeeping, AReasonCountsOnceHoweverOftenItIsGiven) {
-  KeepingTraffic traffic;
-  LaneKeeping keeping{traffic};
+TEST_F(LaneKeepingTest, AReasonCountsOnceHoweverOftenItIsGiven) {
   keeping.keep("a", Reason::kSignal, true);
   keeping.keep("a", Reason::kSignal, true);
   keeping.keep("a", Reason::kSignal, false);
   EXPECT_THAT(traffic.kept, IsEmpty());
 }
 
-TEST(LaneKeeping, WhatHoldsForOneDoesNotForAnother) {
-  KeepingTraffic traffic;
-  LaneKeeping keeping{traffic};
+TEST_F(LaneKeepingTest, WhatHoldsForOneDoesNotForAnother) {
   keeping.keep("a", Reason::kBeside, true);
   keeping.keep("b", Reason::kBeside, false);
   EXPECT_THAT(traffic.kept, ElementsAre("a"));
