@@ -62,11 +62,11 @@ std::vector<Point> sides(const Pose& pose, const Vehicle& body) {
 }  // namespace
 
 Straddling::Straddling(Traffic& traffic, LaneKeeping& keeping, const LaneGraph& graph,
-                       PoseSoon pose_soon, Reaction reaction, TypeOf type_of, CameFrom came_from)
+                       PosesSoon poses_soon, Reaction reaction, TypeOf type_of, CameFrom came_from)
     : traffic_(traffic),
       keeping_(keeping),
       graph_(graph),
-      pose_soon_(std::move(pose_soon)),
+      poses_soon_(std::move(poses_soon)),
       reaction_(std::move(reaction)),
       type_of_(std::move(type_of)),
       came_from_(std::move(came_from)) {}
@@ -86,15 +86,15 @@ bool Straddling::is_clear(const Pose& pose, const Vehicle& body, int lane, int f
   });
 }
 
-void Straddling::find_tails(const VehicleState& v, const Pose& pose) {
+void Straddling::find_tails(const VehicleState& v, const PlannedPose& at) {
   const int lane = graph_.find_lane(v.lane);  // none where it swings out between two
   const bool inside = lane == LaneGraph::kNone || graph_.edge_of(lane) == LaneGraph::kNone;
   const int from = inside ? came_from_(v.id) : lane;
   const Vehicle& shape = type_of_(v.type).body;
-  if (from == LaneGraph::kNone || is_clear(pose, shape, lane, from)) return;
-  const std::vector<Point> body = sides(pose, shape);
+  if (from == LaneGraph::kNone || is_clear(at.pose, shape, lane, from)) return;
+  const std::vector<Point> body = sides(at.pose, shape);
   for (const int other : graph_.lanes_of(graph_.edge_of(from))) {
-    if (other != lane) add_body(body, other, v.speed);
+    if (other != lane) add_body(body, other, at.speed);
   }
 }
 
@@ -186,15 +186,15 @@ void Straddling::show() {
   controlled_.clear();
   std::vector<const VehicleState*> drivers;
   for (const VehicleState& v : traffic_.vehicles()) {
-    const std::optional<Pose> soon = pose_soon_(v.id);
-    if (!soon) {
+    const std::vector<PlannedPose> soon = poses_soon_(v.id);
+    if (soon.empty()) {
       drivers.push_back(&v);
       continue;
     }
     controlled_.push_back(v.pose);
-    find_tails(v, v.pose);
+    find_tails(v, {v.pose, v.speed});
     // Nobody is planned into a lane but where its driver can stop. He has to begin to.
-    find_tails(v, *soon);
+    for (const PlannedPose& at : soon) find_tails(v, at);
   }
   if (controlled_.empty() && capped_.empty() && kept_.empty()) return;
   std::set<std::string> capped;

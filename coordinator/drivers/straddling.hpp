@@ -21,21 +21,21 @@ namespace mvtp {
 /// their lanes, and so are those inside a junction where somebody under control is near.
 class Straddling {
  public:
-  /// Where a vehicle under control will be a decision from now; nullopt: it has a driver.
-  using PoseSoon = std::function<std::optional<Pose>(const std::string&)>;
+  /// Where a vehicle under control will be soon, and how fast; none: it has a driver.
+  using PosesSoon = std::function<std::vector<PlannedPose>(const std::string&)>;
   /// How much earlier than with full braking a driver has to begin to stop [s].
   using Reaction = std::function<double(const VehicleState&)>;
   using TypeOf = std::function<const VehicleType&(const std::string&)>;
   /// The normal lane that a vehicle inside a junction comes from; LaneGraph::kNone: not known.
   using CameFrom = std::function<int(const std::string&)>;
 
-  Straddling(Traffic& traffic, LaneKeeping& keeping, const LaneGraph& graph, PoseSoon pose_soon,
+  Straddling(Traffic& traffic, LaneKeeping& keeping, const LaneGraph& graph, PosesSoon poses_soon,
              Reaction reaction, TypeOf type_of, CameFrom came_from);
 
   /// To be called before each step.
   void show();
   /// Where on its lane the front of a driver stops behind somebody who stood there at the last
-  /// show(), or stands already [m]; none: nobody's tail is ahead of it.
+  /// show(), stands already, or comes to rest there [m]; none: nobody's tail is ahead of it.
   [[nodiscard]] std::optional<double> stop_position(const VehicleState& driver) const;
 
  private:
@@ -45,7 +45,7 @@ class Straddling {
     double speed = 0.0;  ///< [m/s] along the lane
   };
   [[nodiscard]] bool is_clear(const Pose& pose, const Vehicle& body, int lane, int from) const;
-  void find_tails(const VehicleState& v, const Pose& pose);
+  void find_tails(const VehicleState& v, const PlannedPose& at);
   void add_body(const std::vector<Point>& body, int lane, double speed);
   [[nodiscard]] bool enters_junction(const VehicleState& driver, int lane) const;
   [[nodiscard]] bool is_near_one(const VehicleState& driver) const;
@@ -56,7 +56,7 @@ class Straddling {
   Traffic& traffic_;
   LaneKeeping& keeping_;
   const LaneGraph& graph_;
-  PoseSoon pose_soon_;
+  PosesSoon poses_soon_;
   Reaction reaction_;
   TypeOf type_of_;
   CameFrom came_from_;

@@ -33,7 +33,7 @@ Coordinator::Coordinator(Traffic& traffic, const DrivableArea& area,
       gate_(traffic, keeping_,
             !options.greens && options.share.is_whole() ? Passage::kAll : Passage::kOneLine),
       straddling_(
-          traffic, keeping_, graph_, [this](const std::string& id) { return pose_soon(id); },
+          traffic, keeping_, graph_, [this](const std::string& id) { return poses_soon(id); },
           // Who is soon under control brakes at the last moment only.
           [this](const VehicleState& v) {
             const bool keeps_driver = !options_.share.contains(v.id, v.type) ||
@@ -366,12 +366,16 @@ void Coordinator::place_all() {
   if (traffic_.wants_plans()) announce_plans();
 }
 
-/// Where a vehicle under control will be a decision from now; nullopt: it has a driver.
-std::optional<Pose> Coordinator::pose_soon(const std::string& id) const {
+/// Where a vehicle under control will be a decision from now, and where one without a complete plan
+/// comes to rest; none: it has a driver.
+std::vector<PlannedPose> Coordinator::poses_soon(const std::string& id) const {
   const auto driven = driven_.find(id);
-  if (driven == driven_.end()) return std::nullopt;
-  const std::int64_t next = step_ + grid_.steps_per_decision;
-  return planned_pose(driven->second, state_at(*plan_.find(driven->second.key), next)).pose;
+  if (driven == driven_.end()) return {};
+  const SpeedProfile& plan = *plan_.find(driven->second.key);
+  std::vector<PlannedPose> poses = {
+      planned_pose(driven->second, state_at(plan, step_ + grid_.steps_per_decision))};
+  if (!plan.complete) poses.push_back(planned_pose(driven->second, plan.states.back()));
+  return poses;
 }
 
 PlannedPose Coordinator::planned_pose(const Driven& driven, const InertialState& state) const {

@@ -188,7 +188,7 @@ class Coordinator : public Controller {
   [[nodiscard]] std::vector<std::int64_t> stagnating_groups();
   void notice_the_stuck();
   void place_all();
-  [[nodiscard]] std::optional<Pose> pose_soon(const std::string& id) const;
+  [[nodiscard]] std::vector<PlannedPose> poses_soon(const std::string& id) const;
   [[nodiscard]] PlannedPose planned_pose(const Driven& driven, const InertialState& state) const;
 
   // Messages that take their time, and vehicles that do not obey: coordinator_tolerance.cpp

@@ -252,7 +252,10 @@ bool Surroundings::meets(const Other& other, std::int64_t k, const InertialState
   int last = grid_.steps_per_decision;
   while (there(last).s >= SpeedProfile::kDeparted) --last;
   const InertialState other_to = there(last);
-  const double other_reach = other_to.s + stopping_distance(other_to.v, other.body->max_decel);
+  // A driver who is expected to slow down may do so only when he is told to.
+  const bool may_be_late = other.forecast && other_to.v < other_from.v;
+  const InertialState latest = may_be_late ? advance(other_from, 0.0, last * grid_.dt) : other_to;
+  const double other_reach = latest.s + stopping_distance(latest.v, other.body->max_decel);
   const InertialState then =
       last == grid_.steps_per_decision ? to : advance(from, a, last * grid_.dt);
   if (!contacts.reaches(from.s, reach, other_from.s, other_reach)) {
@@ -272,6 +275,7 @@ bool Surroundings::meets(const Other& other, std::int64_t k, const InertialState
   if (other.contact.touch(position, other_position, last, lenient)) return true;
   // Who leaves within the decision drives on where this vehicle does not see it.
   if (other.contact.touch_braking(then, other_to, lenient)) return true;
+  if (may_be_late && other.contact.touch_braking(then, latest, lenient)) return true;
   if (is_followed_by(other, then, other_to)) {
     return other.contact.contact->cuts_off(then, other_to);
   }

@@ -70,7 +70,10 @@ class StraddlingTest : public testing::Test {
         straddling(
             traffic, keeping, graph,
             [this](const std::string& id) {
-              return id == "across" ? std::optional(compose(at(id).pose, soon)) : std::nullopt;
+              std::vector<PlannedPose> poses;
+              if (id != "across") return poses;
+              for (const Pose& p : soon) poses.push_back({compose(at(id).pose, p), at(id).speed});
+              return poses;
             },
             [this](const VehicleState&) { return reaction; },
             [](const std::string& type) -> const VehicleType& {
@@ -98,7 +101,7 @@ class StraddlingTest : public testing::Test {
   CappedTraffic traffic;
   double reaction = fake_type("car").tau;  ///< [s] of all drivers
   Pose middle;                             ///< of "across" in its lane
-  Pose soon{0.0, 0.0, 0.0};                ///< of "across" a decision later, seen from where it is
+  std::vector<Pose> soon = {Pose{}};       ///< of "across" later, seen from where it is
   LaneKeeping keeping{traffic};
   LaneGraph graph;
   Straddling straddling;
@@ -127,14 +130,25 @@ TEST_F(StraddlingTest, DriversSeeWhoIsAboutToMoveIntoTheirLane) {
   put_aside(0.2);
   straddling.show();
   ASSERT_THAT(traffic.caps, IsEmpty());
-  soon = {3.0, -1.6, 0.0};
+  soon = {{3.0, -1.6, 0.0}};
   straddling.show();
   ASSERT_THAT(traffic.caps, ElementsAre(Key("behind")));
   const double v = traffic.caps.at("behind");
   const VehicleType type = fake_type("car");
-  const double rear = at("across").lane_position - type.body.length() + soon.x;
+  const double rear = at("across").lane_position - type.body.length() + soon.front().x;
   const double gap = rear - at("behind").lane_position - type.min_gap;
   EXPECT_NEAR(v * reaction + v * v / (2.0 * type.body.max_decel), gap, 1.0);
+}
+
+// Where it brakes it may not have a part in their lane before it comes to rest.
+TEST_F(StraddlingTest, DriversSeeWhereItComesToRestLater) {
+  put_aside(0.2);
+  soon = {{0.5, -0.1, 0.0}, {9.0, -1.6, 0.0}};
+  straddling.show();
+  ASSERT_THAT(traffic.caps, ElementsAre(Key("behind")));
+  soon.pop_back();
+  straddling.show();
+  EXPECT_THAT(traffic.caps, IsEmpty()) << "it is not there yet";
 }
 
 // Beside it they would keep it from moving on, and it them.

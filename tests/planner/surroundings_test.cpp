@@ -40,6 +40,35 @@ TEST_F(BeforeADriver, BrakingIsAWayOutIfHeBrakesToo) { EXPECT_TRUE(may_brake_ful
 
 TEST_F(BeforeADriver, BrakingIsNoneIfHeReliesOnHisSignal) { EXPECT_FALSE(may_brake_fully(true)); }
 
+//   It could still come to rest before the other path, but not after the decision; a driver comes
+//   there who is to wait before it.
+class BeforeWhoWaits : public Crossing {
+ protected:
+  /// May it go on at the same speed while he, so far before the crossing, brakes gently?
+  [[nodiscard]] bool may_go_on(double before) {
+    scene.vehicles.clear();
+    const RoadVehicle vehicle = add(0, 91.4, 5.2);
+    Forecast driver{.vehicle = add(1, 100.0 - before, 12.0), .earliest = {}};
+    scene.vehicles.pop_back();
+    driver.vehicle.key = -1;
+    driver.earliest.states = {driver.vehicle.now};
+    while (driver.earliest.states.size() < 300) {
+      driver.earliest.states.push_back(advance(driver.earliest.states.back(), -3.0, 0.1));
+    }
+    scene.forecasts = {driver};
+    const RoadPairs pairs(scene);
+    const ProfileOptions options;
+    const Surroundings around(pairs, scene.vehicles.front(), {}, options);
+    return around.step_is_clear(0, vehicle.now, 0.0, advance(vehicle.now, 0.0, 0.5));
+  }
+};
+
+// Told to brake half a second later he stops 22 m on; if he does brake gently meanwhile, 18 m on.
+TEST_F(BeforeWhoWaits, HeNeedNotBrakeBeforeHeIsToldTo) {
+  EXPECT_TRUE(may_go_on(30.0));
+  EXPECT_FALSE(may_go_on(25.0));
+}
+
 //   It is on the crossing already, where it would come to rest; a driver who does not yield is
 //   `before` metres away. Where it brakes he meets it: only driving on may avoid him.
 class OnTheCrossing : public Crossing {
