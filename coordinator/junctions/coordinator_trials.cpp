@@ -7,6 +7,7 @@
 #include "coordinator/drivers/human_drivers.hpp"
 #include "coordinator/junctions/coordinator.hpp"
 #include "coordinator/junctions/referee.hpp"
+#include "coordinator/prediction/following.hpp"
 
 namespace mvtp {
 
@@ -228,6 +229,7 @@ std::vector<Forecast> Coordinator::predict_others(
     if (!is_near({v.pose.x, v.pose.y})) continue;
     for (Forecast& forecast : predict_one(v, guests)) forecasts.push_back(std::move(forecast));
   }
+  follow_leaders(forecasts, empty_scene());
   if (people_) {
     for (People::Expected& person : people_->expect(guests)) {
       const Forecast& f = person.forecast;

@@ -12,6 +12,9 @@ constexpr double kAcceleration = 1.0;   ///< [m/s^2] after that
 constexpr double kHesitant = 0.5;       ///< [m/s^2] of a driver let through who takes his time,
 constexpr double kEasing = 1.0;         ///< [m/s^2] or slows down
 constexpr double kCrawl = 4.0;          ///< [m/s] to no less than this
+constexpr double kFastest = 1.01;       ///< share of the speed that he wants,
+constexpr double kSlowest = 0.9;        ///< of one who takes his time,
+constexpr double kGentle = 0.6;         ///< and of the deceleration of the latter
 constexpr double kStand = 60.0;         ///< [s] that he stands there
 constexpr std::size_t kLongest = 3000;  ///< steps that are predicted
 
@@ -189,6 +192,16 @@ std::optional<Predictor::Placed> Predictor::place(const VehicleState& v, const C
   return Placed{number, road};
 }
 
+/// The speeds of a driver who takes a share of what the limits of its lanes allow him, and brakes
+/// so hard before lower ones [m/s^2].
+std::shared_ptr<const SpeedEnvelope> Predictor::drivers_envelope(const Placed& placed, double share,
+                                                                 double braking) const {
+  constexpr double kLeast = 0.5;  // [m/s]
+  std::vector<double> limits = corridors_[placed.corridor].lane_limits;
+  for (double& limit : limits) limit = std::max(kLeast, share * limit);
+  return std::make_shared<SpeedEnvelope>(std::move(limits), braking);
+}
+
 std::optional<StopLine> Predictor::lane_end(const Placed& placed) const {
   const Corridor& corridor = corridors_[placed.corridor];
   if (!corridor.course.dead_end) return std::nullopt;
@@ -243,9 +256,9 @@ std::vector<Forecast> Predictor::predict(const VehicleState& v, const CourseQuer
   const bool is_unknown = intent == Intent::kUnknown;
   const bool is_far = !is_unknown && to_line && *to_line > takeover_ + kAlongside;
   if (is_far && root.lane == LaneGraph::kNone && !is_inside) return {};
-  const std::optional<Placed> placed = place(v, query, body);
+  std::optional<Placed> placed = place(v, query, body);
   if (!placed) return {};
-  const RoadVehicle& road = placed->road;
+  RoadVehicle& road = placed->road;
   const double s = road.now.s;
   Forecast forecast{.vehicle = road, .earliest = {}, .latest = std::nullopt};
   if (stand.scheduled > 0.0) {
@@ -256,7 +269,7 @@ std::vector<Forecast> Predictor::predict(const VehicleState& v, const CourseQuer
     constexpr double kStanding = 0.1;  // [m/s]
     forecast.latest = predict_breakdown(road, body.max_decel, grid, step);
     forecast.earliest =
-        v.speed < kStanding ? *forecast.latest : predict_passage(road, body.max_accel, grid, step);
+        v.speed < kStanding ? *forecast.latest : predict_passage(road, body, grid, step);
     if (v.speed < kStanding) forecast.latest.reset();
     forecast.yields = false;
     return {forecast};
@@ -266,10 +279,13 @@ std::vector<Forecast> Predictor::predict(const VehicleState& v, const CourseQuer
   constexpr double kSame = 1.0;  // [m] between the end of a lane and the line there
   const bool ends_before_line = stop && at_line && stop->s < s + *to_line + kSame;
   if (intent == Intent::kPasses && !ends_before_line && (at_line || is_inside)) {
-    // How quickly it goes nobody knows: it may speed up as it can, or slow down to a crawl, and
-    // wait where its lane ends.
-    forecast.earliest = predict_passage(road, body.max_accel, grid, step);
-    forecast.latest = predict_crawl(road, lines_ahead(*placed, query, stand, stop), grid, step);
+    // How quickly it goes nobody knows: it may speed up as it can and may, or slow down to a crawl,
+    // and wait where its lane ends.
+    road.envelope = drivers_envelope(*placed, kFastest * v.speed_factor, body.max_decel);
+    forecast.earliest = predict_passage(road, body, grid, step);
+    road.envelope = drivers_envelope(*placed, kSlowest * v.speed_factor, kGentle * body.max_decel);
+    forecast.latest =
+        predict_crawl(road, body, lines_ahead(*placed, query, stand, stop), grid, step);
     forecast.yields = false;
     expected_on_[v.id] = {placed->corridor, s};
     return {forecast};
@@ -313,25 +329,33 @@ SpeedProfile predict_breakdown(const RoadVehicle& v, double decel, const Decisio
   return t;
 }
 
-SpeedProfile predict_crawl(const RoadVehicle& v, const std::vector<StopLine>& lines,
-                           const DecisionGrid& grid, std::int64_t step) {
+SpeedProfile predict_crawl(const RoadVehicle& v, const Vehicle& body,
+                           const std::vector<StopLine>& lines, const DecisionGrid& grid,
+                           std::int64_t step) {
   SpeedProfile t{.begin = step, .states = {v.now}};
   drive_on(t, v, grid, lines, [&](const InertialState& last) {
     const double wanted = (std::min(kCrawl, v.cruise_speed) - last.v) / grid.dt;
-    return std::clamp(wanted, -kEasing, kHesitant);
+    const double a = std::clamp(wanted, -kEasing, kHesitant);
+    if (!v.envelope) return a;
+    const double most = (v.envelope->at(last.s + last.v * grid.dt) - last.v) / grid.dt;
+    return std::max(std::min(a, most), -body.max_decel);
   });
   return t;
 }
 
-SpeedProfile predict_passage(const RoadVehicle& v, double acceleration, const DecisionGrid& grid,
+SpeedProfile predict_passage(const RoadVehicle& v, const Vehicle& body, const DecisionGrid& grid,
                              std::int64_t step) {
   SpeedProfile t{.begin = step, .states = {v.now}};
   while (t.states.back().s < v.s_end && t.states.size() < kLongest) {
     const InertialState last = t.states.back();
-    const double speed =
-        std::max(last.v, std::min(last.v + acceleration * grid.dt, v.cruise_speed));
+    double speed = std::max(last.v, std::min(last.v + body.max_accel * grid.dt, v.cruise_speed));
+    if (v.envelope) {
+      const double most = v.envelope->at(last.s + speed * grid.dt);
+      speed = std::clamp(most, last.v - body.max_decel * grid.dt, speed);
+    }
     // SUMO drives a whole step at the speed that it has at the step's end (Euler).
-    t.states.push_back({last.s + speed * grid.dt, speed});
+    const double drives = speed < last.v ? 0.5 * (last.v + speed) : speed;
+    t.states.push_back({last.s + drives * grid.dt, speed});
   }
   return t;
 }

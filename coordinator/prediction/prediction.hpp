@@ -2,6 +2,7 @@
 
 #include <limits>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -92,6 +93,9 @@ class Predictor {
   [[nodiscard]] std::vector<StopLine> lines_ahead(const Placed& placed, const CourseQuery& query,
                                                   const Stand& stand,
                                                   const std::optional<StopLine>& own) const;
+  [[nodiscard]] std::shared_ptr<const SpeedEnvelope> drivers_envelope(const Placed& placed,
+                                                                      double share,
+                                                                      double braking) const;
   [[nodiscard]] int path_of(const VehicleState& vehicle, const CourseQuery& query,
                             const Vehicle& body, double& station);
 
@@ -127,18 +131,19 @@ class Predictor {
 [[nodiscard]] SpeedProfile predict_stop(const RoadVehicle& vehicle, double stands,
                                         const DecisionGrid& grid, std::int64_t step);
 
-/// The quickest that a driver may be who is let over a junction: he speeds up at once with
-/// `acceleration` [m/s^2].
-[[nodiscard]] SpeedProfile predict_passage(const RoadVehicle& vehicle, double acceleration,
+/// The quickest that a driver may be who is let over a junction: he speeds up at once as his
+/// vehicle can, but for its envelope, if it has one.
+[[nodiscard]] SpeedProfile predict_passage(const RoadVehicle& vehicle, const Vehicle& body,
                                            const DecisionGrid& grid, std::int64_t step);
 
 /// One that stops as hard as it can, and stands for a while.
 [[nodiscard]] SpeedProfile predict_breakdown(const RoadVehicle& vehicle, double decel,
                                              const DecisionGrid& grid, std::int64_t step);
 
-/// The slowest passage to be expected of him: at a crawl in the end.
+/// The slowest passage to be expected of him: at a crawl in the end, and within his envelope, if he
+/// has one.
 /// @param lines  where he may have to wait behind the junction
-[[nodiscard]] SpeedProfile predict_crawl(const RoadVehicle& vehicle,
+[[nodiscard]] SpeedProfile predict_crawl(const RoadVehicle& vehicle, const Vehicle& body,
                                          const std::vector<StopLine>& lines,
                                          const DecisionGrid& grid, std::int64_t step);
 

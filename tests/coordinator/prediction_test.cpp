@@ -168,6 +168,50 @@ TEST(Predictor, WhoPassesGoesQuicklyOrSlowlyAndYieldsToNobody) {
   EXPECT_GT(forecast.earliest.at(60).s, forecast.latest->at(60).s + 3.0);
 }
 
+/// Crossroads whose internal lanes allow 3 m/s.
+NetworkShape slow_crossroads() {
+  NetworkShape shape = crossroads_shape();
+  for (auto& [id, lane] : shape.network.lanes) {
+    if (lane.internal) lane.speed_limit = 3.0;
+  }
+  return shape;
+}
+
+// As drivers do: else nobody could count on being out of a turn before them.
+TEST(Predictor, WhoPassesIsNoFasterThanTheLanesOfTheJunctionAllow) {
+  Prediction p(slow_crossroads());
+  const auto forecasts = p.predict("W-C_0", 60.0, 13.0, {"W-C", "C-E"}, Intent::kPasses);
+  ASSERT_THAT(forecasts, SizeIs(1));
+  const Forecast& f = forecasts[0];
+  int inside = 0;
+  for (std::int64_t k = 7; k < 7 + 250; ++k) {
+    const double front = p.place(f, k).x;
+    if (front < -40.0) EXPECT_GT(f.earliest.at(k).v, 12.0) << "he need not brake yet";
+    if (front < -7.0 || front > 7.0) continue;
+    ++inside;
+    EXPECT_LT(f.earliest.at(k).v, 3.2) << front;
+  }
+  EXPECT_GT(inside, 30);
+  EXPECT_GT(f.earliest.at(7 + 150).v, 5.0) << "behind it he speeds up";
+}
+
+TEST(Predictor, TheLatestPassageIsNeverBeforeTheEarliest) {
+  Prediction p(slow_crossroads());
+  for (const double position : {40.0, 60.0, 80.0, 100.0, 110.0}) {
+    for (const double speed : {0.0, 2.0, 8.0, 13.0, 15.0}) {
+      const auto forecasts = p.predict("W-C_0", position, speed, {"W-C", "C-E"}, Intent::kPasses);
+      ASSERT_THAT(forecasts, SizeIs(1));
+      const Forecast& f = forecasts[0];
+      ASSERT_TRUE(f.latest);
+      const std::int64_t end = std::min(f.earliest.end(), f.latest->end());
+      for (std::int64_t k = 7; k < end; ++k) {
+        ASSERT_LE(f.latest->at(k).s, f.earliest.at(k).s + 1e-9) << position << ' ' << speed;
+        ASSERT_GE(f.latest->at(k).v, 0.0);
+      }
+    }
+  }
+}
+
 // Motorcycles start three times as fast as cars.
 TEST(Predictor, WhoPassesMaySpeedUpAsItsTypeCan) {
   Prediction p(crossroads_shape());
