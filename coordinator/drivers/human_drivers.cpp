@@ -35,6 +35,36 @@ HumanDrivers::HumanDrivers(Traffic& traffic, LaneKeeping& keeping, const LaneGra
 
 HumanDrivers::~HumanDrivers() = default;
 
+/// Is it inside a junction that is coordinated?
+bool HumanDrivers::is_inside(int lane) const {
+  if (graph_.edge_of(lane) != LaneGraph::kNone) return false;
+  const std::span<const int> over = graph_.links_over(lane);
+  return over.empty() || coordinated_[std::size_t(graph_.link(over.front()).junction)];
+}
+
+/// As it will be on the last edge before its line, from where it is on its route now. Whose lane
+/// does not lead there changes to one that does.
+CourseQuery HumanDrivers::before_line(const CourseQuery& query) const {
+  CourseQuery there = query;
+  if (is_inside(query.lane)) return there;
+  if (graph_.edge_of(query.lane) == LaneGraph::kNone) {
+    there.lane = graph_.link(graph_.links_over(query.lane).front()).to;
+    there.edges = there.edges.subspan(1);
+  }
+  while (there.edges.size() > 1 &&
+         !coordinated_[std::size_t(graph_.junction_behind(there.edges[0]))]) {
+    int link = LaneGraph::kNone;
+    for (const int lane : graph_.lanes_of(there.edges[0])) {
+      const std::vector<int> links = graph_.links_between(lane, there.edges[1]);
+      if (!links.empty() && (link == LaneGraph::kNone || lane == there.lane)) link = links.front();
+    }
+    if (link == LaneGraph::kNone) break;
+    there.lane = graph_.link(link).to;
+    there.edges = there.edges.subspan(1);
+  }
+  return there;
+}
+
 /// The connections by which it may go on from its lane, as far as that is known.
 std::vector<int> HumanDrivers::links_of(const CourseQuery& query) const {
   if (query.edges.size() < 2 || graph_.edge_of(query.lane) == LaneGraph::kNone) return {};
@@ -130,16 +160,18 @@ void HumanDrivers::remember_lanes() {
 
 void HumanDrivers::see(const VehicleState& v, const CourseQuery& query, double to_line,
                        const VehicleType& type) {
-  const int edge = graph_.edge_of(query.lane);
-  const bool inside = edge == LaneGraph::kNone;
-  if (!inside && !coordinated_[std::size_t(graph_.junction_behind(edge))]) return;
+  const bool inside = is_inside(query.lane);
+  const CourseQuery at_line = before_line(query);
+  const bool is_there = inside || at_line.lane == query.lane;
+  // Where it goes from another edge is known only if its route is.
+  if (!is_there && intent_ != KnownIntent::kRoute) return;
   std::vector<Movement> movements = movements_of(v, query, inside ? 0.0 : to_line, type);
   if (movements.empty()) return;
   const auto [found, is_new] = agents_.try_emplace(v.id);
   Agent& agent = found->second;
   if (is_new) agent.came = step_;
   if (!is_new) check_tube(agent, v.pose);
-  const std::vector<int> links = links_of(query);
+  const std::vector<int> links = links_of(at_line);
   const bool turned = !is_new && !inside && !agent.inside && links != agent.links;
   const bool next_line = agent.inside && !inside;
   if (turned || next_line) {
@@ -169,7 +201,8 @@ void HumanDrivers::see(const VehicleState& v, const CourseQuery& query, double t
     const double wanted = SpeedEnvelope(agent.driver().limits, 1e9).at(agent.driver().road.now.s);
     agent.waited += grid_.decision() * std::max(0.0, 1.0 - v.speed / std::max(0.1, wanted));
   }
-  keeping_.keep(v.id, LaneKeeping::Reason::kSignal, !agent.links.empty() && to_line < kKeepLane);
+  keeping_.keep(v.id, LaneKeeping::Reason::kSignal,
+                is_there && !agent.links.empty() && to_line < kKeepLane);
 }
 
 /// What bounds its motion, and where its tail is clear of the junction.

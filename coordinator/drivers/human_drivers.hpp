@@ -54,10 +54,12 @@ class HumanDrivers {
 
   /// Is the next coordinated line on its route one with an owned light?
   [[nodiscard]] bool decides_for(const CourseQuery& query) const;
+  /// Is a vehicle on this lane inside a coordinated junction?
+  [[nodiscard]] bool is_inside(int lane) const;
 
   /// A decision begins: who is not seen until the end of it has left.
   void begin(std::int64_t step);
-  /// Somebody on the last lane before his light, `to_line` [m] before his line, or inside.
+  /// Somebody `to_line` [m] before his line, or inside. The last edge before it may be short.
   void see(const VehicleState& vehicle, const CourseQuery& query, double to_line,
            const VehicleType& type);
   void end();
@@ -141,6 +143,7 @@ class HumanDrivers {
   [[nodiscard]] static TubeView tube_of(const Movement& movement) {
     return {movement.forecast.earliest, *movement.forecast.latest};
   }
+  [[nodiscard]] CourseQuery before_line(const CourseQuery& query) const;
   [[nodiscard]] std::vector<int> links_of(const CourseQuery& query) const;
   [[nodiscard]] std::vector<int> links_in_question(const CourseQuery& query, double to_line) const;
   [[nodiscard]] std::vector<Movement> movements_of(const VehicleState& v, const CourseQuery& query,

@@ -161,7 +161,7 @@ bool Coordinator::see_human(const VehicleState& v, const CourseQuery& query,
   if (greens_ && greens_->governs(query)) return true;
   if (!humans_) return false;
   if (!owns_signals()) return humans_->decides_for(query);  // the signal's own program does
-  if (graph_.edge_of(query.lane) == LaneGraph::kNone) {
+  if (humans_->is_inside(query.lane)) {
     if (!humans_->knows(v.id)) return false;
     humans_->see(v, query, 0.0, type_of(v.type));
     return true;
