@@ -220,7 +220,7 @@ TEST_F(AuditOverlap, IsThatOfRectanglesCutByEachOther) {
   int overlaps = 0;
   int between_steps = 0;
   int grazed = 0;
-  for (int pair = 0; pair < 3000; ++pair) {
+  for (int pair = 0; pair < 1000; ++pair) {
     const Drive a = any_drive(draw);
     Drive b = any_drive(draw);
     if (pair % 2 == 0) graze(draw, a, b);
@@ -239,15 +239,15 @@ TEST_F(AuditOverlap, IsThatOfRectanglesCutByEachOther) {
     ++overlaps;
     between_steps += ever_overlap(a, b, 0.0, 1) ? 0 : 1;
   }
-  EXPECT_GT(overlaps, 500);
-  EXPECT_GT(between_steps, 100);
-  EXPECT_GT(grazed, 100);
+  EXPECT_GT(overlaps, 170);
+  EXPECT_GT(between_steps, 35);
+  EXPECT_GT(grazed, 35);
 }
 
 TEST_F(AuditOverlap, OfAPersonIsThatOfADiscCutByARectangle) {
   Draws draw(2);
   int touched = 0;
-  for (int pair = 0; pair < 1500; ++pair) {
+  for (int pair = 0; pair < 500; ++pair) {
     Drive a = any_drive(draw);
     a.from.x = a.from.y = 0.0;
     const Point before{draw.between(-6, 6), draw.between(-4, 4)};
@@ -276,7 +276,7 @@ TEST_F(AuditOverlap, OfAPersonIsThatOfADiscCutByARectangle) {
     ASSERT_TRUE(seen ? ever_touch(0.03) : !ever_touch(-1.2e-3));
     touched += seen ? 1 : 0;
   }
-  EXPECT_GT(touched, 300);
+  EXPECT_GT(touched, 100);
   EXPECT_LT(touched, 1200);
 }
 

@@ -148,7 +148,7 @@ class ReplayTest : public RemoteControl, public testing::WithParamInterface<cons
 // idea of where their tails are is kept fresh.
 TEST_P(ReplayTest, SumoStandsByWhileAllOfItsVehiclesArePlaced) {
   const std::string demand = mixed_demand();
-  const Recording recording = record(*open(demand, GetParam()), 300.0);
+  const Recording recording = record(*open(demand, GetParam()), 200.0);
   const auto traffic = open(demand, GetParam());
   EXPECT_GT(replay(*traffic, recording), 1000);
 }
