@@ -18,12 +18,6 @@ struct Follower {
   std::size_t at = 0;  ///< the state of it that is reached
 };
 
-/// The gap behind a leader that he brakes to keep [m].
-double wanted_gap(const RoadVehicle& driver, double v, double leaders_v) {
-  const double braking = (v * v - leaders_v * leaders_v) / (2.0 * kBraking);
-  return driver.min_gap + driver.tau * v + std::max(0.0, braking);
-}
-
 class Queue {
  public:
   Queue(std::vector<Forecast>& forecasts, const RoadScene& scene) : scene_(scene) {
@@ -78,7 +72,8 @@ class Queue {
     return std::ranges::none_of(leaders_[i], [&](const Leader& leader) {
       const InertialState there = leader.forecast->latest->at(k);
       if (there.s >= SpeedProfile::kDeparted) return false;
-      const double reach = next + wanted_gap(f.forecast->vehicle, here.v, there.v);
+      const double reach =
+          next + drivers_gap(f.forecast->vehicle, here.v, kBraking, there.v, kBraking);
       return leader.contact.seen_from_b().meets(here.s, reach, there.s, there.s) &&
              leader.contact.is_ahead(there, here);
     });

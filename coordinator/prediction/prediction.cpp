@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "coordinator/prediction/tube.hpp"
+
 namespace mvtp {
 namespace {
 
@@ -12,9 +14,9 @@ constexpr double kAcceleration = 1.0;   ///< [m/s^2] after that
 constexpr double kHesitant = 0.5;       ///< [m/s^2] of a driver let through who takes his time,
 constexpr double kEasing = 1.0;         ///< [m/s^2] or slows down
 constexpr double kCrawl = 4.0;          ///< [m/s] to no less than this
-constexpr double kFastest = 1.01;       ///< share of the speed that he wants,
-constexpr double kSlowest = 0.9;        ///< of one who takes his time,
-constexpr double kGentle = 0.6;         ///< and of the deceleration of the latter
+constexpr double kQuickShare = 1.01;    ///< of the speed that he wants,
+constexpr double kSlowShare = 0.9;      ///< and of one who takes his time,
+constexpr double kSlowBraking = 0.6;    ///< with this share of his deceleration
 constexpr double kStand = 60.0;         ///< [s] that he stands there
 constexpr std::size_t kLongest = 3000;  ///< steps that are predicted
 
@@ -192,14 +194,10 @@ std::optional<Predictor::Placed> Predictor::place(const VehicleState& v, const C
   return Placed{number, road};
 }
 
-/// The speeds of a driver who takes a share of what the limits of its lanes allow him, and brakes
-/// so hard before lower ones [m/s^2].
-std::shared_ptr<const SpeedEnvelope> Predictor::drivers_envelope(const Placed& placed, double share,
-                                                                 double braking) const {
-  constexpr double kLeast = 0.5;  // [m/s]
-  std::vector<double> limits = corridors_[placed.corridor].lane_limits;
-  for (double& limit : limits) limit = std::max(kLeast, share * limit);
-  return std::make_shared<SpeedEnvelope>(std::move(limits), braking);
+std::shared_ptr<const SpeedEnvelope> Predictor::envelope_of(const Placed& placed, double share,
+                                                            double braking) const {
+  return std::make_shared<SpeedEnvelope>(
+      drivers_envelope(corridors_[placed.corridor].lane_limits, share, braking));
 }
 
 std::optional<StopLine> Predictor::lane_end(const Placed& placed) const {
@@ -281,9 +279,10 @@ std::vector<Forecast> Predictor::predict(const VehicleState& v, const CourseQuer
   if (intent == Intent::kPasses && !ends_before_line && (at_line || is_inside)) {
     // How quickly it goes nobody knows: it may speed up as it can and may, or slow down to a crawl,
     // and wait where its lane ends.
-    road.envelope = drivers_envelope(*placed, kFastest * v.speed_factor, body.max_decel);
+    road.envelope = envelope_of(*placed, kQuickShare * v.speed_factor, body.max_decel);
     forecast.earliest = predict_passage(road, body, grid, step);
-    road.envelope = drivers_envelope(*placed, kSlowest * v.speed_factor, kGentle * body.max_decel);
+    road.envelope =
+        envelope_of(*placed, kSlowShare * v.speed_factor, kSlowBraking * body.max_decel);
     forecast.latest =
         predict_crawl(road, body, lines_ahead(*placed, query, stand, stop), grid, step);
     forecast.yields = false;

@@ -93,9 +93,8 @@ class Predictor {
   [[nodiscard]] std::vector<StopLine> lines_ahead(const Placed& placed, const CourseQuery& query,
                                                   const Stand& stand,
                                                   const std::optional<StopLine>& own) const;
-  [[nodiscard]] std::shared_ptr<const SpeedEnvelope> drivers_envelope(const Placed& placed,
-                                                                      double share,
-                                                                      double braking) const;
+  [[nodiscard]] std::shared_ptr<const SpeedEnvelope> envelope_of(const Placed& placed, double share,
+                                                                 double braking) const;
   [[nodiscard]] int path_of(const VehicleState& vehicle, const CourseQuery& query,
                             const Vehicle& body, double& station);
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace mvtp {
 namespace {
@@ -16,12 +17,6 @@ constexpr double kLateFollow = 0.5;  ///< [s] of headway beside his own
 constexpr double kLeastGap = 1.0;    ///< [m] that a follower keeps, more than any margin
 constexpr double kHorizon = 100.0;   ///< [s] as that of plans
 constexpr double kSight = 4.5;  ///< [m] before a waiting place he sees that he may go on [sumo]
-
-SpeedEnvelope envelope(const std::vector<double>& limits, double share, double braking) {
-  std::vector<double> scaled = limits;
-  for (double& v : scaled) v = std::max(0.5, v * share);
-  return {std::move(scaled), braking};
-}
 
 /// The speeds from which he can stop at each place where he may wait, until he sees that he need
 /// not.
@@ -59,10 +54,16 @@ double room_behind(const std::vector<TubeLeader>& leaders, double k, double dt, 
 
 }  // namespace
 
+SpeedEnvelope drivers_envelope(std::vector<double> limits, double share, double braking) {
+  constexpr double kLeast = 0.5;  // [m/s]
+  for (double& limit : limits) limit = std::max(kLeast, limit * share);
+  return {std::move(limits), braking};
+}
+
 Tube predict_tube(const TubeDriver& driver, const std::vector<TubeLeader>& leaders,
                   const DecisionGrid& grid, std::int64_t step) {
-  const SpeedEnvelope fast = envelope(driver.limits, kFastest, driver.max_decel);
-  const SpeedEnvelope slow = envelope(driver.limits, kSlowest, kGentle * driver.max_decel);
+  const SpeedEnvelope fast = drivers_envelope(driver.limits, kFastest, driver.max_decel);
+  const SpeedEnvelope slow = drivers_envelope(driver.limits, kSlowest, kGentle * driver.max_decel);
   const SpeedEnvelope careful = before_waiting_places(driver);
   const RoadVehicle& road = driver.road;
   const auto drive = [&](bool latest) {

@@ -50,6 +50,12 @@ struct TubeLeader {
   double until = 1e9;
 };
 
+/// The speeds of a driver who takes a share of each limit, and brakes so hard before lower ones
+/// [m/s^2].
+/// @param limits  [m/s] per ReferencePath::kSpacing of his path
+[[nodiscard]] SpeedEnvelope drivers_envelope(std::vector<double> limits, double share,
+                                             double braking);
+
 /// The tube of a driver who has green, from `step` on, to the end of his path.
 ///
 /// The latest motion behind a leader is Newell's: the leader's own, later by the driver's headway
