@@ -12,7 +12,6 @@
 
 #include "coordinator/network/partition.hpp"
 #include "tests/coordinator/closed_loop.hpp"
-#include "tests/coordinator/network_maker.hpp"
 
 namespace mvtp {
 namespace {
@@ -205,34 +204,19 @@ TEST(HumanDrivers, NeverPassTheEndOfALaneThatDoesNotLeadOn) {
   EXPECT_EQ(run.coordinator.humans()->unplanned_passages(), 0);
 }
 
-/// Crossroads; the western arm is cut in two near its end, where lanes just lead on.
-NetworkShape short_last_edge_shape() {
-  NetworkShape shape{.name = "short_last_edge"};
-  NetworkMaker maker;
-  maker.node("C", {0, 0});
-  maker.node("X", {-20, 0}, 1.5);
-  maker.node("W", {-140, 0}, 0.0);
-  maker.node("S", {0, -120}, 0.0);
-  maker.node("E", {120, 0}, 0.0);
-  maker.node("N", {0, 120}, 0.0);
-  maker.road("W", "X");
-  for (const std::string arm : {"X", "S", "E", "N"}) maker.road(arm, "C");
-  shape.sources = {"W-X", "S-C", "E-C", "N-C"};
-  shape.sinks = {"X-W", "C-S", "C-E", "C-N"};
-  shape.network = maker.make();
-  return with_signals(shape);
-}
+/// The western arm is straight; its last edge is 11 m long.
+NetworkShape short_last_edge_shape() { return with_signals(seam_shape({-140, 0}, {-20, 0}, 1.5)); }
 
 // When he is on it, it is too late to stop.
 TEST(HumanDrivers, AreExpectedFromBeforeAShortLastEdge) {
-  ClosedLoop run(short_last_edge_shape(), {{"a", 0.0, "W-X", "C-E"}}, 0.1, share(0.0));
+  ClosedLoop run(short_last_edge_shape(), {{"a", 0.0, "W-D", "C-E"}}, 0.1, share(0.0));
   double least = 1e9;
   int before = 0;
   while (run.traffic.running() && run.traffic.time() < 60.0) {
     run.step();
     for (const VehicleState& v : run.traffic.vehicles()) {
       least = std::min(least, v.speed);
-      before += int(v.lane == "W-X_0" && run.coordinator.humans()->passes("a"));
+      before += int(v.lane == "W-D_0" && run.coordinator.humans()->passes("a"));
     }
   }
   EXPECT_GT(before, 5);

@@ -266,12 +266,12 @@ NetworkShape u_turn_shape() {
   return shape;
 }
 
-NetworkShape seam_shape() {
+NetworkShape seam_shape(Point west, Point seam, double radius) {
   NetworkShape shape{.name = "seam"};
   NetworkMaker maker;
   maker.node("C", {0, 0});
-  maker.node("D", {-30, 0}, 5.0);
-  maker.node("W", {-90, 60}, 0.0);
+  maker.node("D", seam, radius);
+  maker.node("W", west, 0.0);
   maker.node("S", {0, -110}, 0.0);
   maker.node("E", {110, 0}, 0.0);
   maker.node("N", {0, 110}, 0.0);

@@ -48,8 +48,10 @@ struct NetworkShape {
 /// A crossroads A, and `behind` metres behind it a bend B of a road on which nobody meets anybody,
 /// whose lanes may be marked as slow as such a bend is.
 [[nodiscard]] NetworkShape bend_behind_shape(double behind, bool marked = true);
-/// Two arms with a bend of a small node in one, which has no conflicts, just before crossroads.
-[[nodiscard]] NetworkShape seam_shape();
+/// Crossroads; just before them the western arm, from `west`, has a small node without conflicts,
+/// by default in a bend.
+[[nodiscard]] NetworkShape seam_shape(Point west = {-90, 60}, Point seam = {-30, 0},
+                                      double radius = 5.0);
 /// Crossroads with a one-way road out that forks, without conflicts, just behind them.
 [[nodiscard]] NetworkShape fork_shape();
 
