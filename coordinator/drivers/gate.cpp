@@ -1,7 +1,6 @@
 #include "coordinator/drivers/gate.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <vector>
 
 #include "planner/motion/inertial_car.hpp"
@@ -10,14 +9,13 @@ namespace mvtp {
 namespace {
 
 constexpr double kNear = 12.0;     ///< [m] before its line a vehicle waits for its turn,
-constexpr double kCrawl = 5.0;     ///< [m/s] at no more than this;
+constexpr double kEarly = 2.0;     ///< [s] or so long before its driver has to brake,
 constexpr double kStands = 0.5;    ///< [m/s] or it stands where it was held
+constexpr double kBack = 1.0;      ///< [m] that no driver goes back
 constexpr double kInside = 5.0;    ///< [m] before the end of its lane: it is as good as inside
-constexpr double kApart = 50.0;    ///< [m] to the next line: there it is held again
 constexpr double kReaction = 0.5;  ///< [s] until a driver who is to stop brakes
 constexpr int kStuckAfter = 4;     ///< decisions for which one that was let through may stand:
                                    ///< then it is held again, and waits for its next turn
-constexpr double kClear = 30.0;    ///< [m] between guests on different lanes who pass at a time
 
 }  // namespace
 
@@ -32,13 +30,14 @@ void Gate::see(const VehicleState& v, const Place& place, const Vehicle& body) {
   if (came) guest.asked = decisions_;
   guest.guest = true;
   guest.seen = true;
-  guest.pose = v.pose;
-  if (!guest.passes) guest.lane = v.lane;
   guest.stands = v.speed < kStands ? guest.stands + 1 : 0;
-  const bool crawls = place.to_line < kNear && v.speed < kCrawl;
-  guest.waits = place.leads_on && place.is_first && (crawls || v.speed < kStands);
   const double room = stopping_distance(v.speed, 0.8 * body.max_decel) + kReaction * v.speed;
-  const bool anew = guest.passes && place.to_line > std::max(kApart, room);
+  const bool is_due = place.to_hold < std::max(kNear, room + kEarly * v.speed);
+  guest.waits = place.leads_on && place.is_first && (is_due || v.speed < kStands);
+  // Behind its line; the next one is ahead.
+  guest.is_over |= place.to_line > guest.to_line + kBack;
+  guest.to_line = place.to_line;
+  const bool anew = guest.passes && guest.is_over && place.has_room && place.to_hold > room;
   // It stands before its line although it may go: somebody blocking its path may be waiting for it.
   const bool in_vain = guest.passes && guest.stands >= kStuckAfter && place.to_hold > 0.0;
   if (in_vain) guest.asked = decisions_;
@@ -49,14 +48,16 @@ void Gate::see(const VehicleState& v, const Place& place, const Vehicle& body) {
       let_through(v.id);
     }
   }
-  guest.enters = place.leads_on && place.to_hold <= kInside;
+  guest.leads_on = place.leads_on;
+  guest.enters = place.to_hold <= kInside;
   keep_in_lane(v.id, guest);
 }
 
 /// Drivers of SUMO change lanes at their lines and inside junctions, too, onto ground that is not
-/// theirs. Who has to, may.
+/// theirs: a passage is planned in one lane, from when he is let through. Who has to change, may.
 void Gate::keep_in_lane(const std::string& id, const Visitor& guest) {
-  keeping_.keep(id, LaneKeeping::Reason::kGuest, guest.passes && guest.enters);
+  keeping_.keep(id, LaneKeeping::Reason::kGuest,
+                guest.passes && guest.leads_on && (guest.enters || !guest.is_over));
 }
 
 void Gate::keep(const std::string& id) {
@@ -79,9 +80,14 @@ void Gate::hold(const std::string& id) {
   visitor.seen = true;
   if (visitor.held) return;
   if (visitor.passes) traffic_.let_through(id, Passage::kNone);
-  visitor.passes = false;
+  visitor.passes = visitor.is_over = false;
   visitor.held = true;
   traffic_.hold(id, true);
+}
+
+bool Gate::holds(const std::string& id) const {
+  const auto visitor = visitors_.find(id);
+  return visitor != visitors_.end() && visitor->second.held;
 }
 
 bool Gate::passes(const std::string& id) const {
@@ -94,27 +100,21 @@ bool Gate::holds_guest(const std::string& id) const {
   return visitor != visitors_.end() && visitor->second.guest && visitor->second.held;
 }
 
-/// Drivers on one lane keep clear of each other.
-bool Gate::are_apart(const Visitor& a, const Visitor& b) {
-  return a.lane == b.lane || std::hypot(a.pose.x - b.pose.x, a.pose.y - b.pose.y) > kClear;
-}
-
-std::vector<std::string> Gate::propose() {
+std::vector<std::string> Gate::propose(const MayMeet& may_meet) {
   std::vector<std::pair<std::int64_t, std::string>> waiting;
-  std::vector<const Visitor*> passing;
+  std::vector<std::string> passing;
   for (const auto& [id, visitor] : visitors_) {
     if (visitor.guest && visitor.held && visitor.waits) waiting.emplace_back(visitor.asked, id);
-    if (visitor.passes && visitor.stands < kStuckAfter) passing.push_back(&visitor);
+    if (visitor.passes && visitor.stands < kStuckAfter) passing.push_back(id);
   }
   std::ranges::sort(waiting);
   std::vector<std::string> proposed;
   for (const auto& [asked, id] : waiting) {
-    Visitor& visitor = visitors_.at(id);
-    if (!std::ranges::all_of(passing, [&](const Visitor* p) { return are_apart(visitor, *p); })) {
+    if (std::ranges::any_of(passing, [&](const auto& other) { return may_meet(id, other); })) {
       continue;
     }
-    visitor.asked = decisions_;
-    passing.push_back(&visitor);
+    visitors_.at(id).asked = decisions_;
+    passing.push_back(id);
     proposed.push_back(id);
   }
   return proposed;

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <cstdint>
+#include <functional>
+#include <limits>
 #include <map>
 #include <string>
 #include <vector>
@@ -18,7 +21,7 @@ namespace mvtp {
 class Gate {
  public:
   /// @param passage  what those need not heed who are let through: where nobody stops for signals
-  ///     they pass several lines at once, else one.
+  ///     they pass several lines at once, if there is no room to stop between them, else one.
   Gate(Traffic& traffic, LaneKeeping& keeping, Passage passage)
       : traffic_(traffic), keeping_(keeping), passage_(passage) {}
 
@@ -28,6 +31,7 @@ class Gate {
     double to_hold = 0.0;  ///< [m] before the place where it can be held: the end of its lane
     bool is_first = true;  ///< nobody is ahead of it on its lane
     bool leads_on = true;  ///< its lane leads to the next edge of its route
+    bool has_room = true;  ///< held there its tail is clear of the junction behind
   };
 
   /// A decision begins: who is not seen until the end of it has departed.
@@ -40,12 +44,15 @@ class Gate {
 
   /// Until it is released, or is no more seen.
   void hold(const std::string& id);
+  [[nodiscard]] bool holds(const std::string& id) const;
   [[nodiscard]] bool passes(const std::string& id) const;
   /// Is it a guest, and held until it is let through?
   [[nodiscard]] bool holds_guest(const std::string& id) const;
+  /// Could these two meet if both pass?
+  using MayMeet = std::function<bool(const std::string&, const std::string&)>;
   /// Guests who wait at their lines and may be let through next, the longest not asked first: as
-  /// many as do not come near each other, or near those who pass.
-  [[nodiscard]] std::vector<std::string> propose();
+  /// many as cannot meet each other, or those who pass.
+  [[nodiscard]] std::vector<std::string> propose(const MayMeet& may_meet);
   void let_through(const std::string& id);
   /// It is under control now, or on its own again.
   void release(const std::string& id);
@@ -57,16 +64,16 @@ class Gate {
     bool passes = false;
     bool held = false;
     bool seen = false;
-    bool waits = false;      ///< near its line, the first on a lane that leads on
-    bool enters = false;     ///< at the end of a lane that leads on, or inside
+    bool waits = false;    ///< for its turn: the first on a lane that leads on
+    bool is_over = false;  ///< the line for which it was let through
+    double to_line = std::numeric_limits<double>::infinity();  ///< [m] when it was last seen
+    bool leads_on = false;                                     ///< its lane does
+    bool enters = false;     ///< at the end of its lane, or inside
     int stands = 0;          ///< for so many decisions
     std::int64_t asked = 0;  ///< when it was last proposed, or came
-    Pose pose;
-    std::string lane;  ///< where it was held
   };
 
   void keep_in_lane(const std::string& id, const Visitor& guest);
-  [[nodiscard]] static bool are_apart(const Visitor& a, const Visitor& b);
 
   Traffic& traffic_;
   LaneKeeping& keeping_;

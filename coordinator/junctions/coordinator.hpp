@@ -268,8 +268,10 @@ class Coordinator : public Controller {
                                const SpeedProfile& plan) const;
   [[nodiscard]] bool is_clear_of(const std::vector<std::string>& guests, const Trial& trial);
   [[nodiscard]] bool is_at_gate(const std::vector<std::string>& guests) const;
+  [[nodiscard]] bool is_under_way(const std::vector<std::string>& guests) const;
   [[nodiscard]] bool exclude_each_other(const std::vector<std::string>& guests,
                                         const std::vector<std::string>& others) const;
+  [[nodiscard]] bool may_touch(const Forecast& driver, const Forecast& other) const;
   [[nodiscard]] bool may_meet_people(const std::vector<std::string>& guests);
   [[nodiscard]] double worth(const std::vector<std::string>& guests) const;
   void prepare_tables(const RoadScene& now);
@@ -278,20 +280,21 @@ class Coordinator : public Controller {
   void find_zones();
   [[nodiscard]] int zone_of(int corridor) const;
   [[nodiscard]] int zone_of(const std::string& guest) const;
+  [[nodiscard]] std::vector<std::string> guests_at_gate();
   [[nodiscard]] std::vector<std::vector<std::string>> groups_of_guests();
   [[nodiscard]] std::vector<std::string> crossings_to_offer();
   [[nodiscard]] std::vector<std::vector<std::string>> groups_at_lights();
   [[nodiscard]] std::vector<std::vector<std::string>> in_order(
       std::vector<std::vector<std::string>> groups);
   [[nodiscard]] std::map<int, ZoneOffers> offers_of_zones(
-      const std::vector<std::vector<std::string>>& groups);
+      const std::vector<std::vector<std::string>>& groups, const Trial& without);
   [[nodiscard]] ZoneVerdict verdict(const Trial& trial, int zone) const;
   [[nodiscard]] bool allows(const std::vector<std::string>& guests, int zone, const Trial& with,
                             const Trial& without);
   [[nodiscard]] Trial best_trial_by_zones(const std::map<std::string, Driven>& arrivals,
                                           const std::set<std::string>& excluded,
                                           const std::vector<std::int64_t>& upset,
-                                          std::map<int, ZoneOffers> offers,
+                                          const std::vector<std::vector<std::string>>& groups,
                                           std::optional<Trial> tried);
 
   /// The normal lane that a vehicle is on, and the one it was on before; how long it has stood.

@@ -80,6 +80,17 @@ bool Coordinator::is_clear_of(const std::vector<std::string>& guests, const Tria
   });
 }
 
+/// Could a driver meet somebody else, of whose slack he keeps clear?
+bool Coordinator::may_touch(const Forecast& driver, const Forecast& other) const {
+  const auto tube = [](const Forecast& f) {
+    return TubeView(f.earliest, f.latest ? *f.latest : f.earliest);
+  };
+  constexpr double kWhole = SpeedProfile::kDeparted / 2.0;
+  return may_meet(corridors_.library().contacts(driver.vehicle.path, other.vehicle.path),
+                  tube(driver), kWhole, tube(other), kWhole, step_, other.slack_before,
+                  other.slack_behind);
+}
+
 /// Could vehicles that keep their drivers and people meet, if these pass too? Only where one of
 /// them has not been let pass before.
 bool Coordinator::may_meet_people(const std::vector<std::string>& guests) {
@@ -91,18 +102,11 @@ bool Coordinator::may_meet_people(const std::vector<std::string>& guests) {
     if (!goes || driven_.contains(v.id)) continue;
     for (Forecast& f : predict_one(v, guests)) passing.emplace_back(is_new(v.id), std::move(f));
   }
-  const auto tube = [](const Forecast& f) {
-    return TubeView(f.earliest, f.latest ? *f.latest : f.earliest);
-  };
-  constexpr double kWhole = SpeedProfile::kDeparted / 2.0;
   return std::ranges::any_of(people_->expect(guests), [&](const People::Expected& person) {
     const bool walks_now = is_new(people_->id_of(person.crossing));
-    const Forecast& p = person.forecast;
     return std::ranges::any_of(passing, [&](const auto& entry) {
       const auto& [drives_now, v] = entry;
-      return (walks_now || drives_now) &&
-             may_meet(corridors_.library().contacts(v.vehicle.path, p.vehicle.path), tube(v),
-                      kWhole, tube(p), kWhole, step_, p.slack_before, p.slack_behind);
+      return (walks_now || drives_now) && may_touch(v, person.forecast);
     });
   });
 }
@@ -128,6 +132,15 @@ bool Coordinator::is_at_gate(const std::vector<std::string>& guests) const {
   });
 }
 
+/// Does one of them come to the junction without a light, and does not stand before it yet?
+bool Coordinator::is_under_way(const std::vector<std::string>& guests) const {
+  constexpr double kStands = 0.5;  // [m/s]
+  return std::ranges::any_of(guests, [&](const std::string& guest) {
+    const VehicleState* state = find_state(guest);
+    return state != nullptr && state->speed > kStands && is_at_gate({guest});
+  });
+}
+
 /// What it is worth to those under control that these pass now [s]; at the gate whatever it costs.
 double Coordinator::worth(const std::vector<std::string>& guests) const {
   if (is_at_gate(guests)) return std::numeric_limits<double>::infinity();
@@ -139,7 +152,9 @@ void Coordinator::see_guest(const VehicleState& v, const CourseQuery& query) {
   const std::optional<double> to_line = finder_.distance_to_line(query);
   const bool is_inside = graph_.edge_of(query.lane) == LaneGraph::kNone;
   if (see_human(v, query, to_line)) return;
+  const Vehicle& body = type_of(v.type).body;
   if (to_line && *to_line <= options_.corridors.takeover) {
+    constexpr double kClear = 2.0;  // [m] between its tail and a junction
     ++guest_sightings_;
     const double lane_end = graph_.lane(query.lane).length - query.position;
     const bool leads_on = is_inside || query.edges.size() < 2 ||
@@ -148,10 +163,11 @@ void Coordinator::see_guest(const VehicleState& v, const CourseQuery& query) {
               {.to_line = *to_line,
                .to_hold = is_inside ? 0.0 : std::min(*to_line, lane_end),
                .is_first = is_first_on_lane(v),
-               .leads_on = leads_on},
-              type_of(v.type).body);
+               .leads_on = leads_on,
+               .has_room = graph_.lane(query.lane).length > body.length() + kClear},
+              body);
   } else if (is_inside && gate_.passes(v.id)) {
-    gate_.see(v, {}, type_of(v.type).body);
+    gate_.see(v, {}, body);
   }
 }
 

@@ -85,11 +85,31 @@ std::vector<std::vector<std::string>> Coordinator::groups_at_lights() {
   return ordered;
 }
 
+/// Guests at the gate who may pass beside each other and those who pass. Drivers on one lane keep
+/// clear of each other.
+std::vector<std::string> Coordinator::guests_at_gate() {
+  std::map<std::string, std::vector<Forecast>> passages;
+  const auto passages_of = [&](const VehicleState& v) -> const std::vector<Forecast>& {
+    const auto known = passages.find(v.id);
+    return known != passages.end() ? known->second
+                                   : passages.emplace(v.id, predict_one(v, {v.id})).first->second;
+  };
+  return gate_.propose([&](const std::string& a, const std::string& b) {
+    const VehicleState* one = find_state(a);
+    const VehicleState* other = find_state(b);
+    if (one == nullptr || other == nullptr || one->lane == other->lane) return false;
+    return std::ranges::any_of(passages_of(*one), [&](const Forecast& f) {
+      return std::ranges::any_of(passages_of(*other),
+                                 [&](const Forecast& g) { return may_touch(f, g); });
+    });
+  });
+}
+
 /// Those who may go over junctions now, in groups that only go together: guests at the gate,
 /// and those at lights, in turn.
 std::vector<std::vector<std::string>> Coordinator::groups_of_guests() {
   std::vector<std::vector<std::vector<std::string>>> kinds(2);
-  for (const std::string& guest : gate_.propose()) kinds[0].push_back({guest});
+  for (std::string& guest : guests_at_gate()) kinds[0].push_back({std::move(guest)});
   kinds[1] = groups_at_lights();
   std::vector<std::vector<std::string>> groups;
   for (std::size_t i = 0; std::ranges::any_of(kinds, [i](const auto& k) { return i < k.size(); });
@@ -120,11 +140,17 @@ std::vector<std::vector<std::string>> Coordinator::in_order(
   return offers;
 }
 
-/// What may be offered, by control zone.
+/// What may be offered, by control zone. Where somebody has no complete plan, and may come to rest
+/// anywhere, only to guests who stand.
+/// @param without  a trial without guests.
 std::map<int, Coordinator::ZoneOffers> Coordinator::offers_of_zones(
-    const std::vector<std::vector<std::string>>& groups) {
+    const std::vector<std::vector<std::string>>& groups, const Trial& without) {
   std::map<int, std::vector<std::vector<std::string>>> by_zone;
-  for (const auto& group : groups) by_zone[zone_of(group.front())].push_back(group);
+  for (const auto& group : groups) {
+    const int zone = zone_of(group.front());
+    if (is_under_way(group) && verdict(without, zone).stepped > 0) continue;
+    by_zone[zone].push_back(group);
+  }
   std::map<int, ZoneOffers> offers;
   for (auto& [zone, its_own] : by_zone) offers[zone].sets = in_order(std::move(its_own));
   return offers;
@@ -165,14 +191,15 @@ bool Coordinator::allows(const std::vector<std::string>& guests, int zone, const
 /// The plan with as many drivers and people getting green as is possible, and worth what it costs
 /// the vehicles under control. Zones share no ground: each has its own offers and its own verdict,
 /// and one trial plans an offer of every zone.
+/// @param groups  of those who may go over junctions now.
 /// @param tried  a trial of guests of all zones, which need not be made again; none: there is none.
-Coordinator::Trial Coordinator::best_trial_by_zones(const std::map<std::string, Driven>& arrivals,
-                                                    const std::set<std::string>& excluded,
-                                                    const std::vector<std::int64_t>& upset,
-                                                    std::map<int, ZoneOffers> offers,
-                                                    std::optional<Trial> tried) {
+Coordinator::Trial Coordinator::best_trial_by_zones(
+    const std::map<std::string, Driven>& arrivals, const std::set<std::string>& excluded,
+    const std::vector<std::int64_t>& upset, const std::vector<std::vector<std::string>>& groups,
+    std::optional<Trial> tried) {
   Trial without =
       without_the_late(plan_trial(arrivals, excluded, upset, {}), arrivals, excluded, upset);
+  std::map<int, ZoneOffers> offers = offers_of_zones(groups, without);
   const auto guests_of_all = [&] {
     std::vector<std::string> guests;
     for (const auto& [zone, offer] : offers) {

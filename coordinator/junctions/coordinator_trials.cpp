@@ -28,7 +28,7 @@ Coordinator::Trial Coordinator::best_trial(const std::map<std::string, Driven>& 
         all->decision.stepped == 0 && all->refused.empty() && !waits_inside(*all);
     if (nobody_loses && !touches_guests(all->guests, *all)) return *std::move(all);
   }
-  return best_trial_by_zones(arrivals, excluded, upset, offers_of_zones(groups), std::move(all));
+  return best_trial_by_zones(arrivals, excluded, upset, groups, std::move(all));
 }
 
 /// The same trial without those arrivals that get no complete plan, or one that is refused.
@@ -264,6 +264,7 @@ std::vector<Forecast> Coordinator::predict_one(const VehicleState& v,
   std::vector<Forecast> forecasts =
       predictor_.predict(v, query, type_of(v.type).body, intent, stand_of(v), grid_,
                          step_ - std::int64_t(std::lround(v.age / grid_.dt)));
+  for (Forecast& f : forecasts) f.is_told = gate_.holds(v.id) && !is_let_pass;
   // Mostly it is taken over as soon as it has a plan.
   if (gate_.holds_guest(v.id) || is_impatient(v.id)) return forecasts;
   for (Forecast& f : forecasts) f.held.reset();

@@ -286,6 +286,7 @@ std::vector<Forecast> Predictor::predict(const VehicleState& v, const CourseQuer
     forecast.latest =
         predict_crawl(road, body, lines_ahead(*placed, query, stand, stop), grid, step);
     forecast.yields = false;
+    forecast.relies = true;
     expected_on_[v.id] = {placed->corridor, s};
     return {forecast};
   }

@@ -120,9 +120,10 @@ struct Forecast {
   SpeedProfile earliest;
   std::optional<SpeedProfile> latest;
   bool yields = true;  ///< to whoever blocks it; else only to those ahead on its own lane
-  /// Its driver relies on a signal and brakes for nobody across his path: braking there does
+  /// Its driver relies on being let pass and brakes for nobody across his path: braking there does
   /// not help.
   bool relies = false;
+  bool is_told = false;  ///< to wait: its driver slows down as is expected, and not later
   /// Steps that new plans keep beside what is expected, before the earliest and behind the latest:
   /// plans that are kept need not, so that a small surprise does not break them.
   int slack_before = 0;

@@ -44,16 +44,25 @@ class GateTest : public testing::Test {
   }
   /// Who is let through next.
   std::optional<std::string> propose() {
-    const std::vector<std::string> proposed = gate.propose();
+    const std::vector<std::string> proposed = propose_beside(anybody);
     return proposed.empty() ? std::nullopt : std::optional(proposed.front());
   }
+  /// All who are let through next, if these may meet.
+  std::vector<std::string> propose_beside(const Gate::MayMeet& may_meet) {
+    return gate.propose(may_meet);
+  }
   void see(const std::string& id, double to_line, double speed, bool is_first = true,
-           bool leads_on = true) {
+           bool leads_on = true, bool has_room = true) {
     gate.see({.id = id, .type = "car", .speed = speed, .lane = id},
-             {.to_line = to_line, .to_hold = to_line, .is_first = is_first, .leads_on = leads_on},
+             {.to_line = to_line,
+              .to_hold = to_line,
+              .is_first = is_first,
+              .leads_on = leads_on,
+              .has_room = has_room},
              car);
   }
 
+  const Gate::MayMeet anybody = [](const std::string&, const std::string&) { return true; };
   const Vehicle car = fake_type("car").body;
   NotedTraffic traffic;
   LaneKeeping keeping{traffic};
@@ -88,6 +97,27 @@ TEST_F(GateTest, ProposesNobodyWhoIsStillFarFromItsLine) {
   see("a", 40.0, 10.0);
   gate.end();
   EXPECT_FALSE(propose());
+}
+
+// To brake and to start again costs more time than anything else.
+TEST_F(GateTest, ProposesWhoWouldSoonHaveToBrake) {
+  gate.begin();
+  see("slow", 45.0, 8.0);
+  see("fast", 45.0, 13.0);
+  gate.end();
+  EXPECT_EQ(propose(), "fast");
+}
+
+TEST_F(GateTest, ProposesAsManyAsCannotMeet) {
+  const Gate::MayMeet crosses = [](const std::string& a, const std::string& b) {
+    return a.front() != b.front();
+  };
+  decide({"a1", "a2", "b1", "b2"});
+  for (const std::string id : {"a1", "a2", "b1", "b2"}) ASSERT_FALSE(gate.passes(id));
+  EXPECT_THAT(propose_beside(crosses),
+              testing::AnyOf(UnorderedElementsAre("a1", "a2"), UnorderedElementsAre("b1", "b2")));
+  gate.let_through("a1");
+  EXPECT_THAT(propose_beside(crosses), UnorderedElementsAre("a2")) << "not across who passes";
 }
 
 //   It would stand where it is, whatever it may.
@@ -153,7 +183,7 @@ TEST_F(GateTest, KeepsWhoPassesInItsLaneInsideTheJunction) {
   EXPECT_THAT(traffic.in_lane, UnorderedElementsAre("a")) << "its passage is planned in this one";
   const auto see_at = [&](double to_line) {
     gate.begin();
-    see("a", to_line, 8.0);
+    see("a", to_line, 8.0, true, true, /*has_room=*/false);
     gate.end();
   };
   see_at(30.0);
@@ -165,6 +195,15 @@ TEST_F(GateTest, KeepsWhoPassesInItsLaneInsideTheJunction) {
   see_at(0.0);
   gate.release("a");
   EXPECT_THAT(traffic.in_lane, IsEmpty());
+}
+
+TEST_F(GateTest, KeepsWhoIsLetThroughInTheLaneInWhichItWasPlanned) {
+  gate.begin();
+  see("a", 40.0, 13.0);
+  gate.end();
+  EXPECT_THAT(traffic.in_lane, IsEmpty());
+  gate.let_through("a");
+  EXPECT_THAT(traffic.in_lane, UnorderedElementsAre("a"));
 }
 
 // It would stand there for good.
@@ -235,6 +274,36 @@ TEST_F(GateTest, ANewcomerDoesNotStarveThoseWhoWait) {
   }
 }
 
+TEST_F(GateTest, HoldsNobodyAgainBeforeTheLineForWhichItWasLetThrough) {
+  gate.begin();
+  see("a", 90.0, 22.0);
+  gate.end();
+  gate.let_through("a");
+  for (const double to_line : {80.0, 70.0, 60.0, 0.0, 0.0}) {
+    gate.begin();
+    see("a", to_line, 10.0);
+    gate.end();
+    EXPECT_TRUE(gate.passes("a")) << to_line << " m before its line";
+  }
+}
+
+// Two junctions that are near each other: it stops between them only where nobody minds its tail.
+TEST_F(GateTest, HoldsAgainOnlyWhereItsTailIsClearOfTheJunctionBehind) {
+  for (const bool has_room : {false, true}) {
+    gate.release("a");
+    gate.begin();
+    see("a", 40.0, 10.0);
+    gate.end();
+    gate.let_through("a");
+    for (const double to_line : {0.0, 20.0}) {  // inside, and behind it
+      gate.begin();
+      see("a", to_line, 5.0, true, true, has_room);
+      gate.end();
+    }
+    EXPECT_EQ(gate.passes("a"), !has_room);
+  }
+}
+
 TEST_F(GateTest, HoldsAgainBeforeTheNextLine) {
   gate.begin();
   see("a", 40.0, 10.0);
@@ -263,6 +332,28 @@ TEST_P(Guests, CrossAmongCarsWithoutContact) {
   EXPECT_EQ(run.traffic.arrived(), run.number_of_trips);
 }
 
+// Somebody without a plan may come to rest where they have to pass.
+TEST_P(Guests, UnderWayAreLetThroughOnlyWhereEverybodyHasAPlan) {
+  ClosedLoop run(crossroads_shape(),
+                 random_trips(crossroads_shape(), {.vehicles = 60,
+                                                   .duration = 60.0,
+                                                   .types = {"car", "bike", "truck"},
+                                                   .seed = GetParam()}));
+  while (run.traffic.running() && run.traffic.time() < 150.0) {
+    std::set<std::string> held;
+    for (const VehicleState& v : run.traffic.vehicles()) {
+      if (run.traffic.is_held(v.id) && v.speed > 1.0) held.insert(v.id);
+    }
+    run.step();
+    if (std::ranges::none_of(held, [&](const auto& id) { return run.traffic.passes(id); }))
+      continue;
+    for (const JointPlan::Entry& e : run.coordinator.plan().entries) {
+      EXPECT_TRUE(e.profile->complete) << "at t = " << run.traffic.time();
+    }
+  }
+  EXPECT_THAT(run.broken, IsEmpty());
+}
+
 INSTANTIATE_TEST_SUITE_P(Seeds, Guests, testing::Values(1U, 2U, 3U, 4U));
 
 TEST(GuestsAtTheGate, AreHeldBeforeTheLineAndNeverTakenOver) {
@@ -289,6 +380,24 @@ TEST(GuestsAtTheGate, FromOppositeSidesBothCross) {
   run.run_until(150.0);
   EXPECT_THAT(run.broken, IsEmpty());
   EXPECT_EQ(run.traffic.arrived(), 3);
+}
+
+// Nobody crosses their paths while they pass, and they do not meet: why should they slow down?
+TEST(GuestsAtTheGate, DoNotBrakeWhereEverybodyCanPlanAroundThem) {
+  ClosedLoop run(crossroads_shape(), {{"a", 0.0, "W-C", "C-E", "bike"},
+                                      {"b", 0.0, "E-C", "C-W", "bike"},
+                                      {"car", 0.0, "S-C", "C-N"},
+                                      {"later", 30.0, "S-C", "C-N"}});
+  double slowest = 100.0;
+  while (run.traffic.arrived() < run.number_of_trips && run.traffic.time() < 100.0) {
+    run.step();
+    if (run.traffic.time() < 6.0) continue;
+    for (const VehicleState& v : run.traffic.vehicles()) {
+      if (v.type == "bike") slowest = std::min(slowest, v.speed);
+    }
+  }
+  EXPECT_THAT(run.broken, IsEmpty());
+  EXPECT_GT(slowest, 5.0);
 }
 
 // A stream of cars that never ends must not keep a guest waiting for ever.

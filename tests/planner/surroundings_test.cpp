@@ -45,10 +45,11 @@ TEST_F(BeforeADriver, BrakingIsNoneIfHeReliesOnHisSignal) { EXPECT_FALSE(may_bra
 class BeforeWhoWaits : public Crossing {
  protected:
   /// May it go on at the same speed while he, so far before the crossing, brakes gently?
-  [[nodiscard]] bool may_go_on(double before) {
+  [[nodiscard]] bool may_go_on(double before, bool is_told = false) {
     scene.vehicles.clear();
     const RoadVehicle vehicle = add(0, 91.4, 5.2);
     Forecast driver{.vehicle = add(1, 100.0 - before, 12.0), .earliest = {}};
+    driver.is_told = is_told;
     scene.vehicles.pop_back();
     driver.vehicle.key = -1;
     driver.earliest.states = {driver.vehicle.now};
@@ -67,6 +68,46 @@ class BeforeWhoWaits : public Crossing {
 TEST_F(BeforeWhoWaits, HeNeedNotBrakeBeforeHeIsToldTo) {
   EXPECT_TRUE(may_go_on(30.0));
   EXPECT_FALSE(may_go_on(25.0));
+}
+
+TEST_F(BeforeWhoWaits, HeIsNotLateWhoHasBeenTold) {
+  EXPECT_TRUE(may_go_on(25.0, /*is_told=*/true));
+  EXPECT_FALSE(may_go_on(15.0, /*is_told=*/true)) << "he gets there all the same";
+}
+
+//   Two seconds from now it is so far behind a driver who has been let pass, both at 10 m/s.
+class BehindWhoPasses : public Crossing {
+ protected:
+  [[nodiscard]] bool may_go_on(double gap, Surroundings::Forecasts forecasts) {
+    scene.vehicles.clear();
+    const RoadVehicle vehicle = add(0, 50.0, 10.0);
+    const double ahead = gap + scene.body(vehicle).length();
+    Forecast driver{.vehicle = add(0, vehicle.now.s + ahead, 10.0), .earliest = {}};
+    scene.vehicles.pop_back();
+    driver.vehicle.key = -1;
+    driver.yields = false;
+    driver.earliest.states = {driver.vehicle.now};
+    while (driver.earliest.states.size() < 300) {
+      driver.earliest.states.push_back(advance(driver.earliest.states.back(), 0.0, 0.1));
+    }
+    driver.latest = driver.earliest;
+    scene.forecasts = {driver};
+    const RoadPairs pairs(scene);
+    const ProfileOptions options;
+    const Surroundings around(pairs, scene.vehicles.front(), {}, options, forecasts);
+    const InertialState then = advance(vehicle.now, 0.0, 2.0);
+    return around.step_is_clear(20, then, 0.0, advance(then, 0.0, 0.5));
+  }
+};
+
+// Half a second later, when it answers to his braking, it has driven 5 m more.
+TEST_F(BehindWhoPasses, NewPlansStayAsFarBehindAsItTakesToStopIfHeBrakes) {
+  EXPECT_TRUE(may_go_on(12.0, Surroundings::Forecasts::kWithSlack));
+  EXPECT_FALSE(may_go_on(3.0, Surroundings::Forecasts::kWithSlack));
+}
+
+TEST_F(BehindWhoPasses, PlansThatAreKeptNeedNotBeforeTheyAreThere) {
+  EXPECT_TRUE(may_go_on(3.0, Surroundings::Forecasts::kCount));
 }
 
 //   It is on the crossing already, where it would come to rest; a driver who does not yield is
