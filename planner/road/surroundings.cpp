@@ -329,9 +329,9 @@ bool Surroundings::meets_anywhere(const Other& other, std::int64_t k, const Iner
   const bool goes_on = other.braking_is_no_help && a >= 0.0;
   if (!goes_on && brakes_into(other, k + n, to)) return true;
   // Who follows it on its lane must be able to stop should it brake. Plans that are kept see that
-  // only when it is so far: new ones must not be lost then.
+  // only when it is so far: new ones must not be lost then, unless they have slack for it.
   const InertialState hindmost = other.hindmost_state(k + n);
-  return (k == now_ || is_new_) && hindmost.s < SpeedProfile::kDeparted &&
+  return (k == now_ || (is_new_ && other.before == 0)) && hindmost.s < SpeedProfile::kDeparted &&
          other.contact.contact->is_behind(to, hindmost) &&
          other.contact.touch_braking(to, hindmost, /*lenient=*/false);
 }
