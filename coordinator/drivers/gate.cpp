@@ -100,6 +100,11 @@ bool Gate::holds_guest(const std::string& id) const {
   return visitor != visitors_.end() && visitor->second.guest && visitor->second.held;
 }
 
+bool Gate::is_under_way(const std::string& id) const {
+  const auto visitor = visitors_.find(id);
+  return visitor != visitors_.end() && visitor->second.guest && visitor->second.stands == 0;
+}
+
 std::vector<std::string> Gate::propose(const MayMeet& may_meet) {
   std::vector<std::pair<std::int64_t, std::string>> waiting;
   std::vector<std::string> passing;

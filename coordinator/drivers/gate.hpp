@@ -48,6 +48,8 @@ class Gate {
   [[nodiscard]] bool passes(const std::string& id) const;
   /// Is it a guest, and held until it is let through?
   [[nodiscard]] bool holds_guest(const std::string& id) const;
+  /// Is it a guest who does not stand?
+  [[nodiscard]] bool is_under_way(const std::string& id) const;
   /// Could these two meet if both pass?
   using MayMeet = std::function<bool(const std::string&, const std::string&)>;
   /// Guests who wait at their lines and may be let through next, the longest not asked first: as

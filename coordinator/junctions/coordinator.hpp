@@ -268,7 +268,6 @@ class Coordinator : public Controller {
                                const SpeedProfile& plan) const;
   [[nodiscard]] bool is_clear_of(const std::vector<std::string>& guests, const Trial& trial);
   [[nodiscard]] bool is_at_gate(const std::vector<std::string>& guests) const;
-  [[nodiscard]] bool is_under_way(const std::vector<std::string>& guests) const;
   [[nodiscard]] bool exclude_each_other(const std::vector<std::string>& guests,
                                         const std::vector<std::string>& others) const;
   [[nodiscard]] bool may_touch(const Forecast& driver, const Forecast& other) const;

@@ -132,15 +132,6 @@ bool Coordinator::is_at_gate(const std::vector<std::string>& guests) const {
   });
 }
 
-/// Does one of them come to the junction without a light, and does not stand before it yet?
-bool Coordinator::is_under_way(const std::vector<std::string>& guests) const {
-  constexpr double kStands = 0.5;  // [m/s]
-  return std::ranges::any_of(guests, [&](const std::string& guest) {
-    const VehicleState* state = find_state(guest);
-    return state != nullptr && state->speed > kStands && is_at_gate({guest});
-  });
-}
-
 /// What it is worth to those under control that these pass now [s]; at the gate whatever it costs.
 double Coordinator::worth(const std::vector<std::string>& guests) const {
   if (is_at_gate(guests)) return std::numeric_limits<double>::infinity();

@@ -148,7 +148,9 @@ std::map<int, Coordinator::ZoneOffers> Coordinator::offers_of_zones(
   std::map<int, std::vector<std::vector<std::string>>> by_zone;
   for (const auto& group : groups) {
     const int zone = zone_of(group.front());
-    if (is_under_way(group) && verdict(without, zone).stepped > 0) continue;
+    const bool moves =
+        std::ranges::any_of(group, [&](const auto& id) { return gate_.is_under_way(id); });
+    if (moves && verdict(without, zone).stepped > 0) continue;
     by_zone[zone].push_back(group);
   }
   std::map<int, ZoneOffers> offers;

@@ -44,12 +44,8 @@ class GateTest : public testing::Test {
   }
   /// Who is let through next.
   std::optional<std::string> propose() {
-    const std::vector<std::string> proposed = propose_beside(anybody);
+    const std::vector<std::string> proposed = gate.propose(anybody);
     return proposed.empty() ? std::nullopt : std::optional(proposed.front());
-  }
-  /// All who are let through next, if these may meet.
-  std::vector<std::string> propose_beside(const Gate::MayMeet& may_meet) {
-    return gate.propose(may_meet);
   }
   void see(const std::string& id, double to_line, double speed, bool is_first = true,
            bool leads_on = true, bool has_room = true) {
@@ -114,10 +110,10 @@ TEST_F(GateTest, ProposesAsManyAsCannotMeet) {
   };
   decide({"a1", "a2", "b1", "b2"});
   for (const std::string id : {"a1", "a2", "b1", "b2"}) ASSERT_FALSE(gate.passes(id));
-  EXPECT_THAT(propose_beside(crosses),
+  EXPECT_THAT(gate.propose(crosses),
               testing::AnyOf(UnorderedElementsAre("a1", "a2"), UnorderedElementsAre("b1", "b2")));
   gate.let_through("a1");
-  EXPECT_THAT(propose_beside(crosses), UnorderedElementsAre("a2")) << "not across who passes";
+  EXPECT_THAT(gate.propose(crosses), UnorderedElementsAre("a2")) << "not across who passes";
 }
 
 //   It would stand where it is, whatever it may.
