@@ -264,7 +264,11 @@ std::vector<Forecast> Coordinator::predict_one(const VehicleState& v,
   std::vector<Forecast> forecasts =
       predictor_.predict(v, query, type_of(v.type).body, intent, stand_of(v), grid_,
                          step_ - std::int64_t(std::lround(v.age / grid_.dt)));
-  for (Forecast& f : forecasts) f.is_told = gate_.holds(v.id) && !is_let_pass;
+  for (Forecast& f : forecasts) {
+    f.told = intent == Intent::kPasses ? Told::kToPass
+             : gate_.holds(v.id)       ? Told::kToWait
+                                       : Told::kNothing;
+  }
   // Mostly it is taken over as soon as it has a plan.
   if (gate_.holds_guest(v.id) || is_impatient(v.id)) return forecasts;
   for (Forecast& f : forecasts) f.held.reset();

@@ -113,6 +113,9 @@ struct RoadVehicle {
   return vehicle.min_gap + vehicle.tau * speed + std::max(0.0, braking);
 }
 
+/// What the coordinator has told a driver: to wait at his line, or to pass.
+enum class Told { kNothing, kToWait, kToPass };
+
 /// A vehicle that is not under control, with the motion that is expected of it; or, with `latest`,
 /// with all motions between the two: at each time it may be anywhere between them.
 struct Forecast {
@@ -123,7 +126,9 @@ struct Forecast {
   /// Its driver relies on being let pass and brakes for nobody across his path: braking there does
   /// not help.
   bool relies = false;
-  bool is_told = false;  ///< to wait: its driver slows down as is expected, and not later
+  /// To wait: its driver slows down as is expected, and not later. To pass: new plans stay as far
+  /// behind him as it takes to stop if he brakes, at any time.
+  Told told = Told::kNothing;
   /// Steps that new plans keep beside what is expected, before the earliest and behind the latest:
   /// plans that are kept need not, so that a small surprise does not break them.
   int slack_before = 0;

@@ -29,14 +29,14 @@ Surroundings::Surroundings(const RoadPairs& pairs, const RoadVehicle& vehicle,
     const bool stays = forecast.held && !contact.contact->never() && !pairs.is_behind(self, f);
     add({contact, stays ? &*forecast.held : &forecast.earliest,
          forecast.latest ? &*forecast.latest : nullptr, &forecast.vehicle,
-         &scene.body(forecast.vehicle), true, !forecast.is_told, forecast.yields, forecast.relies});
+         &scene.body(forecast.vehicle), true, forecast.told, forecast.yields, forecast.relies});
     if (is_new_ || forecast.is_new) add_slack(forecast);
   }
   for (const JointPlan::Entry& e : before) {
     if (e.key == vehicle.key) continue;
     const std::size_t other = pairs.index(e.key);
     add({pairs.between(self, other), e.profile.get(), nullptr, &scene.vehicles[other],
-         &scene.body(scene.vehicles[other]), false, false, false, false,
+         &scene.body(scene.vehicles[other]), false, Told::kNothing, false, false,
          &scene.library->reserved(vehicle.path, scene.vehicles[other].path)});
   }
 }
@@ -253,7 +253,8 @@ bool Surroundings::meets(const Other& other, std::int64_t k, const InertialState
   while (there(last).s >= SpeedProfile::kDeparted) --last;
   const InertialState other_to = there(last);
   // A driver who is expected to slow down may do so only when he is told to.
-  const bool may_be_late = other.may_be_late && other_to.v < other_from.v;
+  const bool may_be_late =
+      other.forecast && other.told != Told::kToWait && other_to.v < other_from.v;
   const InertialState latest = may_be_late ? advance(other_from, 0.0, last * grid_.dt) : other_to;
   const double other_reach = latest.s + stopping_distance(latest.v, other.body->max_decel);
   const InertialState then =
@@ -329,10 +330,10 @@ bool Surroundings::meets_anywhere(const Other& other, std::int64_t k, const Iner
   const bool goes_on = other.braking_is_no_help && a >= 0.0;
   if (!goes_on && brakes_into(other, k + n, to)) return true;
   // Who follows it on its lane must be able to stop should it brake. Plans that are kept see that
-  // only when it is so far: new ones must not be lost then, unless they have slack for it.
+  // only when it is so far: new ones behind who is told to pass must not be lost then.
   const InertialState hindmost = other.hindmost_state(k + n);
-  return (k == now_ || (is_new_ && other.before == 0)) && hindmost.s < SpeedProfile::kDeparted &&
-         other.contact.contact->is_behind(to, hindmost) &&
+  return (k == now_ || (is_new_ && other.told == Told::kToPass)) &&
+         hindmost.s < SpeedProfile::kDeparted && other.contact.contact->is_behind(to, hindmost) &&
          other.contact.touch_braking(to, hindmost, /*lenient=*/false);
 }
 

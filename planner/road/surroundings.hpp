@@ -59,7 +59,7 @@ class Surroundings {
     const RoadVehicle* vehicle;
     const Vehicle* body;
     bool forecast;
-    bool may_be_late;     ///< a forecast whose driver has still to be told to slow down
+    Told told;            ///< as of Forecast
     bool yields;          ///< a forecast whose driver keeps clear of whoever blocks him
     bool relies = false;  ///< as of Forecast
     /// What it has reserved; nullptr: nothing, or this vehicle is there already.

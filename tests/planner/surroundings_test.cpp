@@ -45,11 +45,11 @@ TEST_F(BeforeADriver, BrakingIsNoneIfHeReliesOnHisSignal) { EXPECT_FALSE(may_bra
 class BeforeWhoWaits : public Crossing {
  protected:
   /// May it go on at the same speed while he, so far before the crossing, brakes gently?
-  [[nodiscard]] bool may_go_on(double before, bool is_told = false) {
+  [[nodiscard]] bool may_go_on(double before, Told told = Told::kNothing) {
     scene.vehicles.clear();
     const RoadVehicle vehicle = add(0, 91.4, 5.2);
     Forecast driver{.vehicle = add(1, 100.0 - before, 12.0), .earliest = {}};
-    driver.is_told = is_told;
+    driver.told = told;
     scene.vehicles.pop_back();
     driver.vehicle.key = -1;
     driver.earliest.states = {driver.vehicle.now};
@@ -71,14 +71,15 @@ TEST_F(BeforeWhoWaits, HeNeedNotBrakeBeforeHeIsToldTo) {
 }
 
 TEST_F(BeforeWhoWaits, HeIsNotLateWhoHasBeenTold) {
-  EXPECT_TRUE(may_go_on(25.0, /*is_told=*/true));
-  EXPECT_FALSE(may_go_on(15.0, /*is_told=*/true)) << "he gets there all the same";
+  EXPECT_TRUE(may_go_on(25.0, Told::kToWait));
+  EXPECT_FALSE(may_go_on(15.0, Told::kToWait)) << "he gets there all the same";
 }
 
 //   Two seconds from now it is so far behind a driver who has been let pass, both at 10 m/s.
 class BehindWhoPasses : public Crossing {
  protected:
-  [[nodiscard]] bool may_go_on(double gap, Surroundings::Forecasts forecasts) {
+  [[nodiscard]] bool may_go_on(double gap, Surroundings::Forecasts forecasts,
+                               Told told = Told::kToPass) {
     scene.vehicles.clear();
     const RoadVehicle vehicle = add(0, 50.0, 10.0);
     const double ahead = gap + scene.body(vehicle).length();
@@ -86,6 +87,7 @@ class BehindWhoPasses : public Crossing {
     scene.vehicles.pop_back();
     driver.vehicle.key = -1;
     driver.yields = false;
+    driver.told = told;
     driver.earliest.states = {driver.vehicle.now};
     while (driver.earliest.states.size() < 300) {
       driver.earliest.states.push_back(advance(driver.earliest.states.back(), 0.0, 0.1));
@@ -108,6 +110,11 @@ TEST_F(BehindWhoPasses, NewPlansStayAsFarBehindAsItTakesToStopIfHeBrakes) {
 
 TEST_F(BehindWhoPasses, PlansThatAreKeptNeedNotBeforeTheyAreThere) {
   EXPECT_TRUE(may_go_on(3.0, Surroundings::Forecasts::kCount));
+}
+
+// He goes when his light says so, again and again: they would wait for ever on the junction.
+TEST_F(BehindWhoPasses, NewPlansNeedNotBehindWhoPassesByHimself) {
+  EXPECT_TRUE(may_go_on(3.0, Surroundings::Forecasts::kWithSlack, Told::kNothing));
 }
 
 //   It is on the crossing already, where it would come to rest; a driver who does not yield is
