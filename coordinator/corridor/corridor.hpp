@@ -87,7 +87,11 @@ class CorridorMap {
   [[nodiscard]] const PathLibrary& library() const { return library_; }
 
  private:
-  struct Line;
+  /// The lanes' centre line and where each piece begins along it [m].
+  struct Line {
+    std::vector<Point> points;
+    std::vector<double> begins;
+  };
   using Shape = std::array<double, 4>;  ///< of a body, and how tightly it turns
 
   [[nodiscard]] static Shape shape_of(const Vehicle& body);

@@ -200,26 +200,6 @@ RoadEscotOptions Coordinator::escot() const {
   return options;
 }
 
-/// The passage of a guest is planned.
-void Coordinator::let_pass(const std::string& guest) {
-  if (people_ && people_->knows(guest)) {
-    people_->grant(guest);
-  } else if (humans_ && humans_->knows(guest)) {
-    humans_->grant(guest);
-  } else {
-    gate_.let_through(guest);
-  }
-}
-
-/// Nobody is under control: human drivers who wait may go, one after the other, and
-/// people.
-void Coordinator::admit_guests_freely() {
-  for (const auto& group : groups_of_guests()) {
-    if (may_meet_people(group)) continue;
-    for (const std::string& guest : group) let_pass(guest);
-  }
-}
-
 /// Makes a trial's plan what is executed, but for groups that are late or that the referee refuses:
 /// those go on as before, and the newcomers among them are not taken over.
 void Coordinator::accept(const Trial& trial, const std::map<std::string, Driven>& arrivals) {

@@ -138,6 +138,26 @@ double Coordinator::worth(const std::vector<std::string>& guests) const {
   return (people_ ? people_->worth(guests) : 0.0) + (humans_ ? humans_->worth(guests) : 0.0);
 }
 
+/// The passage of a guest is planned.
+void Coordinator::let_pass(const std::string& guest) {
+  if (people_ && people_->knows(guest)) {
+    people_->grant(guest);
+  } else if (humans_ && humans_->knows(guest)) {
+    humans_->grant(guest);
+  } else {
+    gate_.let_through(guest);
+  }
+}
+
+/// Nobody is under control: human drivers who wait may go, one after the other, and
+/// people.
+void Coordinator::admit_guests_freely() {
+  for (const auto& group : groups_of_guests()) {
+    if (may_meet_people(group)) continue;
+    for (const std::string& guest : group) let_pass(guest);
+  }
+}
+
 /// A human-driven vehicle near a stop line.
 void Coordinator::see_guest(const VehicleState& v, const CourseQuery& query) {
   const std::optional<double> to_line = finder_.distance_to_line(query);

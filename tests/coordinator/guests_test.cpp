@@ -1,0 +1,142 @@
+// Whoever is not taken over, at junctions without a light.
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <set>
+
+#include "tests/coordinator/closed_loop.hpp"
+
+namespace mvtp {
+namespace {
+
+using testing::IsEmpty;
+
+/// Bicycles keep human drivers everywhere.
+std::vector<FakeTrip> cars_and_bikes(unsigned seed) {
+  return random_trips(crossroads_shape(),
+                      {.vehicles = 20, .types = {"car", "car", "bike"}, .seed = seed});
+}
+
+class Guests : public testing::TestWithParam<unsigned> {};
+
+TEST_P(Guests, CrossAmongCarsWithoutContact) {
+  ClosedLoop run(crossroads_shape(), cars_and_bikes(GetParam()));
+  run.run_until(400.0);
+  EXPECT_THAT(run.broken, IsEmpty());
+  EXPECT_EQ(run.audit.figures().overlap_pairs_coordinated, 0);
+  EXPECT_EQ(run.traffic.arrived(), run.number_of_trips);
+}
+
+// Somebody without a plan may come to rest where they have to pass.
+TEST_P(Guests, UnderWayAreLetThroughOnlyWhereEverybodyHasAPlan) {
+  ClosedLoop run(crossroads_shape(),
+                 random_trips(crossroads_shape(), {.vehicles = 60,
+                                                   .duration = 60.0,
+                                                   .types = {"car", "bike", "truck"},
+                                                   .seed = GetParam()}));
+  while (run.traffic.running() && run.traffic.time() < 150.0) {
+    std::set<std::string> held;
+    for (const VehicleState& v : run.traffic.vehicles()) {
+      if (run.traffic.is_held(v.id) && v.speed > 1.0) held.insert(v.id);
+    }
+    run.step();
+    if (std::ranges::none_of(held, [&](const auto& id) { return run.traffic.passes(id); }))
+      continue;
+    for (const JointPlan::Entry& e : run.coordinator.plan().entries) {
+      EXPECT_TRUE(e.profile->complete) << "at t = " << run.traffic.time();
+    }
+  }
+  EXPECT_THAT(run.broken, IsEmpty());
+}
+
+INSTANTIATE_TEST_SUITE_P(Seeds, Guests, testing::Values(1U, 2U, 3U, 4U));
+
+TEST(GuestsAtTheGate, AreHeldBeforeTheLineAndNeverTakenOver) {
+  ClosedLoop run(crossroads_shape(), {{"bike", 0.0, "W-C", "C-E", "bike"},
+                                      {"car", 14.0, "S-C", "C-N"},
+                                      {"other", 15.0, "N-C", "C-S"}});
+  bool was_held = false;
+  while (run.traffic.running() && run.traffic.time() < 100.0) {
+    run.step();
+    if (run.traffic.time() > 50.0) continue;
+    EXPECT_FALSE(run.coordinator.drives("bike"));
+    was_held = was_held || run.traffic.is_held("bike");
+  }
+  EXPECT_TRUE(was_held);
+  EXPECT_THAT(run.broken, IsEmpty());
+  EXPECT_EQ(run.traffic.arrived(), 3);
+  EXPECT_EQ(run.traffic.passages().at("bike"), 1);
+}
+
+TEST(GuestsAtTheGate, FromOppositeSidesBothCross) {
+  ClosedLoop run(crossroads_shape(), {{"a", 0.0, "W-C", "C-E", "bike"},
+                                      {"b", 0.0, "E-C", "C-S", "bike"},
+                                      {"car", 16.0, "S-C", "C-N"}});
+  run.run_until(150.0);
+  EXPECT_THAT(run.broken, IsEmpty());
+  EXPECT_EQ(run.traffic.arrived(), 3);
+}
+
+// Nobody crosses their paths while they pass, and they do not meet: why should they slow down?
+TEST(GuestsAtTheGate, DoNotBrakeWhereEverybodyCanPlanAroundThem) {
+  ClosedLoop run(crossroads_shape(), {{"a", 0.0, "W-C", "C-E", "bike"},
+                                      {"b", 0.0, "E-C", "C-W", "bike"},
+                                      {"car", 0.0, "S-C", "C-N"},
+                                      {"later", 30.0, "S-C", "C-N"}});
+  double slowest = 100.0;
+  while (run.traffic.arrived() < run.number_of_trips && run.traffic.time() < 100.0) {
+    run.step();
+    if (run.traffic.time() < 6.0) continue;
+    for (const VehicleState& v : run.traffic.vehicles()) {
+      if (v.type == "bike") slowest = std::min(slowest, v.speed);
+    }
+  }
+  EXPECT_THAT(run.broken, IsEmpty());
+  EXPECT_GT(slowest, 5.0);
+}
+
+// A stream of cars that never ends must not keep a guest waiting for ever.
+TEST(GuestsAtTheGate, DoNotWaitForEverBesideAStreamOfCars) {
+  std::vector<FakeTrip> trips = {{"bike", 0.0, "S-C", "C-N", "bike"}};
+  for (int i = 0; i < 60; ++i) {
+    trips.push_back({fmt::format("w{}", i), 3.0 * i, "W-C", "C-E"});
+    trips.push_back({fmt::format("e{}", i), 3.0 * i + 1.0, "E-C", "C-W"});
+  }
+  ClosedLoop run(crossroads_shape(), trips);
+  while (run.traffic.time() < 120.0) run.step();
+  EXPECT_THAT(run.broken, IsEmpty());
+  EXPECT_TRUE(run.traffic.passages().contains("bike"));
+}
+
+TEST(GuestsAtTheGate, AreThoseWhoseBodiesCannotTurnAndAreNamed) {
+  ClosedLoop run(u_turn_shape(), {{"u", 0.0, "W-C", "C-W"}, {"car", 5.0, "E-C", "C-S"}});
+  run.run_until(100.0);
+  EXPECT_THAT(run.broken, IsEmpty());
+  EXPECT_EQ(run.traffic.arrived(), 2);
+  const std::vector<LeftToTraffic> left = run.coordinator.left_to_sumo();
+  ASSERT_EQ(left.size(), 1U);
+  EXPECT_EQ(left[0].what, "type car from lane W-C_0 to lane C-W_0");
+  EXPECT_FALSE(left[0].why.empty());
+}
+
+// Until its tail is through, or its driver heeds rights of path again in the middle of the
+// junction.
+TEST(GuestsAtTheGate, PassUntilTheyAreThrough) {
+  ClosedLoop run(crossroads_shape(), {{"bike", 0.0, "W-C", "C-E", "bike"}});
+  bool was_inside = false;
+  while (run.traffic.running() && run.traffic.time() < 100.0) {
+    run.step();
+    for (const VehicleState& v : run.traffic.vehicles()) {
+      if (!run.traffic.network().lanes.at(v.lane).internal) continue;
+      was_inside = true;
+      EXPECT_TRUE(run.traffic.passes("bike")) << "at t = " << run.traffic.time();
+    }
+  }
+  EXPECT_TRUE(was_inside);
+}
+
+}  // namespace
+}  // namespace mvtp
