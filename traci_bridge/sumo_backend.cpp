@@ -153,6 +153,7 @@ class Backend final : public SumoTraffic {
   }
 
   void hold(const std::string& id, bool stop) override {
+    if (is_here(id) && holds_.contains(id)) ask([&] { holds_.forget_if_passed(id); });
     if (stop == holds_.contains(id)) return;
     if (!is_here(id)) {
       holds_.forget(id);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <csignal>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -36,7 +37,15 @@ class SumoConnection {
 
   static void join(const SumoAddress& remote) {
     constexpr int kRetries = 10;  // one second each
-    connect(remote.port, remote.host, kRetries);
+    // libtraci writes to a connection that it never got: that is to be an error, not the end.
+    std::signal(SIGPIPE, SIG_IGN);
+    try {
+      connect(remote.port, remote.host, kRetries);
+    } catch (const std::exception& error) {
+      throw std::runtime_error("no SUMO answers at " + remote.host + ':' +
+                               std::to_string(remote.port) + " (" + error.what() +
+                               "); start one there with --remote-port");
+    }
     // SUMO begins once every client has said when it speaks; a single one need not.
     if (remote.clients > 1) api::Simulation::setOrder(remote.order);
   }

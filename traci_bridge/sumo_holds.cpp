@@ -4,11 +4,14 @@
 #include <cstdlib>
 #include <limits>
 
+#include "planner/motion/inertial_car.hpp"
+
 namespace mvtp::MVTP_SUMO_NAMESPACE {
 namespace {
 
-constexpr double kHoldGap = 1.0;    // from a held vehicle's front to the end of its lane [m]
-constexpr double kForever = 1.0e6;  // [s]
+constexpr double kHoldGap = 1.0;     // from a held vehicle's front to the end of its lane [m]
+constexpr double kLeastRoom = 0.02;  // [m] between its front and where it is held
+constexpr double kForever = 1.0e6;   // [s]
 
 /// The lane of its edge, the nearest to its own, from which its route goes on: there it can wait.
 std::string lane_to_wait_in(const std::string& id) {
@@ -25,6 +28,14 @@ std::string lane_to_wait_in(const std::string& id) {
   return nearest;
 }
 
+/// How far a vehicle may still come that is about to speed up [m]: a stop that is nearer it may
+/// pass.
+double room_to_stop(const std::string& id) {
+  const double v =
+      api::Vehicle::getSpeed(id) + api::Vehicle::getAccel(id) * api::Simulation::getDeltaT();
+  return v * api::Simulation::getDeltaT() + stopping_distance(v, api::Vehicle::getDecel(id));
+}
+
 }  // namespace
 
 void SumoHolds::hold(const std::string& id) {
@@ -32,21 +43,29 @@ void SumoHolds::hold(const std::string& id) {
   if (here_lane.empty() || network_.lanes.at(here_lane).internal) return;
   const std::string lane = lane_to_wait_in(id);
   const double length = network_.lanes.at(lane).length;
-  const double here = api::Vehicle::getLanePosition(id);
+  const double nearest = api::Vehicle::getLanePosition(id) + room_to_stop(id) + kLeastRoom;
+  if (nearest > length) return;  // too close to brake: it goes on
   const Stop stop{.edge = network_.lanes.at(lane).edge,
                   .lane = network_.lanes.at(lane).index,
-                  .position = std::min(length, std::max(length - kHoldGap, here + 0.05))};
+                  .position = std::max(length - kHoldGap, nearest)};
   try {
     api::Vehicle::setStop(id, stop.edge, stop.position, stop.lane, kForever);
     stops_[id] = stop;
   } catch (const libsumo::TraCIException&) {
-    static_cast<void>(log_.take_errors());  // too close to brake: it goes on
+    static_cast<void>(log_.take_errors());  // likewise, as SUMO sees it
   }
 }
 
 bool SumoHolds::is_at_stop(const std::string& id) {
   constexpr int kStoppedBit = 1;
   return (api::Vehicle::getStopState(id) & kStoppedBit) != 0;
+}
+
+void SumoHolds::forget_if_passed(const std::string& id) {
+  const auto found = stops_.find(id);
+  if (found != stops_.end() && api::Vehicle::getRoadID(id) != found->second.edge) {
+    stops_.erase(found);
+  }
 }
 
 void SumoHolds::release(const std::string& id) {

@@ -26,6 +26,8 @@ class SumoHolds {
   [[nodiscard]] bool is_hold(const std::string& id, const libsumo::TraCINextStopData& stop) const;
 
   void forget(const std::string& id) { stops_.erase(id); }
+  /// A vehicle may drive past its stop, if SUMO has it brake too late: it is held no more then.
+  void forget_if_passed(const std::string& id);
   template <class Predicate>
   void forget_if(const Predicate& has_left) {
     std::erase_if(stops_, [&](const auto& entry) { return has_left(entry.first); });

@@ -329,11 +329,17 @@ CorridorCourse CourseFinder::follow(const CourseQuery& query, double reach) cons
   return course;
 }
 
-std::optional<double> CourseFinder::distance_to_line(const CourseQuery& query) const {
+std::optional<CourseFinder::LineAhead> CourseFinder::line_ahead(const CourseQuery& query) const {
   const std::optional<Start> start = start_of(query);
+  if (!start) return std::nullopt;
   double distance = 0.0;
-  if (!start || !first_line(query, *start, kInfinity, distance)) return std::nullopt;
-  return distance;
+  const std::optional<std::size_t> line = first_line(query, *start, kInfinity, distance);
+  return line ? std::optional(LineAhead{query.edges[*line], distance}) : std::nullopt;
+}
+
+std::optional<double> CourseFinder::distance_to_line(const CourseQuery& query) const {
+  const std::optional<LineAhead> line = line_ahead(query);
+  return line ? std::optional(line->distance) : std::nullopt;
 }
 
 }  // namespace mvtp

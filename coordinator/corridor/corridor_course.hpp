@@ -81,6 +81,12 @@ class CourseFinder {
   [[nodiscard]] bool is_coordinated(int junction) const {
     return junction != LaneGraph::kNone && coordinated_[std::size_t(junction)];
   }
+  /// Is this lane inside a coordinated junction?
+  [[nodiscard]] bool is_inside(int lane) const {
+    const std::span<const int> over = graph_.links_over(lane);
+    return graph_.edge_of(lane) == LaneGraph::kNone &&
+           (over.empty() || is_coordinated(graph_.link(over.front()).junction));
+  }
   /// Can a vehicle at this place be within the takeover distance of a coordinated stop line,
   /// wherever it goes? Quick: most vehicles are not.
   [[nodiscard]] bool may_approach(int lane, double position) const;
@@ -92,8 +98,14 @@ class CourseFinder {
   /// The course of a vehicle that nobody controls, for `reach` metres along its route.
   [[nodiscard]] CorridorCourse follow(const CourseQuery& query, double reach) const;
 
-  /// Distance from the vehicle to the next coordinated stop line on its route [m], if there is one
-  /// before its route ends.
+  /// A coordinated stop line ahead on a route.
+  struct LineAhead {
+    int edge = LaneGraph::kNone;  ///< that ends there
+    double distance = 0.0;        ///< [m] from the vehicle
+  };
+  /// The next one, if there is one before the route of the vehicle ends.
+  [[nodiscard]] std::optional<LineAhead> line_ahead(const CourseQuery& query) const;
+  /// Distance to it [m].
   [[nodiscard]] std::optional<double> distance_to_line(const CourseQuery& query) const;
 
  private:

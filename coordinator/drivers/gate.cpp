@@ -11,11 +11,11 @@ namespace {
 constexpr double kNear = 12.0;     ///< [m] before its line a vehicle waits for its turn,
 constexpr double kEarly = 2.0;     ///< [s] or so long before its driver has to brake,
 constexpr double kStands = 0.5;    ///< [m/s] or it stands where it was held
-constexpr double kBack = 1.0;      ///< [m] that no driver goes back
 constexpr double kInside = 5.0;    ///< [m] before the end of its lane: it is as good as inside
 constexpr double kReaction = 0.5;  ///< [s] until a driver who is to stop brakes
 constexpr int kStuckAfter = 4;     ///< decisions for which one that was let through may stand:
                                    ///< then it is held again, and waits for its next turn
+constexpr int kDueAfter = 40;      ///< decisions for which others may go before the first on a lane
 
 }  // namespace
 
@@ -26,38 +26,53 @@ void Gate::begin() {
 
 void Gate::see(const VehicleState& v, const Place& place, const Vehicle& body) {
   Visitor& guest = visitors_[v.id];
-  const bool came = !guest.guest;
-  if (came) guest.asked = decisions_;
-  guest.guest = true;
-  guest.seen = true;
+  if (!guest.guest) {
+    guest.asked = decisions_;
+    guest.line = place.line;
+  }
+  guest.guest = guest.seen = true;
+  guest.place = place;
+  if (place.to_hold > 0.0) guest.lane = v.lane;
   guest.stands = v.speed < kStands ? guest.stands + 1 : 0;
+  guest.is_over |= place.line != guest.line;
   const double room = stopping_distance(v.speed, 0.8 * body.max_decel) + kReaction * v.speed;
   const bool is_due = place.to_hold < std::max(kNear, room + kEarly * v.speed);
-  guest.waits = place.leads_on && place.is_first && (is_due || v.speed < kStands);
-  // Behind its line; the next one is ahead.
-  guest.is_over |= place.to_line > guest.to_line + kBack;
-  guest.to_line = place.to_line;
+  guest.waits = place.leads_on && (is_due || v.speed < kStands);
+  decide(v.id, guest, room);
+  keep_in_lane(v.id, guest);
+}
+
+/// Holds it, or lets it through.
+/// @param room  [m] that its driver needs to stop.
+void Gate::decide(const std::string& id, Visitor& guest, double room) {
+  const Place& place = guest.place;
+  // Behind the line for which it was let through; the next one is ahead.
   const bool anew = guest.passes && guest.is_over && place.has_room && place.to_hold > room;
   // It stands before its line although it may go: somebody blocking its path may be waiting for it.
   const bool in_vain = guest.passes && guest.stands >= kStuckAfter && place.to_hold > 0.0;
   if (in_vain) guest.asked = decisions_;
-  if (!guest.held && (came || anew || in_vain)) {
-    if (place.to_hold > room) {
-      hold(v.id);
-    } else {
-      let_through(v.id);
-    }
+  const bool did_not_stop =
+      guest.held && guest.is_over && (place.is_inside || place.to_hold > room);
+  if (did_not_stop) {
+    traffic_.hold(id, false);
+    guest.held = false;
   }
-  guest.leads_on = place.leads_on;
-  guest.enters = place.to_hold <= kInside;
-  keep_in_lane(v.id, guest);
+  if (guest.held || (guest.passes && !anew && !in_vain)) return;
+  if (place.to_hold > room) {
+    hold(id);
+  } else if (place.is_inside || place.to_line <= room) {
+    let_through(id);
+  }  // else it is held on a later lane
 }
 
-/// Drivers of SUMO change lanes at their lines and inside junctions, too, onto ground that is not
-/// theirs: a passage is planned in one lane, from when he is let through. Who has to change, may.
+/// Drivers of SUMO change lanes at their lines and inside junctions, too, and with their tails
+/// there, onto ground that is not theirs: a passage is planned in one lane, from when he is let
+/// through. Who has to change, may.
 void Gate::keep_in_lane(const std::string& id, const Visitor& guest) {
-  keeping_.keep(id, LaneKeeping::Reason::kGuest,
-                guest.passes && guest.leads_on && (guest.enters || !guest.is_over));
+  const Place& place = guest.place;
+  const bool enters = place.to_hold <= kInside;
+  const bool is_planned = guest.passes && (enters || !guest.is_over);
+  keeping_.keep(id, LaneKeeping::Reason::kGuest, place.leads_on && (!place.is_clear || is_planned));
 }
 
 void Gate::keep(const std::string& id) {
@@ -65,6 +80,7 @@ void Gate::keep(const std::string& id) {
   if (visitor == visitors_.end()) return;
   visitor->second.seen = true;
   visitor->second.guest = false;
+  visitor->second.place = {};
 }
 
 void Gate::end() {
@@ -81,8 +97,10 @@ void Gate::hold(const std::string& id) {
   if (visitor.held) return;
   if (visitor.passes) traffic_.let_through(id, Passage::kNone);
   visitor.passes = visitor.is_over = false;
+  visitor.line = visitor.place.line;
   visitor.held = true;
   traffic_.hold(id, true);
+  keep_in_lane(id, visitor);
 }
 
 bool Gate::holds(const std::string& id) const {
@@ -105,24 +123,34 @@ bool Gate::is_under_way(const std::string& id) const {
   return visitor != visitors_.end() && visitor->second.guest && visitor->second.stands == 0;
 }
 
-std::vector<std::string> Gate::propose(const MayMeet& may_meet) {
-  std::vector<std::pair<std::int64_t, std::string>> waiting;
-  std::vector<std::string> passing;
-  for (const auto& [id, visitor] : visitors_) {
-    if (visitor.guest && visitor.held && visitor.waits) waiting.emplace_back(visitor.asked, id);
-    if (visitor.passes && visitor.stands < kStuckAfter) passing.push_back(id);
+std::vector<std::string> Gate::propose(const IsFirst& is_first, const MayMeet& may_meet) {
+  using Entry = std::map<std::string, Visitor>::value_type;
+  std::vector<Entry*> waiting;
+  std::vector<const Entry*> ahead;  // of those who wait
+  for (Entry& entry : visitors_) {
+    Visitor& visitor = entry.second;
+    const bool waits = visitor.guest && visitor.held && visitor.waits && is_first(entry.first);
+    if (waits) waiting.push_back(&entry);
+    if (!waits) visitor.passed_over = 0;
+    if (visitor.passes || (!waits && !visitor.place.is_clear)) ahead.push_back(&entry);
   }
-  std::ranges::sort(waiting);
+  std::ranges::stable_sort(waiting, {}, [](const Entry* e) { return e->second.asked; });
   std::vector<std::string> proposed;
-  for (const auto& [asked, id] : waiting) {
-    if (std::ranges::any_of(passing, [&](const auto& other) { return may_meet(id, other); })) {
-      continue;
-    }
-    visitors_.at(id).asked = decisions_;
-    passing.push_back(id);
-    proposed.push_back(id);
+  for (Entry* entry : waiting) {
+    auto& [id, visitor] = *entry;
+    const bool meets = std::ranges::any_of(ahead, [&](const Entry* other) {
+      return visitor.lane != other->second.lane && may_meet(id, other->first);
+    });
+    visitor.passed_over = meets ? visitor.passed_over + 1 : 0;
+    if (!meets) proposed.push_back(id);
+    if (!meets || visitor.passed_over > kDueAfter) ahead.push_back(entry);
   }
   return proposed;
+}
+
+void Gate::asked_for(const std::string& id) {
+  const auto visitor = visitors_.find(id);
+  if (visitor != visitors_.end()) visitor->second.asked = decisions_;
 }
 
 void Gate::let_through(const std::string& id) {
@@ -131,6 +159,8 @@ void Gate::let_through(const std::string& id) {
   traffic_.let_through(id, passage_);
   visitor.held = false;
   visitor.passes = true;
+  visitor.line = visitor.place.line;
+  visitor.is_over = visitor.place.is_inside;
   visitor.stands = 0;
   keep_in_lane(id, visitor);
 }

@@ -2,7 +2,6 @@
 
 #include <cstdint>
 #include <functional>
-#include <limits>
 #include <map>
 #include <string>
 #include <vector>
@@ -27,11 +26,13 @@ class Gate {
 
   /// Where a guest is.
   struct Place {
-    double to_line = 0.0;  ///< [m] before its stop line; 0: behind it, inside
-    double to_hold = 0.0;  ///< [m] before the place where it can be held: the end of its lane
-    bool is_first = true;  ///< nobody is ahead of it on its lane
-    bool leads_on = true;  ///< its lane leads to the next edge of its route
-    bool has_room = true;  ///< held there its tail is clear of the junction behind
+    int line = -1;           ///< which stop line is the next; -1: none nearby
+    double to_line = 0.0;    ///< [m] before it
+    double to_hold = 0.0;    ///< [m] before the end of its lane, where it can be held; 0: inside
+    bool is_inside = false;  ///< a junction with such lines
+    bool leads_on = true;    ///< its lane leads to the next edge of its route
+    bool has_room = true;  ///< held at the end of its lane its tail is clear of the junction behind
+    bool is_clear = true;  ///< its tail is, where it is now
   };
 
   /// A decision begins: who is not seen until the end of it has departed.
@@ -52,9 +53,14 @@ class Gate {
   [[nodiscard]] bool is_under_way(const std::string& id) const;
   /// Could these two meet if both pass?
   using MayMeet = std::function<bool(const std::string&, const std::string&)>;
-  /// Guests who wait at their lines and may be let through next, the longest not asked first: as
-  /// many as cannot meet each other, or those who pass.
-  [[nodiscard]] std::vector<std::string> propose(const MayMeet& may_meet);
+  /// Is nobody ahead of it on its lane but those who pass?
+  using IsFirst = std::function<bool(const std::string&)>;
+  /// Held guests who may be let through next, those who were asked for least lately first: as many
+  /// as cannot meet each other, nor anybody behind his line; nor one who has been passed over for a
+  /// while. Drivers from one lane keep clear of each other.
+  [[nodiscard]] std::vector<std::string> propose(const IsFirst& is_first, const MayMeet& may_meet);
+  /// It has been asked for: others come first now.
+  void asked_for(const std::string& id);
   void let_through(const std::string& id);
   /// It is under control now, or on its own again.
   void release(const std::string& id);
@@ -66,15 +72,17 @@ class Gate {
     bool passes = false;
     bool held = false;
     bool seen = false;
-    bool waits = false;    ///< for its turn: the first on a lane that leads on
-    bool is_over = false;  ///< the line for which it was let through
-    double to_line = std::numeric_limits<double>::infinity();  ///< [m] when it was last seen
-    bool leads_on = false;                                     ///< its lane does
-    bool enters = false;     ///< at the end of its lane, or inside
+    bool waits = false;    ///< for its turn, on a lane that leads on
+    int line = -1;         ///< for which it was held or let through
+    bool is_over = false;  ///< that line
+    Place place;
+    std::string lane;        ///< the last before a junction
     int stands = 0;          ///< for so many decisions
-    std::int64_t asked = 0;  ///< when it was last proposed, or came
+    int passed_over = 0;     ///< likewise, the first on its lane, for others that it may meet
+    std::int64_t asked = 0;  ///< when it was last asked for, or came
   };
 
+  void decide(const std::string& id, Visitor& guest, double room);
   void keep_in_lane(const std::string& id, const Visitor& guest);
 
   Traffic& traffic_;

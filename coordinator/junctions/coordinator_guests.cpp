@@ -149,8 +149,7 @@ void Coordinator::let_pass(const std::string& guest) {
   }
 }
 
-/// Nobody is under control: human drivers who wait may go, one after the other, and
-/// people.
+/// Nobody is under control: human drivers who wait may go, and people.
 void Coordinator::admit_guests_freely() {
   for (const auto& group : groups_of_guests()) {
     if (may_meet_people(group)) continue;
@@ -158,28 +157,29 @@ void Coordinator::admit_guests_freely() {
   }
 }
 
-/// A human-driven vehicle near a stop line.
+/// A human-driven vehicle near a stop line, or behind one.
 void Coordinator::see_guest(const VehicleState& v, const CourseQuery& query) {
-  const std::optional<double> to_line = finder_.distance_to_line(query);
-  const bool is_inside = graph_.edge_of(query.lane) == LaneGraph::kNone;
-  if (see_human(v, query, to_line)) return;
+  constexpr double kClear = 2.0;  // [m] between its tail and a junction
+  const std::optional<CourseFinder::LineAhead> line = finder_.line_ahead(query);
+  if (see_human(v, query, line ? std::optional(line->distance) : std::nullopt)) return;
   const Vehicle& body = type_of(v.type).body;
-  if (to_line && *to_line <= options_.corridors.takeover) {
-    constexpr double kClear = 2.0;  // [m] between its tail and a junction
+  const double clear = body.length() + kClear;
+  const Lane& lane = graph_.lane(query.lane);
+  const bool is_inside = graph_.edge_of(query.lane) == LaneGraph::kNone;
+  Gate::Place place{.is_inside = finder_.is_inside(query.lane),
+                    .is_clear = !is_inside && query.position > clear};
+  if (line && line->distance <= options_.corridors.takeover) {
     ++guest_sightings_;
-    const double lane_end = graph_.lane(query.lane).length - query.position;
-    const bool leads_on = is_inside || query.edges.size() < 2 ||
-                          !graph_.links_between(query.lane, query.edges[1]).empty();
-    gate_.see(v,
-              {.to_line = *to_line,
-               .to_hold = is_inside ? 0.0 : std::min(*to_line, lane_end),
-               .is_first = is_first_on_lane(v),
-               .leads_on = leads_on,
-               .has_room = graph_.lane(query.lane).length > body.length() + kClear},
-              body);
-  } else if (is_inside && gate_.passes(v.id)) {
-    gate_.see(v, {}, body);
+    place.line = line->edge;
+    place.to_line = line->distance;
+    place.to_hold = is_inside ? 0.0 : std::min(line->distance, lane.length - query.position);
+    place.leads_on = is_inside || query.edges.size() < 2 ||
+                     !graph_.links_between(query.lane, query.edges[1]).empty();
+    place.has_room = lane.length > clear;
+  } else if (place.is_clear || !gate_.passes(v.id)) {
+    return;
   }
+  gate_.see(v, place, body);
 }
 
 /// A driver who gets his green from us, or who has had it and is still inside the junction.

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <ranges>
 
 #include "coordinator/drivers/human_drivers.hpp"
 #include "coordinator/junctions/coordinator.hpp"
@@ -85,21 +86,22 @@ std::vector<std::vector<std::string>> Coordinator::groups_at_lights() {
   return ordered;
 }
 
-/// Guests at the gate who may pass beside each other and those who pass. Drivers on one lane keep
-/// clear of each other.
+/// Guests at the gate who may pass beside each other and those who pass.
 std::vector<std::string> Coordinator::guests_at_gate() {
   std::map<std::string, std::vector<Forecast>> passages;
-  const auto passages_of = [&](const VehicleState& v) -> const std::vector<Forecast>& {
-    const auto known = passages.find(v.id);
-    return known != passages.end() ? known->second
-                                   : passages.emplace(v.id, predict_one(v, {v.id})).first->second;
+  const auto passages_of = [&](const std::string& id) -> const std::vector<Forecast>& {
+    const auto [known, is_new] = passages.try_emplace(id);
+    const VehicleState* state = is_new ? find_state(id) : nullptr;
+    if (state != nullptr) known->second = predict_one(*state, {id});
+    return known->second;
   };
-  return gate_.propose([&](const std::string& a, const std::string& b) {
-    const VehicleState* one = find_state(a);
-    const VehicleState* other = find_state(b);
-    if (one == nullptr || other == nullptr || one->lane == other->lane) return false;
-    return std::ranges::any_of(passages_of(*one), [&](const Forecast& f) {
-      return std::ranges::any_of(passages_of(*other),
+  const auto is_first = [this](const std::string& id) {
+    const VehicleState* state = find_state(id);
+    return state != nullptr && is_first_on_lane(*state);
+  };
+  return gate_.propose(is_first, [&](const std::string& a, const std::string& b) {
+    return std::ranges::any_of(passages_of(a), [&](const Forecast& f) {
+      return std::ranges::any_of(passages_of(b),
                                  [&](const Forecast& g) { return may_touch(f, g); });
     });
   });
@@ -136,6 +138,7 @@ std::vector<std::vector<std::string>> Coordinator::in_order(
   }
   if (offers.size() < 2) return offers;
   offers.resize(std::min(offers.size(), kMost));
+  for (const std::string& id : std::views::join(offers)) gate_.asked_for(id);
   if (std::ranges::count(offers, all) == 0) offers.insert(offers.begin(), std::move(all));
   return offers;
 }

@@ -113,7 +113,8 @@ struct RoadVehicle {
   return vehicle.min_gap + vehicle.tau * speed + std::max(0.0, braking);
 }
 
-/// What the coordinator has told a driver: to wait at his line, or to pass.
+/// What the coordinator has told a driver, or would tell him in this trial: to wait at his line, or
+/// to pass.
 enum class Told { kNothing, kToWait, kToPass };
 
 /// A vehicle that is not under control, with the motion that is expected of it; or, with `latest`,

@@ -252,7 +252,7 @@ bool Surroundings::meets(const Other& other, std::int64_t k, const InertialState
   int last = grid_.steps_per_decision;
   while (there(last).s >= SpeedProfile::kDeparted) --last;
   const InertialState other_to = there(last);
-  // A driver who is expected to slow down may do so only when he is told to.
+  // A driver who is expected to slow down may do so only once he has been told to.
   const bool may_be_late =
       other.forecast && other.told != Told::kToWait && other_to.v < other_from.v;
   const InertialState latest = may_be_late ? advance(other_from, 0.0, last * grid_.dt) : other_to;
@@ -329,8 +329,9 @@ bool Surroundings::meets_anywhere(const Other& other, std::int64_t k, const Iner
   }
   const bool goes_on = other.braking_is_no_help && a >= 0.0;
   if (!goes_on && brakes_into(other, k + n, to)) return true;
-  // Who follows it on its lane must be able to stop should it brake. Plans that are kept see that
-  // only when it is so far: new ones behind who is told to pass must not be lost then.
+  // Behind him on his lane it must be able to stop if he brakes: a plan that is kept in its first
+  // decision only; a new one behind somebody told to pass at every decision, or it would be lost
+  // when that moment comes.
   const InertialState hindmost = other.hindmost_state(k + n);
   return (k == now_ || (is_new_ && other.told == Told::kToPass)) &&
          hindmost.s < SpeedProfile::kDeparted && other.contact.contact->is_behind(to, hindmost) &&

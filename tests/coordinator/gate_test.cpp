@@ -42,22 +42,35 @@ class GateTest : public testing::Test {
     gate.end();
     return propose();
   }
-  /// Who is let through next.
+  /// Who is asked for next.
   std::optional<std::string> propose() {
-    const std::vector<std::string> proposed = gate.propose(anybody);
-    return proposed.empty() ? std::nullopt : std::optional(proposed.front());
+    const std::vector<std::string> proposed = gate.propose(first, anybody);
+    if (proposed.empty()) return std::nullopt;
+    gate.asked_for(proposed.front());
+    return proposed.front();
   }
-  void see(const std::string& id, double to_line, double speed, bool is_first = true,
-           bool leads_on = true, bool has_room = true) {
+  /// At 0 m it is inside the junction, from which line 1 is the next.
+  void see(const std::string& id, double to_line, double speed, bool leads_on = true,
+           bool has_room = true, int line = 0) {
+    const bool is_inside = to_line == 0.0;
     gate.see({.id = id, .type = "car", .speed = speed, .lane = id},
-             {.to_line = to_line,
+             {.line = is_inside ? 1 : line,
+              .to_line = to_line,
               .to_hold = to_line,
-              .is_first = is_first,
+              .is_inside = is_inside,
               .leads_on = leads_on,
-              .has_room = has_room},
+              .has_room = has_room,
+              .is_clear = !is_inside},
              car);
   }
+  /// One decision that sees this one only.
+  void see_only(const std::string& id, const Gate::Place& place, double speed = 8.0) {
+    gate.begin();
+    gate.see({.id = id, .type = "car", .speed = speed, .lane = id}, place, car);
+    gate.end();
+  }
 
+  const Gate::IsFirst first = [](const std::string&) { return true; };
   const Gate::MayMeet anybody = [](const std::string&, const std::string&) { return true; };
   const Vehicle car = fake_type("car").body;
   NotedTraffic traffic;
@@ -110,10 +123,10 @@ TEST_F(GateTest, ProposesAsManyAsCannotMeet) {
   };
   decide({"a1", "a2", "b1", "b2"});
   for (const std::string id : {"a1", "a2", "b1", "b2"}) ASSERT_FALSE(gate.passes(id));
-  EXPECT_THAT(gate.propose(crosses),
+  EXPECT_THAT(gate.propose(first, crosses),
               testing::AnyOf(UnorderedElementsAre("a1", "a2"), UnorderedElementsAre("b1", "b2")));
   gate.let_through("a1");
-  EXPECT_THAT(gate.propose(crosses), UnorderedElementsAre("a2")) << "not across who passes";
+  EXPECT_THAT(gate.propose(first, crosses), UnorderedElementsAre("a2")) << "not across who passes";
 }
 
 //   It would stand where it is, whatever it may.
@@ -122,10 +135,10 @@ TEST_F(GateTest, ProposesNobodyBehindAQueue) {
   see("a", 30.0, 3.0);
   gate.end();
   gate.begin();
-  see("a", 20.0, 0.0, /*is_first=*/false);
+  see("a", 20.0, 0.0);
   gate.end();
-  EXPECT_FALSE(propose());
-  EXPECT_EQ(decide({"a"}), "a");
+  EXPECT_THAT(gate.propose([](const std::string&) { return false; }, anybody), IsEmpty());
+  EXPECT_EQ(propose(), "a");
 }
 
 TEST_F(GateTest, LetsThroughOnceAndForgetsWhoHasGone) {
@@ -179,7 +192,7 @@ TEST_F(GateTest, KeepsWhoPassesInItsLaneInsideTheJunction) {
   EXPECT_THAT(traffic.in_lane, UnorderedElementsAre("a")) << "its passage is planned in this one";
   const auto see_at = [&](double to_line) {
     gate.begin();
-    see("a", to_line, 8.0, true, true, /*has_room=*/false);
+    see("a", to_line, 8.0, true, /*has_room=*/false, /*line=*/1);
     gate.end();
   };
   see_at(30.0);
@@ -190,6 +203,18 @@ TEST_F(GateTest, KeepsWhoPassesInItsLaneInsideTheJunction) {
   EXPECT_THAT(traffic.in_lane, IsEmpty()) << "between two junctions";
   see_at(0.0);
   gate.release("a");
+  EXPECT_THAT(traffic.in_lane, IsEmpty());
+}
+
+// The next line is far.
+TEST_F(GateTest, KeepsWhoPassesInItsLaneUntilItsTailIsOut) {
+  decide({"a"});
+  gate.let_through("a");
+  see_only("a", {.is_inside = true, .is_clear = false});
+  see_only("a", {.line = 1, .to_line = 60.0, .to_hold = 60.0, .is_clear = false});
+  EXPECT_THAT(traffic.in_lane, UnorderedElementsAre("a"));
+  EXPECT_TRUE(gate.holds("a")) << "before that line, but not to change lanes here";
+  see_only("a", {.line = 1, .to_line = 55.0, .to_hold = 55.0});
   EXPECT_THAT(traffic.in_lane, IsEmpty());
 }
 
@@ -206,7 +231,7 @@ TEST_F(GateTest, KeepsWhoIsLetThroughInTheLaneInWhichItWasPlanned) {
 TEST_F(GateTest, LetsChangeLanesWhoseLaneLeadsElsewhere) {
   const auto see_it = [&](double to_line, bool leads_on) {
     gate.begin();
-    see("a", to_line, 0.0, true, leads_on);
+    see("a", to_line, 0.0, leads_on);
     gate.end();
   };
   see_it(1.0, false);
@@ -293,11 +318,86 @@ TEST_F(GateTest, HoldsAgainOnlyWhereItsTailIsClearOfTheJunctionBehind) {
     gate.let_through("a");
     for (const double to_line : {0.0, 20.0}) {  // inside, and behind it
       gate.begin();
-      see("a", to_line, 5.0, true, true, has_room);
+      see("a", to_line, 5.0, true, has_room, /*line=*/1);
       gate.end();
     }
     EXPECT_EQ(gate.passes("a"), !has_room);
   }
+}
+
+// A junction without conflicts is 20 m ahead, its line 60 m behind that: nothing holds it so soon.
+TEST_F(GateTest, LetsNobodyThroughWhoseLineIsFarBehindTheEndOfItsLane) {
+  see_only("a", {.line = 0, .to_line = 80.0, .to_hold = 20.0}, 13.9);
+  EXPECT_FALSE(gate.passes("a"));
+  EXPECT_FALSE(gate.holds("a"));
+  see_only("a", {.line = 0, .to_line = 60.0, .to_hold = 0.0}, 13.9);
+  EXPECT_FALSE(gate.passes("a")) << "inside that junction";
+  see_only("a", {.line = 0, .to_line = 55.0, .to_hold = 55.0}, 13.9);
+  EXPECT_TRUE(gate.holds("a"));
+}
+
+TEST_F(GateTest, HoldsBeforeTheNextLineWhoWasFirstSeenInsideAJunction) {
+  see_only("a", {.line = 1, .to_line = 70.0, .is_inside = true, .is_clear = false});
+  EXPECT_TRUE(gate.passes("a"));
+  see_only("a", {.line = 1, .to_line = 60.0, .to_hold = 60.0});
+  EXPECT_TRUE(gate.holds("a"));
+}
+
+// Its driver did not stop at the first.
+TEST_F(GateTest, HoldsBeforeTheNextLineWhoDidNotStop) {
+  decide({"a"});
+  EXPECT_TRUE(gate.holds("a"));
+  see_only("a", {.line = 1, .to_line = 60.0, .is_inside = true, .is_clear = false});
+  EXPECT_TRUE(gate.passes("a")) << "others have to expect it to go on";
+  EXPECT_THAT(traffic.held, IsEmpty());
+  see_only("a", {.line = 1, .to_line = 50.0, .to_hold = 50.0});
+  EXPECT_THAT(traffic.held, UnorderedElementsAre("a"));
+}
+
+// Its tail lies there.
+TEST_F(GateTest, ProposesNobodyAcrossOneWhoStandsInsideTheJunction) {
+  decide({"a"});
+  gate.let_through("a");
+  for (const bool is_inside : {true, false}) {
+    for (int i = 0; i < 10; ++i) {
+      gate.begin();
+      gate.see({.id = "a", .type = "car", .speed = 0.0, .lane = "a"},
+               {.line = 1,
+                .to_line = is_inside ? 40.0 : 20.0,
+                .to_hold = is_inside ? 0.0 : 20.0,
+                .is_inside = is_inside,
+                .is_clear = false},
+               car);
+      see("b", 1.0, 0.0);
+      gate.end();
+      const std::vector<std::string> proposed =
+          gate.propose([](const std::string& id) { return id == "b"; }, anybody);
+      EXPECT_THAT(proposed, IsEmpty());
+    }
+    EXPECT_EQ(gate.passes("a"), is_inside);
+  }
+}
+
+//   One after the other comes on the main road, each before the last has left the junction.
+TEST_F(GateTest, AStreamOfGuestsDoesNotStarveWhoWaitsBesideIt) {
+  const Gate::MayMeet crosses = [](const std::string& a, const std::string& b) {
+    return (a == "side") != (b == "side");
+  };
+  for (int i = 0; i < 60; ++i) {
+    const std::string next = fmt::format("w{}", i);
+    const std::string last = fmt::format("w{}", i - 1);
+    gate.begin();
+    if (i > 0) see("side", 1.0, 0.0);
+    see(next, 20.0, 8.0);
+    if (i > 0 && gate.passes(last)) see(last, 0.0, 8.0);
+    gate.end();
+    for (const std::string& id : gate.propose(first, crosses)) gate.let_through(id);
+    if (gate.passes("side")) {
+      EXPECT_GT(i, 10) << "not before those who were there first";
+      return;
+    }
+  }
+  FAIL() << "it never gets through";
 }
 
 TEST_F(GateTest, HoldsAgainBeforeTheNextLine) {
@@ -306,7 +406,7 @@ TEST_F(GateTest, HoldsAgainBeforeTheNextLine) {
   gate.end();
   gate.let_through("a");
   gate.begin();
-  see("a", 75.0, 10.0);  // behind its line; the next one is far ahead
+  see("a", 75.0, 10.0, true, true, /*line=*/1);
   gate.end();
   EXPECT_FALSE(gate.passes("a"));
   EXPECT_THAT(traffic.held, UnorderedElementsAre("a"));

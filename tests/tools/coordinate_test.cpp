@@ -117,6 +117,7 @@ TEST_F(Coordinate, BadInputCostsNobodyHisResults) {
   ASSERT_EQ(shell("mkdir out; echo old >out/summary.json").exit_code, 0);
   expect_refused("coordinate -c missing.sumocfg", "missing.sumocfg: no such file; give [^\n]*");
   expect_refused("coordinate -c '" + kQuiet + "' --junction nowhere", "--junction nowhere: .*");
+  expect_refused("coordinate -c '" + kQuiet + "' --remote localhost:1", "[^\n]*localhost:1[^\n]*");
   EXPECT_EQ(content_of(directory_.path("out/summary.json")), "old\n");
 }
 
@@ -154,6 +155,9 @@ TEST_F(Coordinate, WrongOptionsAreOneLine) {
   expect_refused(run + "-- --bogus 3",
                  "[^\n]*crossroads[.]sumocfg: SUMO does not start: [^\n]*bogus[^\n]*");
   expect_refused(run + "-- --seed 3", "SUMO option --seed: [^\n]*");
+  expect_refused(run + "--end 60 -- --begin 100",
+                 "[^\n]*crossroads[.]sumocfg: ends at t = 60 s, before it begins at t = 100 s; "
+                 "[^\n]*");
   expect_refused(run + "-- --step-length 0.5",
                  "SUMO option --step-length: 0.5 s is too long [^\n]*");
   expect_refused(run + "-- --step-length=1", "SUMO option --step-length: 1 s is too long [^\n]*");

@@ -135,8 +135,8 @@ std::string note_on_missing_lights(const CoordinateOptions& options, const RoadN
   const std::string more =
       without.size() > named ? fmt::format(" and {} more", without.size() - named) : "";
   return fmt::format(
-      "no traffic light at {}{}: human drivers are let through there a few at a time; "
-      "tools/networks/signals.py makes a twin of the scenario with lights",
+      "no traffic light at {}{}: human drivers pass there when told to, which carries more than "
+      "lights do; tools/networks/signals.py makes a twin of the scenario with lights",
       fmt::join(std::span(without).first(named), ", "), more);
 }
 

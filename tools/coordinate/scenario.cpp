@@ -78,6 +78,14 @@ void choose_end(const CoordinateOptions& options, Scenario& scenario) {
     }
   }
   if (options.end) scenario.end = options.end;
+  const auto text = given(options, "--begin", "-b");
+  const auto begin = number(text ? *text : setting(scenario.configuration, "begin"));
+  if (scenario.end && begin && *scenario.end < *begin) {
+    throw InputError(options.configuration,
+                     fmt::format("ends at t = {:g} s, before it begins at t = {:g} s; give a later "
+                                 "--end",
+                                 *scenario.end, *begin));
+  }
 }
 
 void note_settings(Scenario& scenario) {
