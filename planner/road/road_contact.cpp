@@ -189,6 +189,21 @@ bool drives_ahead(const RoadScene& scene, const RoadVehicle& a, const RoadVehicl
   return drives_ahead(*scene.library, {a.path, a.now.s}, {b.path, b.now.s});
 }
 
+/// Does a driver keep behind `a`, which is ahead of him?
+bool keeps_behind(const RoadScene& scene, const Forecast& driver, const RoadVehicle& a,
+                  const RoadContact& contact) {
+  const RoadVehicle& b = driver.vehicle;
+  // Who has been told to pass looks at nobody who leaves his path on the junction.
+  const bool is_over = !a.stop_lines.empty() && a.now.s > a.stop_lines.front();
+  const bool parts = is_over && !contact.a_blocks({a.s_exit_lane, 0.0}, b.now);
+  if (driver.told == Told::kToPass && parts) return false;
+  // Who has only a part of it in his path follows it if he can still stop behind it; if he
+  // stands, and it comes over into his lane, he stands because of it.
+  const bool stands_behind = b.now.v == 0.0 && contact.a_is_beside(a.now, b.now);
+  return drives_ahead(scene, a, b) || stands_behind ||
+         (driver.yields && !contact.touch_braking(a.now, b.now, false));
+}
+
 }  // namespace
 
 bool RoadPairs::matters(std::size_t j, std::size_t i) const {
@@ -228,12 +243,8 @@ RoadPairs::RoadPairs(const RoadScene& scene)
       const RoadContact& contact = forecasts_.emplace_back(scene, a, b, scene.reaction);
       if (contact.never()) continue;
       if (!contact.is_ahead(a.now, b.now)) continue;
-      // Who has only a part of it in his path follows it if he can still stop behind it; if he
-      // stands, and it comes over into his lane, he stands because of it.
-      const bool stands_behind = b.now.v == 0.0 && contact.a_is_beside(a.now, b.now);
       follows_[i * scene.forecasts.size() + f] =
-          drives_ahead(scene, a, b) || stands_behind ||
-          (scene.forecasts[f].yields && !contact.touch_braking(a.now, b.now, false));
+          keeps_behind(scene, scene.forecasts[f], a, contact);
     }
   }
 }

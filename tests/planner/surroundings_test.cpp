@@ -463,6 +463,40 @@ TEST_F(ComesOver, WhoStandsBecauseOfItFollowsIt) {
   EXPECT_GT(held_up, 100);
 }
 
+//   It turns off to the north before a driver who goes straight on.
+class TurnsOff : public Crossing {
+ protected:
+  TurnsOff() {
+    std::vector<Point> turn = {{-100, 0}, {-8, 0}};
+    for (double a = 0.1; a < 1.5; a += 0.1) {
+      turn.push_back({8 * std::sin(a) - 8, 8 - 8 * std::cos(a)});
+    }
+    turn.push_back({0, 100});
+    path_ = library.add(ReferencePath(turn), kCar);
+  }
+
+  /// Its rear axle is at `s`, its line is at 90 m; he is 8 m behind it.
+  [[nodiscard]] bool is_followed(double s, Told told, int path) {
+    scene.vehicles.clear();
+    const RoadVehicle driver = add(0, s - 8.0, 5.0);
+    scene.vehicles.clear();
+    add(path, s, 3.0).stop_lines = {90.0};
+    scene.forecasts = {
+        {.vehicle = driver, .earliest = {.states = {driver.now}}, .yields = false, .told = told}};
+    return RoadPairs(scene).follows(0, 0);
+  }
+
+  int path_ = 0;
+};
+
+// SUMO's drivers then heed nobody on another lane inside a junction: its tail is still in his path.
+TEST_F(TurnsOff, WhoIsToldToPassDoesNotFollowItOnTheJunction) {
+  EXPECT_FALSE(is_followed(92.0, Told::kToPass, path_));
+  EXPECT_TRUE(is_followed(88.0, Told::kToPass, path_)) << "before its line";
+  EXPECT_TRUE(is_followed(92.0, Told::kNothing, path_));
+  EXPECT_TRUE(is_followed(92.0, Told::kToPass, 2)) << "it goes straight on, too";
+}
+
 //   From the south it turns, slowly, into the lane of a driver who comes from the west.
 class TurnsIn : public Crossing {
  protected:
