@@ -168,7 +168,6 @@ class Coordinator : public Controller {
   void hold_departures();
   void hold_back(const std::vector<Newcomer>& newcomers);
   [[nodiscard]] const VehicleType& type_of(const std::string& id);
-  void let_pass(const std::string& guest);
   [[nodiscard]] bool comes_late() const;
   /// As long as somebody is under control, drivers with green go on as planned for.
   [[nodiscard]] bool shows_lights() const {
@@ -181,7 +180,6 @@ class Coordinator : public Controller {
   void close_ground(std::map<std::string, Driven>& arrivals);
   [[nodiscard]] RoadEscotOptions escot() const;
   void accept(const Trial& trial, const std::map<std::string, Driven>& arrivals);
-  void admit_guests_freely();
   [[nodiscard]] bool is_surprise(const VehicleState& v) const;
   void brake_for_surprises();
   void brake_for(const VehicleState& v);
@@ -228,12 +226,8 @@ class Coordinator : public Controller {
   [[nodiscard]] bool is_impatient(const std::string& id) const;
   [[nodiscard]] Driven admit(const Newcomer& newcomer, std::int64_t key);
   void announce(const std::string& id, const Driven& driven);
-  [[nodiscard]] bool see_human(const VehicleState& state, const CourseQuery& query,
-                               std::optional<double> to_line);
   [[nodiscard]] bool turns_yet(const Newcomer& newcomer);
   [[nodiscard]] bool is_entering(const VehicleState& state);
-  void see_guest(const VehicleState& state, const CourseQuery& query);
-  [[nodiscard]] bool is_first_on_lane(const VehicleState& v) const;
   void remember_lanes();
   [[nodiscard]] int came_from(const std::string& id) const;
   [[nodiscard]] bool is_watched(const VehicleState& v);
@@ -241,16 +235,8 @@ class Coordinator : public Controller {
   // The plan to be accepted: coordinator_trials.cpp
   [[nodiscard]] static std::vector<std::int64_t> without_plan(
       const RoadScene& now, const JointPlan& incumbent, const std::vector<std::int64_t>& upset);
-  [[nodiscard]] Stand stand_of(const VehicleState& state) const;
-  [[nodiscard]] HaltedQueues halted_queues();
-  [[nodiscard]] std::vector<Forecast> predict_others(
-      const std::map<std::string, const Driven*>& present, const std::vector<std::string>& guests);
-  [[nodiscard]] std::vector<Forecast> predict_one(const VehicleState& v,
-                                                  const std::vector<std::string>& guests);
   [[nodiscard]] Trial best_trial(const std::map<std::string, Driven>& arrivals,
                                  const std::vector<std::int64_t>& upset);
-  [[nodiscard]] bool touches_guests(const std::vector<std::string>& guests, const Trial& trial);
-  [[nodiscard]] bool waits_inside(const Trial& trial, std::optional<int> zone = {}) const;
   [[nodiscard]] std::set<std::string> better_later(const Trial& trial,
                                                    const std::map<std::string, Driven>& arrivals,
                                                    bool whole_groups) const;
@@ -263,6 +249,25 @@ class Coordinator : public Controller {
   [[nodiscard]] Trial without_the_late(Trial trial, const std::map<std::string, Driven>& arrivals,
                                        std::set<std::string> excluded,
                                        const std::vector<std::int64_t>& upset);
+  void prepare_tables(const RoadScene& now);
+
+  // What is expected of others: coordinator_forecasts.cpp
+  [[nodiscard]] Stand stand_of(const VehicleState& state) const;
+  [[nodiscard]] HaltedQueues halted_queues();
+  [[nodiscard]] std::vector<Forecast> predict_others(
+      const std::map<std::string, const Driven*>& present, const std::vector<std::string>& guests);
+  [[nodiscard]] std::vector<Forecast> predict_one(const VehicleState& v,
+                                                  const std::vector<std::string>& guests);
+
+  // Who may go over junctions: coordinator_guests.cpp
+  void let_pass(const std::string& guest);
+  void admit_guests_freely();
+  [[nodiscard]] bool see_human(const VehicleState& state, const CourseQuery& query,
+                               std::optional<double> to_line);
+  void see_guest(const VehicleState& state, const CourseQuery& query);
+  [[nodiscard]] bool is_first_on_lane(const VehicleState& v) const;
+  [[nodiscard]] bool touches_guests(const std::vector<std::string>& guests, const Trial& trial);
+  [[nodiscard]] bool waits_inside(const Trial& trial, std::optional<int> zone = {}) const;
   [[nodiscard]] std::vector<Forecast> expect_people(const std::vector<std::string>& crossings);
   [[nodiscard]] bool meets_one(const std::vector<Forecast>& people, int path,
                                const SpeedProfile& plan) const;
@@ -273,7 +278,6 @@ class Coordinator : public Controller {
   [[nodiscard]] bool may_touch(const Forecast& driver, const Forecast& other) const;
   [[nodiscard]] bool may_meet_people(const std::vector<std::string>& guests);
   [[nodiscard]] double worth(const std::vector<std::string>& guests) const;
-  void prepare_tables(const RoadScene& now);
 
   // Guests of each control zone: coordinator_offers.cpp
   void find_zones();
