@@ -33,7 +33,7 @@ TEST_P(Guests, CrossAmongCarsWithoutContact) {
 TEST_P(Guests, AloneCrossWithoutContact) {
   CoordinatorOptions options;
   options.share = {.penetration = 0.0, .seed = 1};
-  const NetworkShape shape = two_lanes_shape();
+  const NetworkShape shape = crossroads_shape();
   ClosedLoop run(shape, random_trips(shape, {.vehicles = 40, .duration = 60.0, .seed = GetParam()}),
                  0.1, options);
   run.run_until(300.0);
