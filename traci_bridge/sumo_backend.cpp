@@ -153,11 +153,10 @@ class Backend final : public SumoTraffic {
   }
 
   void hold(const std::string& id, bool stop) override {
-    if (is_here(id) && holds_.contains(id)) ask([&] { holds_.forget_if_passed(id); });
+    if (!is_here(id)) return holds_.forget(id);
+    if (holds_.contains(id)) ask([&] { holds_.forget_if_passed(id); });
     if (stop == holds_.contains(id)) return;
-    if (!is_here(id)) {
-      holds_.forget(id);
-    } else if (stop) {
+    if (stop) {
       ask([&] { holds_.hold(id); });
     } else {
       ask([&] { holds_.release(id); });

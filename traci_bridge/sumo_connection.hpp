@@ -17,6 +17,8 @@ namespace mvtp::MVTP_SUMO_NAMESPACE {
 class SumoConnection {
  public:
   SumoConnection(const SumoLaunch& launch, const SumoLog& log) {
+    // A SUMO that dies, or never answers, is an error and must not take us along.
+    std::signal(SIGPIPE, SIG_IGN);
     if (launch.remote) {
       join(*launch.remote);
       return;
@@ -37,8 +39,6 @@ class SumoConnection {
 
   static void join(const SumoAddress& remote) {
     constexpr int kRetries = 10;  // one second each
-    // libtraci writes to a connection that it never got: that is to be an error, not the end.
-    std::signal(SIGPIPE, SIG_IGN);
     try {
       connect(remote.port, remote.host, kRetries);
     } catch (const std::exception& error) {

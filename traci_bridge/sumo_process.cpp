@@ -109,7 +109,6 @@ pid_t spawn(std::vector<std::string>& arguments, int log) {
 }  // namespace
 
 SumoProcess::SumoProcess(std::vector<std::string> arguments, int log) : port_(free_port()) {
-  signal(SIGPIPE, SIG_IGN);  // a SUMO that dies must not take us along
   arguments.insert(arguments.end(), {"--remote-port", std::to_string(port_)});
   pid_ = spawn(arguments, log);
   try {

@@ -82,11 +82,7 @@ class CourseFinder {
     return junction != LaneGraph::kNone && coordinated_[std::size_t(junction)];
   }
   /// Is this lane inside a coordinated junction?
-  [[nodiscard]] bool is_inside(int lane) const {
-    const std::span<const int> over = graph_.links_over(lane);
-    return graph_.edge_of(lane) == LaneGraph::kNone &&
-           (over.empty() || is_coordinated(graph_.link(over.front()).junction));
-  }
+  [[nodiscard]] bool is_inside(int lane) const { return graph_.is_inside(lane, coordinated_); }
   /// Can a vehicle at this place be within the takeover distance of a coordinated stop line,
   /// wherever it goes? Quick: most vehicles are not.
   [[nodiscard]] bool may_approach(int lane, double position) const;

@@ -103,24 +103,29 @@ void Gate::hold(const std::string& id) {
   keep_in_lane(id, visitor);
 }
 
-bool Gate::holds(const std::string& id) const {
+const Gate::Visitor* Gate::find(const std::string& id) const {
   const auto visitor = visitors_.find(id);
-  return visitor != visitors_.end() && visitor->second.held;
+  return visitor != visitors_.end() ? &visitor->second : nullptr;
+}
+
+bool Gate::holds(const std::string& id) const {
+  const Visitor* visitor = find(id);
+  return visitor != nullptr && visitor->held;
 }
 
 bool Gate::passes(const std::string& id) const {
-  const auto visitor = visitors_.find(id);
-  return visitor != visitors_.end() && visitor->second.passes;
+  const Visitor* visitor = find(id);
+  return visitor != nullptr && visitor->passes;
 }
 
 bool Gate::holds_guest(const std::string& id) const {
-  const auto visitor = visitors_.find(id);
-  return visitor != visitors_.end() && visitor->second.guest && visitor->second.held;
+  const Visitor* visitor = find(id);
+  return visitor != nullptr && visitor->guest && visitor->held;
 }
 
 bool Gate::is_under_way(const std::string& id) const {
-  const auto visitor = visitors_.find(id);
-  return visitor != visitors_.end() && visitor->second.guest && visitor->second.stands == 0;
+  const Visitor* visitor = find(id);
+  return visitor != nullptr && visitor->guest && visitor->stands == 0;
 }
 
 std::vector<std::string> Gate::propose(const IsFirst& is_first, const MayMeet& may_meet) {

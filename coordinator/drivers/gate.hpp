@@ -82,6 +82,7 @@ class Gate {
     std::int64_t asked = 0;  ///< when it was last asked for, or came
   };
 
+  [[nodiscard]] const Visitor* find(const std::string& id) const;  ///< nullptr: there is none
   void decide(const std::string& id, Visitor& guest, double room);
   void keep_in_lane(const std::string& id, const Visitor& guest);
 

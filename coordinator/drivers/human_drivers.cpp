@@ -35,12 +35,7 @@ HumanDrivers::HumanDrivers(Traffic& traffic, LaneKeeping& keeping, const LaneGra
 
 HumanDrivers::~HumanDrivers() = default;
 
-/// Is it inside a junction that is coordinated?
-bool HumanDrivers::is_inside(int lane) const {
-  if (graph_.edge_of(lane) != LaneGraph::kNone) return false;
-  const std::span<const int> over = graph_.links_over(lane);
-  return over.empty() || coordinated_[std::size_t(graph_.link(over.front()).junction)];
-}
+bool HumanDrivers::is_inside(int lane) const { return graph_.is_inside(lane, coordinated_); }
 
 /// As it will be on the last edge before its line, from where it is on its route now. Whose lane
 /// does not lead there changes to one that does.

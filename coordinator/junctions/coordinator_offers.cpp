@@ -149,15 +149,15 @@ std::vector<std::vector<std::string>> Coordinator::in_order(
 std::map<int, Coordinator::ZoneOffers> Coordinator::offers_of_zones(
     const std::vector<std::vector<std::string>>& groups, const Trial& without) {
   std::map<int, std::vector<std::vector<std::string>>> by_zone;
-  for (const auto& group : groups) {
-    const int zone = zone_of(group.front());
-    const bool moves =
-        std::ranges::any_of(group, [&](const auto& id) { return gate_.is_under_way(id); });
-    if (moves && verdict(without, zone).stepped > 0) continue;
-    by_zone[zone].push_back(group);
-  }
+  for (const auto& group : groups) by_zone[zone_of(group.front())].push_back(group);
+  const auto moves = [this](const std::vector<std::string>& group) {
+    return std::ranges::any_of(group, [this](const auto& id) { return gate_.is_under_way(id); });
+  };
   std::map<int, ZoneOffers> offers;
-  for (auto& [zone, its_own] : by_zone) offers[zone].sets = in_order(std::move(its_own));
+  for (auto& [zone, its_own] : by_zone) {
+    if (verdict(without, zone).stepped > 0) std::erase_if(its_own, moves);
+    if (!its_own.empty()) offers[zone].sets = in_order(std::move(its_own));
+  }
   return offers;
 }
 

@@ -63,6 +63,12 @@ class LaneGraph {
   [[nodiscard]] std::span<const int> links_from(int l) const { return from_[std::size_t(l)]; }
   [[nodiscard]] std::span<const int> links_to(int l) const { return to_[std::size_t(l)]; }
   [[nodiscard]] std::span<const int> links_over(int l) const { return over_[std::size_t(l)]; }
+  /// Is this lane inside one of these junctions? Also if nobody knows which it is inside.
+  [[nodiscard]] bool is_inside(int lane, const std::vector<bool>& junctions) const {
+    const std::span<const int> over = links_over(lane);
+    return edge_of(lane) == kNone &&
+           (over.empty() || junctions[std::size_t(link(over.front()).junction)]);
+  }
   /// Those that lead from lane `l` to this edge.
   [[nodiscard]] std::vector<int> links_between(int l, int edge) const;
   [[nodiscard]] const Crossing& crossing(int c) const { return crossings_[std::size_t(c)]; }

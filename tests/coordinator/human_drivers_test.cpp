@@ -11,6 +11,7 @@
 
 #include "coordinator/network/partition.hpp"
 #include "tests/coordinator/closed_loop.hpp"
+#include "tests/coordinator/mixed_loop.hpp"
 
 namespace mvtp {
 namespace {
@@ -20,22 +21,6 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::IsSupersetOf;
-
-CoordinatorOptions share(double penetration, const SignalTiming& timing = SignalTiming::real()) {
-  CoordinatorOptions options;
-  options.share = {.penetration = penetration, .seed = 1};
-  options.signals = timing;
-  return options;
-}
-
-/// Cars on crossroads with a traffic signal.
-std::vector<FakeTrip> cars(unsigned seed, int vehicles = 24) {
-  return random_trips(with_signals(crossroads_shape()), {.vehicles = vehicles, .seed = seed});
-}
-
-ClosedLoop loop(std::vector<FakeTrip> trips, const CoordinatorOptions& options) {
-  return {with_signals(crossroads_shape()), std::move(trips), 0.1, options};
-}
 
 TEST(HumanDrivers, AreNeverTakenOverNorHeld) {
   ClosedLoop run = loop(cars(1), share(0.0));

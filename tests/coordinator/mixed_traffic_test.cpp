@@ -10,6 +10,7 @@
 
 #include "coordinator/drivers/human_drivers.hpp"
 #include "tests/coordinator/closed_loop.hpp"
+#include "tests/coordinator/mixed_loop.hpp"
 
 namespace mvtp {
 namespace {
@@ -20,22 +21,6 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::Range;
 using testing::Values;
-
-CoordinatorOptions share(double penetration, const SignalTiming& timing = SignalTiming::real()) {
-  CoordinatorOptions options;
-  options.share = {.penetration = penetration, .seed = 1};
-  options.signals = timing;
-  return options;
-}
-
-/// Cars on crossroads with a traffic signal.
-std::vector<FakeTrip> cars(unsigned seed, int vehicles = 24) {
-  return random_trips(with_signals(crossroads_shape()), {.vehicles = vehicles, .seed = seed});
-}
-
-ClosedLoop loop(std::vector<FakeTrip> trips, const CoordinatorOptions& options) {
-  return {with_signals(crossroads_shape()), std::move(trips), 0.1, options};
-}
 
 /// Penetration, instant lights, seed.
 using Mix = std::tuple<double, bool, unsigned>;
