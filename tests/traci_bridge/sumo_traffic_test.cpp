@@ -218,18 +218,17 @@ TEST_F(SumoTrafficTest, AHoldThatIsLiftedInTimeLeavesNoTrace) {
   EXPECT_EQ(at(*traffic, "a").lane, "Eo_0");
 }
 
-// Vehicles with blue light do; to cancel the stop then would be an error for SUMO.
+// To cancel the stop then would be an error for SUMO. Vehicles with blue light drive past theirs.
 TEST_F(SumoTrafficTest, AHoldBehindItIsNoneAnyMore) {
-  const auto traffic = open(vehicle("a", 0, "Wi Eo", "departPos=\"150\""));
-  run_until(*traffic, 1.0);
+  const auto traffic = open(vehicle("b", 0, "Wi Eo", "departPos=\"280\"") +
+                            vehicle("a", 0, "Wi Eo", "departPos=\"150\""));
+  run_until(*traffic, 4.0);
+  ASSERT_EQ(at(*traffic, "b").lane, "Eo_0");
   traffic->hold("a", true);
   traffic->step();
-  const Pose before = at(*traffic, "a").pose;
-  traffic->take_over("a");
-  traffic->place("a", {before.x + 200.0, before.y, before.theta}, 13.0);
+  traffic->swap_lanes("a", "b");
   traffic->step();
   ASSERT_EQ(at(*traffic, "a").lane, "Eo_0");
-  traffic->hand_back("a");
   traffic->hold("a", true);
   run_until(*traffic, 60.0);
   EXPECT_EQ(at(*traffic, "a").lane, "Eo_0") << "held anew, at the end of this lane";
