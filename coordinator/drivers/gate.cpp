@@ -47,7 +47,11 @@ void Gate::see(const VehicleState& v, const Place& place, const Vehicle& body) {
 void Gate::decide(const std::string& id, Visitor& guest, double room) {
   const Place& place = guest.place;
   // Behind the line for which it was let through; the next one is ahead.
-  const bool anew = guest.passes && guest.is_over && place.has_room && place.to_hold > room;
+  const bool is_next = guest.passes && guest.is_over && place.has_room && place.to_hold > room;
+  // Plans lead over both junctions, and count on its doing so, too. Held in a lane that does not
+  // lead on, it would not get out of it beside others who wait.
+  guest.goes_on = is_next && place.is_between && place.leads_on;
+  const bool anew = is_next && !place.is_between;
   // It stands before its line although it may go: somebody blocking its path may be waiting for it.
   const bool in_vain = guest.passes && guest.stands >= kStuckAfter && place.to_hold > 0.0;
   if (in_vain) guest.asked = decisions_;
@@ -96,7 +100,7 @@ void Gate::hold(const std::string& id) {
   visitor.seen = true;
   if (visitor.held) return;
   if (visitor.passes) traffic_.let_through(id, Passage::kNone);
-  visitor.passes = visitor.is_over = false;
+  visitor.passes = visitor.is_over = visitor.goes_on = false;
   visitor.line = visitor.place.line;
   visitor.held = true;
   traffic_.hold(id, true);
@@ -128,7 +132,31 @@ bool Gate::is_under_way(const std::string& id) const {
   return visitor != nullptr && visitor->guest && visitor->stands == 0;
 }
 
-std::vector<std::string> Gate::propose(const IsFirst& is_first, const MayMeet& may_meet) {
+/// Of two who go on over several junctions, and would meet, the one is held that was let through
+/// later, if it still can be, and the other one need not pass there.
+void Gate::hold_who_would_meet(const MayMeet& may_meet, const Blocks& blocks) {
+  using Entry = std::map<std::string, Visitor>::value_type;
+  std::vector<const Entry*> passing;
+  for (const Entry& entry : visitors_) {
+    if (entry.second.passes) passing.push_back(&entry);
+  }
+  std::ranges::stable_sort(
+      passing, {}, [](const Entry* e) { return std::pair(e->second.goes_on, e->second.since); });
+  for (auto later = passing.begin(); later != passing.end(); ++later) {
+    const auto& [id, visitor] = **later;
+    const bool has_to_wait =
+        visitor.goes_on && std::any_of(passing.begin(), later, [&](const Entry* other) {
+          return other->second.passes &&
+                 may_meet(id, other->first, visitor.lane == other->second.lane) &&
+                 !blocks(id, visitor.place.to_hold, other->first);
+        });
+    if (has_to_wait) hold(id);
+  }
+}
+
+std::vector<std::string> Gate::propose(const IsFirst& is_first, const MayMeet& may_meet,
+                                       const Blocks& blocks) {
+  hold_who_would_meet(may_meet, blocks);
   using Entry = std::map<std::string, Visitor>::value_type;
   std::vector<Entry*> waiting;
   std::vector<const Entry*> ahead;  // of those who wait
@@ -144,7 +172,7 @@ std::vector<std::string> Gate::propose(const IsFirst& is_first, const MayMeet& m
   for (Entry* entry : waiting) {
     auto& [id, visitor] = *entry;
     const bool meets = std::ranges::any_of(ahead, [&](const Entry* other) {
-      return visitor.lane != other->second.lane && may_meet(id, other->first);
+      return may_meet(id, other->first, visitor.lane == other->second.lane);
     });
     visitor.passed_over = meets ? visitor.passed_over + 1 : 0;
     if (!meets) proposed.push_back(id);
@@ -166,6 +194,7 @@ void Gate::let_through(const std::string& id) {
   visitor.passes = true;
   visitor.line = visitor.place.line;
   visitor.is_over = visitor.place.is_inside;
+  visitor.since = decisions_;
   visitor.stands = 0;
   keep_in_lane(id, visitor);
 }

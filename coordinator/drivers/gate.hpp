@@ -33,6 +33,7 @@ class Gate {
     bool leads_on = true;    ///< its lane leads to the next edge of its route
     bool has_room = true;  ///< held at the end of its lane its tail is clear of the junction behind
     bool is_clear = true;  ///< its tail is, where it is now
+    bool is_between = false;  ///< two junctions so near to each other that plans lead over both
   };
 
   /// A decision begins: who is not seen until the end of it has departed.
@@ -51,14 +52,19 @@ class Gate {
   [[nodiscard]] bool holds_guest(const std::string& id) const;
   /// Is it a guest who does not stand?
   [[nodiscard]] bool is_under_way(const std::string& id) const;
-  /// Could these two meet if both pass?
-  using MayMeet = std::function<bool(const std::string&, const std::string&)>;
+  /// Could these two meet if both pass? Those who come from one lane follow each other as long as
+  /// they have one path.
+  using MayMeet = std::function<bool(const std::string&, const std::string&, bool from_one_lane)>;
+  /// Would the first, held so many metres [m] further on, stand on the path of the second, or of
+  /// somebody with a plan?
+  using Blocks = std::function<bool(const std::string&, double, const std::string&)>;
   /// Is nobody ahead of it on its lane but those who pass?
   using IsFirst = std::function<bool(const std::string&)>;
   /// Held guests who may be let through next, those who were asked for least lately first: as many
   /// as cannot meet each other, nor anybody behind his line; nor one who has been passed over for a
-  /// while. Drivers from one lane keep clear of each other.
-  [[nodiscard]] std::vector<std::string> propose(const IsFirst& is_first, const MayMeet& may_meet);
+  /// while. Before that, of those who pass and would meet, one is held.
+  [[nodiscard]] std::vector<std::string> propose(const IsFirst& is_first, const MayMeet& may_meet,
+                                                 const Blocks& blocks);
   /// It has been asked for: others come first now.
   void asked_for(const std::string& id);
   void let_through(const std::string& id);
@@ -73,6 +79,7 @@ class Gate {
     bool held = false;
     bool seen = false;
     bool waits = false;    ///< for its turn, on a lane that leads on
+    bool goes_on = false;  ///< over the next line, before which it could be held still
     int line = -1;         ///< for which it was held or let through
     bool is_over = false;  ///< that line
     Place place;
@@ -80,10 +87,12 @@ class Gate {
     int stands = 0;          ///< for so many decisions
     int passed_over = 0;     ///< likewise, the first on its lane, for others that it may meet
     std::int64_t asked = 0;  ///< when it was last asked for, or came
+    std::int64_t since = 0;  ///< when it was let through
   };
 
   [[nodiscard]] const Visitor* find(const std::string& id) const;  ///< nullptr: there is none
   void decide(const std::string& id, Visitor& guest, double room);
+  void hold_who_would_meet(const MayMeet& may_meet, const Blocks& blocks);
   void keep_in_lane(const std::string& id, const Visitor& guest);
 
   Traffic& traffic_;

@@ -6,6 +6,7 @@
 #include <set>
 
 #include "coordinator/drivers/human_drivers.hpp"
+#include "coordinator/drivers/room_behind.hpp"
 #include "coordinator/signals/phase_choice.hpp"
 #include "planner/motion/inertial_car.hpp"
 #include "planner/road/profile_planner.hpp"
@@ -94,16 +95,14 @@ bool HumanDrivers::has_room_behind(const Agent& agent, const Movement& movement)
     const bool shares = other.granted && other.id != agent.id && other.links == agent.links;
     if (shares) needed += other.length + gap;
   }
-  return std::ranges::none_of(traffic_.vehicles(), [&](const VehicleState& v) {
-    if (distance(v.pose, agent.pose) > kNear || passes(v.id)) return false;
-    const int lane = graph_.find_lane(v.lane);
-    if (lane == LaneGraph::kNone || graph_.edge_of(lane) == LaneGraph::kNone) return false;
-    const std::optional<double> s = corridor.station(lane, v.lane_position, movement.s_clear);
-    if (!s || *s < movement.s_clear - agent.length) return false;
-    const double rest =
-        *s - length_of(v.type) + stopping_distance(v.speed, movement.driver.max_decel);
-    return rest < needed;
-  });
+  const double tail = first_tail_at_rest(corridor, graph_, movement.s_clear - agent.length,
+                                         movement.driver.max_decel, traffic_.vehicles(),
+                                         [&](const VehicleState& v) -> std::optional<double> {
+                                           if (distance(v.pose, agent.pose) > kNear || passes(v.id))
+                                             return std::nullopt;
+                                           return length_of(v.type);
+                                         });
+  return tail >= needed;
 }
 
 bool HumanDrivers::come_from_one_lane(const Agent& a, const Agent& b) const {

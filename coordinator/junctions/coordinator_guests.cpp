@@ -5,10 +5,16 @@
 #include <limits>
 
 #include "coordinator/drivers/human_drivers.hpp"
+#include "coordinator/drivers/room_behind.hpp"
 #include "coordinator/junctions/coordinator.hpp"
 #include "coordinator/junctions/referee.hpp"
 
 namespace mvtp {
+namespace {
+
+constexpr double kClear = 2.0;  ///< [m] between the tail of one who waits and a junction
+
+}  // namespace
 
 /// Would one of the guests who are to go touch somebody under control? Who is within their margins
 /// already is not kept clear of them by its plan. Notes who is blocking.
@@ -91,6 +97,21 @@ bool Coordinator::may_touch(const Forecast& driver, const Forecast& other) const
                   other.slack_behind);
 }
 
+/// Do the paths of two drivers, one behind the other, part and meet again?
+bool Coordinator::may_meet_again(const Forecast& one, const Forecast& other) const {
+  constexpr double kStride = 1.0;  // [m]
+  const ContactTable& contacts =
+      corridors_.library().contacts(one.vehicle.path, other.vehicle.path);
+  bool is_common = false, has_parted = false;
+  for (double s = one.vehicle.now.s; s <= contacts.last(); s += kStride) {
+    const bool meets = contacts.meets(s, s + kStride, 0.0, SpeedProfile::kDeparted);
+    if (meets && has_parted) return true;
+    has_parted = is_common && !meets;
+    is_common |= meets;
+  }
+  return false;
+}
+
 /// Could vehicles that keep their drivers and people meet, if these pass too? Only where one of
 /// them has not been let pass before.
 bool Coordinator::may_meet_people(const std::vector<std::string>& guests) {
@@ -159,7 +180,6 @@ void Coordinator::admit_guests_freely() {
 
 /// A human-driven vehicle near a stop line, or behind one.
 void Coordinator::see_guest(const VehicleState& v, const CourseQuery& query) {
-  constexpr double kClear = 2.0;  // [m] between its tail and a junction
   const std::optional<CourseFinder::LineAhead> line = finder_.line_ahead(query);
   if (see_human(v, query, line ? std::optional(line->distance) : std::nullopt)) return;
   const Vehicle& body = type_of(v.type).body;
@@ -176,6 +196,7 @@ void Coordinator::see_guest(const VehicleState& v, const CourseQuery& query) {
     place.leads_on = is_inside || query.edges.size() < 2 ||
                      !graph_.links_between(query.lane, query.edges[1]).empty();
     place.has_room = lane.length > clear;
+    place.is_between = lane.length < options_.corridors.chain;
   } else if (place.is_clear || !gate_.passes(v.id)) {
     return;
   }
@@ -205,6 +226,49 @@ bool Coordinator::is_first_on_lane(const VehicleState& v) const {
   return std::ranges::none_of(traffic_.vehicles(), [&](const VehicleState& other) {
     return other.lane_position > v.lane_position && other.lane == v.lane && !gate_.passes(other.id);
   });
+}
+
+/// The next lane behind a junction where a guest could be held clear of it; nullopt if its path is
+/// not known.
+std::optional<Coordinator::WaitingPlace> Coordinator::waiting_place(const VehicleState& v) {
+  const std::vector<int> route = route_of(v);
+  const CourseQuery query = query_for(v, route);
+  const Vehicle& body = type_of(v.type).body;
+  const std::optional<Predictor::Placed> placed = predictor_.place(v, query, body);
+  if (!placed) return std::nullopt;
+  const std::optional<CourseFinder::LineAhead> line = finder_.line_ahead(query);
+  const bool is_inside = graph_.edge_of(query.lane) == LaneGraph::kNone;
+  const double from = placed->road.now.s + (line && !is_inside ? line->distance : 0.0);
+  const Corridor& corridor = corridors_[placed->corridor];
+  for (std::size_t i = 0; i < corridor.stations.size(); ++i) {
+    const int lane = corridor.course.pieces[i].lane;
+    const bool is_behind = corridor.stations[i] > from && graph_.edge_of(lane) != LaneGraph::kNone;
+    if (!is_behind || graph_.lane(lane).length < body.length() + kClear) continue;
+    return WaitingPlace{placed->corridor, lane, corridor.stations[i]};
+  }
+  return std::nullopt;
+}
+
+/// Is there room for a guest behind the next junction, should everybody there stop, and those who
+/// are let through?
+bool Coordinator::has_room_behind(const VehicleState& v) {
+  const std::optional<WaitingPlace> place = waiting_place(v);
+  if (!place) return true;
+  const VehicleType& type = type_of(v.type);
+  const double decel = type.body.max_decel;
+  double needed = place->from + type.body.length() + kClear;
+  for (const VehicleState& other : traffic_.vehicles()) {
+    if (other.id == v.id || !gate_.passes(other.id)) continue;
+    const std::optional<WaitingPlace> theirs = waiting_place(other);
+    const bool shares = theirs && theirs->lane == place->lane;
+    if (shares) needed += type_of(other.type).body.length() + type_of(other.type).min_gap;
+  }
+  const double tail = first_tail_at_rest(
+      corridors_[place->corridor], graph_, place->from, decel, traffic_.vehicles(),
+      [&](const VehicleState& other) {
+        return other.id == v.id ? std::nullopt : std::optional(type_of(other.type).body.length());
+      });
+  return tail >= needed;
 }
 
 }  // namespace mvtp

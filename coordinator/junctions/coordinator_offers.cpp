@@ -97,14 +97,29 @@ std::vector<std::string> Coordinator::guests_at_gate() {
   };
   const auto is_first = [this](const std::string& id) {
     const VehicleState* state = find_state(id);
-    return state != nullptr && is_first_on_lane(*state);
+    return state != nullptr && is_first_on_lane(*state) && has_room_behind(*state);
   };
-  return gate_.propose(is_first, [&](const std::string& a, const std::string& b) {
+  const auto may_meet = [&](const std::string& a, const std::string& b, bool from_one_lane) {
     return std::ranges::any_of(passages_of(a), [&](const Forecast& f) {
-      return std::ranges::any_of(passages_of(b),
-                                 [&](const Forecast& g) { return may_touch(f, g); });
+      return std::ranges::any_of(passages_of(b), [&](const Forecast& g) {
+        return from_one_lane ? may_meet_again(f, g) : may_touch(f, g);
+      });
     });
-  });
+  };
+  const auto blocks = [&](const std::string& a, double to_hold, const std::string& b) {
+    return std::ranges::any_of(passages_of(a), [&](const Forecast& f) {
+      const auto is_over = [&](const RoadVehicle& other) {
+        return corridors_.library()
+            .contacts(f.vehicle.path, other.path)
+            .blocks(f.vehicle.now.s + to_hold, other.now.s, SpeedProfile::kDeparted);
+      };
+      return std::ranges::any_of(passages_of(b),
+                                 [&](const Forecast& g) { return is_over(g.vehicle); }) ||
+             std::ranges::any_of(driven_,
+                                 [&](const auto& entry) { return is_over(entry.second.road); });
+    });
+  };
+  return gate_.propose(is_first, may_meet, blocks);
 }
 
 /// Those who may go over junctions now, in groups that only go together: guests at the gate,

@@ -44,7 +44,7 @@ class GateTest : public testing::Test {
   }
   /// Who is asked for next.
   std::optional<std::string> propose() {
-    const std::vector<std::string> proposed = gate.propose(first, anybody);
+    const std::vector<std::string> proposed = gate.propose(first, anybody, nobody);
     if (proposed.empty()) return std::nullopt;
     gate.asked_for(proposed.front());
     return proposed.front();
@@ -71,7 +71,8 @@ class GateTest : public testing::Test {
   }
 
   const Gate::IsFirst first = [](const std::string&) { return true; };
-  const Gate::MayMeet anybody = [](const std::string&, const std::string&) { return true; };
+  const Gate::MayMeet anybody = [](const std::string&, const std::string&, bool) { return true; };
+  const Gate::Blocks nobody = [](const std::string&, double, const std::string&) { return false; };
   const Vehicle car = fake_type("car").body;
   NotedTraffic traffic;
   LaneKeeping keeping{traffic};
@@ -118,15 +119,86 @@ TEST_F(GateTest, ProposesWhoWouldSoonHaveToBrake) {
 }
 
 TEST_F(GateTest, ProposesAsManyAsCannotMeet) {
-  const Gate::MayMeet crosses = [](const std::string& a, const std::string& b) {
+  const Gate::MayMeet crosses = [](const std::string& a, const std::string& b, bool) {
     return a.front() != b.front();
   };
   decide({"a1", "a2", "b1", "b2"});
   for (const std::string id : {"a1", "a2", "b1", "b2"}) ASSERT_FALSE(gate.passes(id));
-  EXPECT_THAT(gate.propose(first, crosses),
+  EXPECT_THAT(gate.propose(first, crosses, nobody),
               testing::AnyOf(UnorderedElementsAre("a1", "a2"), UnorderedElementsAre("b1", "b2")));
   gate.let_through("a1");
-  EXPECT_THAT(gate.propose(first, crosses), UnorderedElementsAre("a2")) << "not across who passes";
+  EXPECT_THAT(gate.propose(first, crosses, nobody), UnorderedElementsAre("a2"))
+      << "not across who passes";
+}
+
+TEST_F(GateTest, ProposesThoseFromOneLaneTogetherUnlessTheirPathsMeetAgain) {
+  gate.begin();
+  for (const char* id : {"a", "b"}) {
+    gate.see({.id = id, .type = "car", .speed = 0.0, .lane = "lane"},
+             {.line = 0, .to_line = 1.0, .to_hold = 1.0}, car);
+  }
+  gate.end();
+  for (const bool again : {false, true}) {
+    const auto proposed = gate.propose(
+        first,
+        [&](const std::string&, const std::string&, bool from_one_lane) {
+          EXPECT_TRUE(from_one_lane);
+          return again;
+        },
+        nobody);
+    EXPECT_EQ(proposed.size(), again ? 1U : 2U);
+  }
+}
+
+// Between two junctions that are near to each other.
+TEST_F(GateTest, HoldsWhoGoesOnOnlyForOneThatItWouldMeetAndThatWasLetThroughBefore) {
+  for (const auto& [meets, leads_on] : {std::pair{false, true}, {true, true}, {true, false}}) {
+    const Gate::Place between{.line = 1,
+                              .to_line = 18.0,
+                              .to_hold = 18.0,
+                              .leads_on = leads_on,
+                              .is_clear = true,
+                              .is_between = true};
+    const auto see_both = [&](const Gate::Place& place) {
+      gate.begin();
+      for (const char* id : {"early", "late"}) {
+        gate.see({.id = id, .type = "car", .speed = 5.0, .lane = id}, place, car);
+      }
+      gate.end();
+    };
+    see_both({.line = 0, .to_line = 10.0, .to_hold = 10.0});
+    gate.let_through("early");
+    see_both({.line = 0, .to_line = 8.0, .to_hold = 8.0});
+    gate.let_through("late");
+    see_both(between);
+    const auto proposed = gate.propose(
+        first, [&](const auto&, const auto&, bool) { return meets; }, nobody);
+    EXPECT_THAT(proposed, IsEmpty());
+    EXPECT_TRUE(gate.passes("early"));
+    EXPECT_EQ(gate.holds("late"), meets && leads_on);
+    EXPECT_EQ(gate.passes("late"), !gate.holds("late"));
+    gate.release_all();
+  }
+}
+
+TEST_F(GateTest, HoldsNobodyWhoGoesOnWhereItWouldBlockTheOther) {
+  const Gate::Place between{
+      .line = 1, .to_line = 18.0, .to_hold = 18.0, .is_clear = true, .is_between = true};
+  for (const auto& [id, lane] : {std::pair{"early", "x"}, {"late", "y"}}) {
+    for (const Gate::Place& place :
+         {Gate::Place{.line = 0, .to_line = 9.0, .to_hold = 9.0}, between}) {
+      gate.see({.id = id, .type = "car", .speed = 5.0, .lane = lane}, place, car);
+      if (!gate.passes(id)) gate.let_through(id);
+    }
+  }
+  double asked = 0.0;
+  const Gate::Blocks blocks = [&](const std::string&, double to_hold, const std::string&) {
+    asked = to_hold;
+    return true;
+  };
+  EXPECT_THAT(gate.propose(first, anybody, blocks), IsEmpty());
+  EXPECT_TRUE(gate.passes("early") && gate.passes("late"));
+  EXPECT_EQ(asked, between.to_hold);
 }
 
 //   It would stand where it is, whatever it may.
@@ -137,7 +209,7 @@ TEST_F(GateTest, ProposesNobodyBehindAQueue) {
   gate.begin();
   see("a", 20.0, 0.0);
   gate.end();
-  EXPECT_THAT(gate.propose([](const std::string&) { return false; }, anybody), IsEmpty());
+  EXPECT_THAT(gate.propose([](const std::string&) { return false; }, anybody, nobody), IsEmpty());
   EXPECT_EQ(propose(), "a");
 }
 
@@ -371,7 +443,7 @@ TEST_F(GateTest, ProposesNobodyAcrossOneWhoStandsInsideTheJunction) {
       see("b", 1.0, 0.0);
       gate.end();
       const std::vector<std::string> proposed =
-          gate.propose([](const std::string& id) { return id == "b"; }, anybody);
+          gate.propose([](const std::string& id) { return id == "b"; }, anybody, nobody);
       EXPECT_THAT(proposed, IsEmpty());
     }
     EXPECT_EQ(gate.passes("a"), is_inside);
@@ -380,7 +452,7 @@ TEST_F(GateTest, ProposesNobodyAcrossOneWhoStandsInsideTheJunction) {
 
 //   One after the other comes on the main road, each before the last has left the junction.
 TEST_F(GateTest, AStreamOfGuestsDoesNotStarveWhoWaitsBesideIt) {
-  const Gate::MayMeet crosses = [](const std::string& a, const std::string& b) {
+  const Gate::MayMeet crosses = [](const std::string& a, const std::string& b, bool) {
     return (a == "side") != (b == "side");
   };
   for (int i = 0; i < 60; ++i) {
@@ -391,7 +463,7 @@ TEST_F(GateTest, AStreamOfGuestsDoesNotStarveWhoWaitsBesideIt) {
     see(next, 20.0, 8.0);
     if (i > 0 && gate.passes(last)) see(last, 0.0, 8.0);
     gate.end();
-    for (const std::string& id : gate.propose(first, crosses)) gate.let_through(id);
+    for (const std::string& id : gate.propose(first, crosses, nobody)) gate.let_through(id);
     if (gate.passes("side")) {
       EXPECT_GT(i, 10) << "not before those who were there first";
       return;

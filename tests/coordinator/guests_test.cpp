@@ -159,5 +159,72 @@ TEST(GuestsAtTheGate, PassUntilTheyAreThrough) {
   EXPECT_TRUE(was_inside && was_behind);
 }
 
+CoordinatorOptions all_guests() {
+  CoordinatorOptions options;
+  options.share = {.penetration = 0.0, .seed = 1};
+  return options;
+}
+
+// Whoever stood between two junctions that have one zone would stand before vehicles whose plans
+// lead through both.
+TEST(GuestsAtTheGate, PassTheJunctionsOfAZoneAtOnce) {
+  ClosedLoop run(chain_shape(), {{"bike", 0.0, "W-A", "B-E", "bike"},
+                                 {"car", 11.0, "SB-B", "B-NB"},
+                                 {"other", 14.0, "NB-B", "B-SB"}});
+  bool was_between = false;
+  while (run.traffic.running() && run.traffic.time() < 100.0) {
+    run.step();
+    for (const VehicleState& v : run.traffic.vehicles()) {
+      if (v.lane != "A-B_0") continue;
+      was_between = true;
+      EXPECT_FALSE(run.traffic.is_held(v.id)) << "at t = " << run.traffic.time();
+    }
+  }
+  EXPECT_TRUE(was_between);
+  EXPECT_THAT(run.broken, IsEmpty());
+  EXPECT_EQ(run.traffic.arrived(), 3);
+}
+
+TEST(GuestsAtTheGate, WaitUntilThereIsRoomBehindTheJunction) {
+  ClosedLoop run(crossroads_shape(),
+                 {{.id = "halts",
+                   .depart = 0.0,
+                   .from = "W-C",
+                   .to = "C-E",
+                   .stop = FakeStop{.lane = "C-E_0", .position = 6.0, .duration = 30.0}},
+                  {"next", 10.0, "W-C", "C-E"}},
+                 0.1, all_guests());
+  double waits = 0.0;
+  while (run.traffic.running() && run.traffic.time() < 120.0) {
+    run.step();
+    for (const VehicleState& v : run.traffic.vehicles()) {
+      if (v.id != "next" || v.speed > 0.1) continue;
+      waits += 0.1;
+      EXPECT_EQ(v.lane, "W-C_0") << "at t = " << run.traffic.time();
+    }
+  }
+  EXPECT_GT(waits, 5.0);
+  EXPECT_EQ(run.traffic.arrived(), 2);
+}
+
+// Round a block, one on either side of it.
+TEST(GuestsAtTheGate, FromOneLaneKeepClearWhereTheirPathsMeetAgain) {
+  for (const double later : {2.0, 2.5, 3.0, 3.5, 4.0}) {
+    const auto trip = [](const char* id, double depart, const char* corner) {
+      const std::string c = corner;
+      return FakeTrip{.id = id,
+                      .depart = depart,
+                      .from = "W0-A0",
+                      .to = "B2-N1",
+                      .edges = {"W0-A0", "A0-" + c, c + "-B1", "B1-B2", "B2-N1"}};
+    };
+    ClosedLoop run(grid_shape(), {trip("one", 0.0, "B0"), trip("other", later, "A1")}, 0.1,
+                   all_guests());
+    run.run_until(150.0);
+    EXPECT_EQ(run.audit.figures().overlap_pairs, 0) << later;
+    EXPECT_EQ(run.traffic.arrived(), 2) << later;
+  }
+}
+
 }  // namespace
 }  // namespace mvtp
