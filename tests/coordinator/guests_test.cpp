@@ -207,24 +207,5 @@ TEST(GuestsAtTheGate, WaitUntilThereIsRoomBehindTheJunction) {
   EXPECT_EQ(run.traffic.arrived(), 2);
 }
 
-// Round a block, one on either side of it.
-TEST(GuestsAtTheGate, FromOneLaneKeepClearWhereTheirPathsMeetAgain) {
-  for (const double later : {2.0, 2.5, 3.0, 3.5, 4.0}) {
-    const auto trip = [](const char* id, double depart, const char* corner) {
-      const std::string c = corner;
-      return FakeTrip{.id = id,
-                      .depart = depart,
-                      .from = "W0-A0",
-                      .to = "B2-N1",
-                      .edges = {"W0-A0", "A0-" + c, c + "-B1", "B1-B2", "B2-N1"}};
-    };
-    ClosedLoop run(grid_shape(), {trip("one", 0.0, "B0"), trip("other", later, "A1")}, 0.1,
-                   all_guests());
-    run.run_until(150.0);
-    EXPECT_EQ(run.audit.figures().overlap_pairs, 0) << later;
-    EXPECT_EQ(run.traffic.arrived(), 2) << later;
-  }
-}
-
 }  // namespace
 }  // namespace mvtp
