@@ -20,6 +20,13 @@ std::vector<FakeTrip> cars_and_bikes(unsigned seed) {
                       {.vehicles = 20, .types = {"car", "car", "bike"}, .seed = seed});
 }
 
+/// Nobody is under control.
+CoordinatorOptions all_guests() {
+  CoordinatorOptions options;
+  options.share = {.penetration = 0.0, .seed = 1};
+  return options;
+}
+
 class Guests : public testing::TestWithParam<unsigned> {};
 
 TEST_P(Guests, CrossAmongCarsWithoutContact) {
@@ -31,11 +38,9 @@ TEST_P(Guests, CrossAmongCarsWithoutContact) {
 }
 
 TEST_P(Guests, AloneCrossWithoutContact) {
-  CoordinatorOptions options;
-  options.share = {.penetration = 0.0, .seed = 1};
   const NetworkShape shape = crossroads_shape();
   ClosedLoop run(shape, random_trips(shape, {.vehicles = 40, .duration = 60.0, .seed = GetParam()}),
-                 0.1, options);
+                 0.1, all_guests());
   run.run_until(300.0);
   EXPECT_EQ(run.taken_over, 0);
   EXPECT_EQ(run.audit.figures().overlap_pairs, 0);
@@ -159,12 +164,6 @@ TEST(GuestsAtTheGate, PassUntilTheyAreThrough) {
   EXPECT_TRUE(was_inside && was_behind);
 }
 
-CoordinatorOptions all_guests() {
-  CoordinatorOptions options;
-  options.share = {.penetration = 0.0, .seed = 1};
-  return options;
-}
-
 // Whoever stood between two junctions that have one zone would stand before vehicles whose plans
 // lead through both.
 TEST(GuestsAtTheGate, PassTheJunctionsOfAZoneAtOnce) {
@@ -187,7 +186,7 @@ TEST(GuestsAtTheGate, PassTheJunctionsOfAZoneAtOnce) {
 
 TEST(GuestsAtTheGate, WaitUntilThereIsRoomBehindTheJunction) {
   ClosedLoop run(crossroads_shape(),
-                 {{.id = "halts",
+                 {{.id = "stops",
                    .depart = 0.0,
                    .from = "W-C",
                    .to = "C-E",
