@@ -7,8 +7,12 @@ figure cannot be written.
 """
 
 import json
+import logging
 import os
 import sys
+
+# What it has to say of its own files, such as its cache of fonts, does not concern the figures.
+logging.getLogger("matplotlib").setLevel(logging.ERROR)
 
 try:
     import matplotlib
