@@ -135,7 +135,6 @@ bool Gate::is_under_way(const std::string& id) const {
 /// Of two who go on over several junctions, and would meet, the one is held that was let through
 /// later, if it still can be, and the other one need not pass there.
 void Gate::hold_who_would_meet(const MayMeet& may_meet, const Blocks& blocks) {
-  using Entry = std::map<std::string, Visitor>::value_type;
   std::vector<const Entry*> passing;
   for (const Entry& entry : visitors_) {
     if (entry.second.passes) passing.push_back(&entry);
@@ -157,7 +156,6 @@ void Gate::hold_who_would_meet(const MayMeet& may_meet, const Blocks& blocks) {
 std::vector<std::string> Gate::propose(const IsFirst& is_first, const MayMeet& may_meet,
                                        const Blocks& blocks) {
   hold_who_would_meet(may_meet, blocks);
-  using Entry = std::map<std::string, Visitor>::value_type;
   std::vector<Entry*> waiting;
   std::vector<const Entry*> ahead;  // of those who wait
   for (Entry& entry : visitors_) {

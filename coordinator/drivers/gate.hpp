@@ -89,6 +89,7 @@ class Gate {
     std::int64_t asked = 0;  ///< when it was last asked for, or came
     std::int64_t since = 0;  ///< when it was let through
   };
+  using Entry = std::map<std::string, Visitor>::value_type;
 
   [[nodiscard]] const Visitor* find(const std::string& id) const;  ///< nullptr: there is none
   void decide(const std::string& id, Visitor& guest, double room);

@@ -266,13 +266,17 @@ class Coordinator : public Controller {
                                std::optional<double> to_line);
   void see_guest(const VehicleState& state, const CourseQuery& query);
   [[nodiscard]] bool is_first_on_lane(const VehicleState& v) const;
+  /// A lane behind a junction, on the path of a guest who could be held there.
   struct WaitingPlace {
     int corridor = 0;
     int lane = 0;
     double from = 0.0;  ///< [m] station of the front bumper when it enters the lane
   };
   [[nodiscard]] std::optional<WaitingPlace> waiting_place(const VehicleState& v);
-  [[nodiscard]] bool has_room_behind(const VehicleState& v);
+  /// Those who pass, and the lanes where they may come to stand.
+  using WaitingPlaces = std::vector<std::pair<const VehicleState*, int>>;
+  [[nodiscard]] WaitingPlaces waiting_places();
+  [[nodiscard]] bool has_room_behind(const VehicleState& v, const WaitingPlaces& taken);
   [[nodiscard]] bool touches_guests(const std::vector<std::string>& guests, const Trial& trial);
   [[nodiscard]] bool waits_inside(const Trial& trial, std::optional<int> zone = {}) const;
   [[nodiscard]] std::vector<Forecast> expect_people(const std::vector<std::string>& crossings);
@@ -283,7 +287,6 @@ class Coordinator : public Controller {
   [[nodiscard]] bool exclude_each_other(const std::vector<std::string>& guests,
                                         const std::vector<std::string>& others) const;
   [[nodiscard]] bool may_touch(const Forecast& driver, const Forecast& other) const;
-  [[nodiscard]] bool may_meet_again(const Forecast& one, const Forecast& other) const;
   [[nodiscard]] bool may_meet_people(const std::vector<std::string>& guests);
   [[nodiscard]] double worth(const std::vector<std::string>& guests) const;
 

@@ -97,21 +97,6 @@ bool Coordinator::may_touch(const Forecast& driver, const Forecast& other) const
                   other.slack_behind);
 }
 
-/// Do the paths of two drivers, one behind the other, part and meet again?
-bool Coordinator::may_meet_again(const Forecast& one, const Forecast& other) const {
-  constexpr double kStride = 1.0;  // [m]
-  const ContactTable& contacts =
-      corridors_.library().contacts(one.vehicle.path, other.vehicle.path);
-  bool is_common = false, has_parted = false;
-  for (double s = one.vehicle.now.s; s <= contacts.last(); s += kStride) {
-    const bool meets = contacts.meets(s, s + kStride, 0.0, SpeedProfile::kDeparted);
-    if (meets && has_parted) return true;
-    has_parted = is_common && !meets;
-    is_common |= meets;
-  }
-  return false;
-}
-
 /// Could vehicles that keep their drivers and people meet, if these pass too? Only where one of
 /// them has not been let pass before.
 bool Coordinator::may_meet_people(const std::vector<std::string>& guests) {
@@ -249,22 +234,29 @@ std::optional<Coordinator::WaitingPlace> Coordinator::waiting_place(const Vehicl
   return std::nullopt;
 }
 
+Coordinator::WaitingPlaces Coordinator::waiting_places() {
+  WaitingPlaces taken;
+  for (const VehicleState& v : traffic_.vehicles()) {
+    if (!gate_.passes(v.id)) continue;
+    const std::optional<WaitingPlace> place = waiting_place(v);
+    if (place) taken.emplace_back(&v, place->lane);
+  }
+  return taken;
+}
+
 /// Is there room for a guest behind the next junction, should everybody there stop, and those who
 /// are let through?
-bool Coordinator::has_room_behind(const VehicleState& v) {
+bool Coordinator::has_room_behind(const VehicleState& v, const WaitingPlaces& taken) {
   const std::optional<WaitingPlace> place = waiting_place(v);
   if (!place) return true;
   const VehicleType& type = type_of(v.type);
-  const double decel = type.body.max_decel;
   double needed = place->from + type.body.length() + kClear;
-  for (const VehicleState& other : traffic_.vehicles()) {
-    if (other.id == v.id || !gate_.passes(other.id)) continue;
-    const std::optional<WaitingPlace> theirs = waiting_place(other);
-    const bool shares = theirs && theirs->lane == place->lane;
-    if (shares) needed += type_of(other.type).body.length() + type_of(other.type).min_gap;
+  for (const auto& [other, lane] : taken) {
+    if (lane != place->lane || other->id == v.id || !gate_.passes(other->id)) continue;
+    needed += type_of(other->type).body.length() + type_of(other->type).min_gap;
   }
   const double tail = first_tail_at_rest(
-      corridors_[place->corridor], graph_, place->from, decel, traffic_.vehicles(),
+      corridors_[place->corridor], graph_, place->from, type.body.max_decel, traffic_.vehicles(),
       [&](const VehicleState& other) {
         return other.id == v.id ? std::nullopt : std::optional(type_of(other.type).body.length());
       });

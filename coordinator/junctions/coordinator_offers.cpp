@@ -95,14 +95,18 @@ std::vector<std::string> Coordinator::guests_at_gate() {
     if (state != nullptr) known->second = predict_one(*state, {id});
     return known->second;
   };
-  const auto is_first = [this](const std::string& id) {
+  const WaitingPlaces taken = waiting_places();
+  const auto is_first = [&](const std::string& id) {
     const VehicleState* state = find_state(id);
-    return state != nullptr && is_first_on_lane(*state) && has_room_behind(*state);
+    return state != nullptr && is_first_on_lane(*state) && has_room_behind(*state, taken);
   };
   const auto may_meet = [&](const std::string& a, const std::string& b, bool from_one_lane) {
     return std::ranges::any_of(passages_of(a), [&](const Forecast& f) {
       return std::ranges::any_of(passages_of(b), [&](const Forecast& g) {
-        return from_one_lane ? may_meet_again(f, g) : may_touch(f, g);
+        if (!from_one_lane) return may_touch(f, g);
+        return corridors_.library()
+            .contacts(f.vehicle.path, g.vehicle.path)
+            .parts_and_meets_again(f.vehicle.now.s);
       });
     });
   };

@@ -214,6 +214,17 @@ bool ContactTable::meets(double a, double a_end, double b, double b_end) const {
   return false;
 }
 
+bool ContactTable::parts_and_meets_again(double s_a) const {
+  bool is_common = false, has_parted = false;
+  for (auto row = std::size_t(std::max(row_of(s_a), 0.0)); row < rows(); ++row) {
+    const bool meets = begin_[row] < begin_[row + 1];
+    if (meets && has_parted) return true;
+    has_parted |= is_common && !meets;
+    is_common |= meets;
+  }
+  return false;
+}
+
 bool ContactTable::blocks_reach(double from, double to, double b, double b_end) const {
   const std::size_t last = std::size_t(std::min(to, double(rows()) - 1.0)) / kBlock;
   for (std::size_t block = std::size_t(std::max(from, 0.0)) / kBlock; block <= last; ++block) {

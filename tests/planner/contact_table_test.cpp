@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <thread>
 
 #include "planner/motion/inertial_car.hpp"
@@ -103,6 +104,29 @@ TEST(ContactTable, TransposedSaysTheSameWithTheRolesExchanged) {
       }
     }
   }
+}
+
+//            .--B--.
+//   A ------+-------+------>      Seen from behind the fork, and for C, they never meet again.
+//            `--C
+TEST(ContactTable, PathsThatPartMayMeetAgain) {
+  const ReferencePath on = straight({-50, 0}, {50, 0});
+  std::vector<Point> points;
+  for (double x = -50.0; x <= 50.0; x += 0.5) {
+    const double aside = std::abs(x) < 25.0 ? std::cos(x * std::numbers::pi / 50.0) : 0.0;
+    points.push_back({x, 8.0 * aside * aside});
+  }
+  const ReferencePath around(points);
+  const ReferencePath off = bent({-50, 0, 0}, 40.0, -1.0, 12.0);
+  const auto meet_again = [&](const ReferencePath& a, const ReferencePath& b, double from) {
+    return ContactTable(a, kCar, b, kCar, Margins{}).parts_and_meets_again(from);
+  };
+  EXPECT_TRUE(meet_again(on, around, 0.0));
+  EXPECT_TRUE(meet_again(around, on, 0.0));
+  EXPECT_FALSE(meet_again(on, around, 50.0));
+  EXPECT_FALSE(meet_again(on, on, 0.0));
+  EXPECT_FALSE(meet_again(on, off, 0.0));
+  EXPECT_FALSE(meet_again(off, on, 0.0));
 }
 
 // At 40 m/s each is 4 m further at the next look: at both looks they are apart.
