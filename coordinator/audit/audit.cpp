@@ -168,17 +168,28 @@ bool Audit::compare(double time, const Passage& a, const Passage& b) {
   }
   if (gap >= -kTolerance) return false;
   const auto pair = std::minmax(a.seen->state->id, b.seen->state->id);
-  if (overlapping_.insert(pair).second) {
-    const Pose where = a.motion.at(deepest.t);
-    events_.push_back({AuditEventKind::kOverlap,
-                       time - (1.0 - deepest.t) * dt_,
-                       "overlap of " + pair.first + " and " + pair.second,
-                       {where.x, where.y},
-                       {pair.first, pair.second},
-                       -gap});
+  const bool is_ours = a.seen->coordinated || b.seen->coordinated;
+  const bool is_new = overlapping_.insert(pair).second;
+  if ((is_ours && overlapping_coordinated_.insert(pair).second) || is_new) {
+    report_overlap(time - (1.0 - deepest.t) * dt_, a, b, a.motion.at(deepest.t), -gap);
   }
-  if (a.seen->coordinated || b.seen->coordinated) overlapping_coordinated_.insert(pair);
   return true;
+}
+
+void Audit::report_overlap(double time, const Passage& a, const Passage& b, const Pose& where,
+                           double depth) {
+  const auto [first, second] = std::minmax(
+      *a.seen, *b.seen,
+      [](const Observation& x, const Observation& y) { return x.state->id < y.state->id; });
+  const auto name_of = [](const Observation& seen) {
+    return seen.state->id + (seen.coordinated ? "" : " (human-driven)");
+  };
+  events_.push_back({AuditEventKind::kOverlap,
+                     time,
+                     "overlap of " + name_of(first) + " and " + name_of(second),
+                     {where.x, where.y},
+                     {first.state->id, second.state->id},
+                     depth});
 }
 
 void Audit::report(AuditEventKind kind, double time, const Observation& s,

@@ -137,6 +137,8 @@ class Audit {
   void compare_pairs(double time, std::span<const Passage> passages);
   /// @return whether the two overlap.
   bool compare(double time, const Passage& a, const Passage& b);
+  void report_overlap(double time, const Passage& a, const Passage& b, const Pose& where,
+                      double depth);
   void report(AuditEventKind kind, double time, const Observation& s, const std::string& what);
   void follow(double time, const Observation& observation);
   void judge_motion(double time, const Observation& s, const Track& before, Track& now);

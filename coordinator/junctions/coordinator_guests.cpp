@@ -172,14 +172,14 @@ void Coordinator::see_guest(const VehicleState& v, const CourseQuery& query) {
   const Lane& lane = graph_.lane(query.lane);
   const bool is_inside = graph_.edge_of(query.lane) == LaneGraph::kNone;
   Gate::Place place{.is_inside = finder_.is_inside(query.lane),
+                    .leads_on = is_inside || query.edges.size() < 2 ||
+                                !graph_.links_between(query.lane, query.edges[1]).empty(),
                     .is_clear = !is_inside && query.position > clear};
   if (line && line->distance <= options_.corridors.takeover) {
     ++guest_sightings_;
     place.line = line->edge;
     place.to_line = line->distance;
     place.to_hold = is_inside ? 0.0 : std::min(line->distance, lane.length - query.position);
-    place.leads_on = is_inside || query.edges.size() < 2 ||
-                     !graph_.links_between(query.lane, query.edges[1]).empty();
     place.has_room = lane.length > clear;
     place.is_between = lane.length < options_.corridors.chain;
   } else if (place.is_clear || !gate_.passes(v.id)) {

@@ -97,6 +97,19 @@ TEST_F(AuditTest, AnEventSaysWhatItIsAndWhoDidIt) {
   EXPECT_EQ(audit.events()[1].who, std::vector<std::string>{"a"});
 }
 
+// Two that touch under their own drivers are told again when one of them comes under control.
+TEST_F(AuditTest, AnOverlapIsToldOnceAndOnceMoreIfItBecomesOurs) {
+  const VehicleState a{.id = "a", .pose = {-97, -1.6, 0}};
+  const VehicleState b{.id = "b", .pose = {-100, -1.6, 0}};
+  for (const double time : {0.1, 0.2}) see(time, b, false, a);
+  ASSERT_EQ(audit.events().size(), 1U);
+  EXPECT_EQ(audit.events()[0].what, "overlap of a (human-driven) and b (human-driven)");
+  for (const double time : {0.3, 0.4}) see(time, b, true, a);
+  ASSERT_EQ(audit.events().size(), 2U);
+  EXPECT_EQ(audit.events()[1].what, "overlap of a (human-driven) and b");
+  EXPECT_NEAR(audit.events()[1].time, 0.3, 0.1);
+}
+
 TEST_F(AuditTest, TwoCarsOfTheTrafficAreNotOurOverlap) {
   see(0.1, {.id = "a", .pose = {-100, -1.6, 0}}, false, {.id = "b", .pose = {-97, -1.6, 0}});
   EXPECT_EQ(audit.figures().overlap_pairs, 1);

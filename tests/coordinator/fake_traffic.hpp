@@ -80,6 +80,9 @@ class FakeTraffic : public Traffic {
   void hold(const std::string& id, bool stop) override;
   void let_through(const std::string& id, Passage passage) override;
   void rely_on_signal(const std::string& id, const std::vector<std::string>& waiting) override;
+  void keep_lane(const std::string& id, bool keep) override {
+    keep ? (void)kept_in_lane_.insert(id) : (void)kept_in_lane_.erase(id);
+  }
   void show(const std::string& signal, int index, Light light) override {
     lights_[{signal, index}] = light;
   }
@@ -112,6 +115,9 @@ class FakeTraffic : public Traffic {
   void insert_now();
   [[nodiscard]] bool is_held(const std::string& id) const;
   [[nodiscard]] bool passes(const std::string& id) const { return cars_.at(id).passes; }
+  [[nodiscard]] bool is_kept_in_lane(const std::string& id) const {
+    return kept_in_lane_.contains(id);
+  }
   /// How often drivers were told to pass, by vehicle.
   [[nodiscard]] const std::map<std::string, int>& passages() const { return passages_; }
 
@@ -179,6 +185,7 @@ class FakeTraffic : public Traffic {
   std::map<std::string, Car> cars_;
   std::map<int, std::vector<Span>> occupants_;  ///< of lanes
   std::set<std::string> frozen_;
+  std::set<std::string> kept_in_lane_;
   std::map<std::pair<std::string, int>, Light> lights_;  ///< of signals that are shown
   std::map<std::string, std::vector<SignalPhase>> programs_;
   std::map<std::string, int> passages_;

@@ -27,6 +27,26 @@ CoordinatorOptions all_guests() {
   return options;
 }
 
+/// W ---- C ====== E ---- F, and a road to the south at C. At E the right lane ends.
+NetworkShape with_end_of_right_lane() {
+  NetworkMaker maker;
+  maker.node("W", {-120, 0}, 0.0);
+  maker.node("C", {0, 0});
+  maker.node("E", {60, 0});
+  maker.node("F", {180, 0}, 0.0);
+  maker.node("S", {0, -120}, 0.0);
+  maker.road("C", "W");
+  maker.one_way("C", "E", 2);
+  maker.one_way("E", "F");
+  maker.road("C", "S");
+  maker.connect("W-C_0", "C-E_0");
+  maker.connect("W-C_0", "C-E_1");
+  maker.connect("S-C_0", "C-W_0");
+  maker.connect("S-C_0", "C-E_0");
+  maker.connect("C-E_1", "E-F_0");
+  return {.name = "end_of_right_lane", .network = maker.make()};
+}
+
 class Guests : public testing::TestWithParam<unsigned> {};
 
 TEST_P(Guests, CrossAmongCarsWithoutContact) {
@@ -204,6 +224,26 @@ TEST(GuestsAtTheGate, WaitUntilThereIsRoomBehindTheJunction) {
   }
   EXPECT_GT(waits, 5.0);
   EXPECT_EQ(run.traffic.arrived(), 2);
+}
+
+// Behind the junction, too: with its tail inside it may be in a lane from which it cannot go on.
+TEST(GuestsAtTheGate, ChangeLanesBehindTheJunctionWhereTheyHaveTo) {
+  ClosedLoop run(with_end_of_right_lane(),
+                 {{.id = "guest", .depart = 0.0, .from = "W-C", .to = "E-F", .onto = "C-E_0"}}, 0.1,
+                 all_guests());
+  bool was_kept = false, was_behind = false;
+  while (run.traffic.running() && run.traffic.time() < 60.0) {
+    run.step();
+    for (const VehicleState& v : run.traffic.vehicles()) {
+      const bool is_kept = run.traffic.is_kept_in_lane(v.id);
+      was_kept |= is_kept;
+      if (v.lane != "C-E_0") continue;
+      was_behind = true;
+      EXPECT_FALSE(is_kept) << "at t = " << run.traffic.time();
+    }
+  }
+  EXPECT_TRUE(was_kept && was_behind);
+  EXPECT_EQ(run.traffic.arrived(), 1);
 }
 
 }  // namespace
