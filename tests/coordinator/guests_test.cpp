@@ -231,18 +231,19 @@ TEST(GuestsAtTheGate, ChangeLanesBehindTheJunctionWhereTheyHaveTo) {
   ClosedLoop run(with_end_of_right_lane(),
                  {{.id = "guest", .depart = 0.0, .from = "W-C", .to = "E-F", .onto = "C-E_0"}}, 0.1,
                  all_guests());
-  bool was_kept = false, was_behind = false;
+  bool was_kept = false;
+  int behind = 0;  // steps
   while (run.traffic.running() && run.traffic.time() < 60.0) {
     run.step();
     for (const VehicleState& v : run.traffic.vehicles()) {
       const bool is_kept = run.traffic.is_kept_in_lane(v.id);
       was_kept |= is_kept;
-      if (v.lane != "C-E_0") continue;
-      was_behind = true;
+      if (v.lane != "C-E_0" || ++behind <= 5) continue;  // there is a decision in between
       EXPECT_FALSE(is_kept) << "at t = " << run.traffic.time();
     }
   }
-  EXPECT_TRUE(was_kept && was_behind);
+  EXPECT_TRUE(was_kept);
+  EXPECT_GT(behind, 5);
   EXPECT_EQ(run.traffic.arrived(), 1);
 }
 
