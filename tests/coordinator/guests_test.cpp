@@ -67,15 +67,20 @@ TEST_P(Guests, AloneCrossWithoutContact) {
   EXPECT_EQ(run.traffic.arrived(), run.number_of_trips);
 }
 
+INSTANTIATE_TEST_SUITE_P(Seeds, Guests, testing::Values(1U, 2U, 3U, 4U));
+
+/// With seeds with which it happens that vehicles under control lose their plans.
+class GuestsUnderWay : public Guests {};
+
 // Somebody without a plan may come to rest where they have to pass.
-TEST_P(Guests, UnderWayAreLetThroughOnlyWhereEverybodyHasAPlan) {
+TEST_P(GuestsUnderWay, AreLetThroughOnlyWhereEverybodyHasAPlan) {
   ClosedLoop run(crossroads_shape(),
                  random_trips(crossroads_shape(), {.vehicles = 60,
                                                    .duration = 60.0,
                                                    .types = {"car", "bike", "truck"},
                                                    .seed = GetParam()}));
   int let_through = 0;
-  while (run.traffic.running() && run.traffic.time() < 150.0) {
+  while (run.traffic.running() && run.traffic.time() < 65.0) {
     std::set<std::string> held;
     for (const VehicleState& v : run.traffic.vehicles()) {
       if (run.traffic.is_held(v.id) && v.speed > 1.0) held.insert(v.id);
@@ -93,7 +98,7 @@ TEST_P(Guests, UnderWayAreLetThroughOnlyWhereEverybodyHasAPlan) {
   EXPECT_THAT(run.broken, IsEmpty());
 }
 
-INSTANTIATE_TEST_SUITE_P(Seeds, Guests, testing::Values(1U, 2U, 3U, 4U));
+INSTANTIATE_TEST_SUITE_P(Seeds, GuestsUnderWay, testing::Values(2U, 3U));
 
 TEST(GuestsAtTheGate, AreHeldBeforeTheLineAndNeverTakenOver) {
   ClosedLoop run(crossroads_shape(), {{"bike", 0.0, "W-C", "C-E", "bike"},

@@ -323,6 +323,29 @@ TEST_F(Coordinate, SaysWhereHumanDriversHaveNoLight) {
   EXPECT_FALSE(says_so("crossroads.static.sumocfg", "--penetration 0.5"));
 }
 
+TEST_F(Coordinate, SaysWhichOptionsHaveNoEffect) {
+  const auto note_on = [&](const std::string& options) {
+    const Outcome outcome = run("coordinate -c '" + std::string(MVTP_SCENARIOS) +
+                                "/crossroads/crossroads.static.sumocfg' --end 1 --no-view "
+                                "--no-fcd --quiet " +
+                                options);
+    const std::size_t note = outcome.err.find("note: --");
+    if (note == std::string::npos) return std::string();
+    return outcome.err.substr(note, outcome.err.find('\n', note) - note);
+  };
+  const std::string all = "--human-faults 0.1 --intent lane --signal-timing instant ";
+  EXPECT_EQ(note_on(all),
+            "note: --human-faults, --intent lane, --signal-timing instant: everybody is taken "
+            "over; say with --penetration or --human-types who keeps a human driver");
+  EXPECT_EQ(note_on(all + "--penetration 0.5"), "");
+  EXPECT_EQ(note_on(all + "--human-types car"), "");
+  EXPECT_EQ(note_on(all + "--controller static"), "");
+  EXPECT_EQ(note_on("--intent known --signal-timing real"), "");
+  EXPECT_EQ(note_on("--assume-noise faults"),
+            "note: --assume-noise faults: without --faults there are none");
+  EXPECT_EQ(note_on("--assume-noise faults --faults delay=0.1"), "");
+}
+
 TEST_F(Coordinate, PeopleCrossUntouched) {
   for (const char* light : {"", ".static"}) {
     const std::string scenario =

@@ -26,7 +26,7 @@ void check_junctions(const CoordinateOptions& options, const RoadNetwork& networ
     for (const auto& [name, junction] : network.junctions) {
       if (junction.has_conflicts) known.push_back(name);
     }
-    throw InputError("--junction " + id,
+    throw InputError("--junction " + (id.empty() ? "\"\"" : id),
                      "the network has no junction with this id; " + suggestion(id, known));
   }
 }
@@ -119,6 +119,25 @@ ControlledShare controlled_share(const CoordinateOptions& options) {
           .coordinate_types = {options.coordinate_types.begin(), options.coordinate_types.end()},
           .human_types = {options.human_types.begin(), options.human_types.end()},
           .seed = options.seed};
+}
+
+std::string note_without_effect(const CoordinateOptions& options) {
+  if (!controller_named("--controller", options.controller).drives) return "";
+  if (options.assume_noise == "faults" && options.faults.empty()) {
+    return "--assume-noise faults: without --faults there are none";
+  }
+  if (!controlled_share(options).is_whole()) return "";
+  std::vector<std::string> without;
+  if (options.human_faults > 0.0) without.emplace_back("--human-faults");
+  if (options.intent != "known") without.emplace_back("--intent " + options.intent);
+  if (options.signal_timing != "real") {
+    without.emplace_back("--signal-timing " + options.signal_timing);
+  }
+  if (without.empty()) return "";
+  return fmt::format(
+      "{}: everybody is taken over; say with --penetration or --human-types who keeps a human "
+      "driver",
+      fmt::join(without, ", "));
 }
 
 std::string note_on_missing_lights(const CoordinateOptions& options, const RoadNetwork& network,

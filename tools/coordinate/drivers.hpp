@@ -33,6 +33,9 @@ namespace mvtp {
                                                 const Traffic& traffic);
 /// Which vehicles are taken over.
 [[nodiscard]] ControlledShare controlled_share(const CoordinateOptions& options);
+/// Options that have no effect on human drivers or faults, as there are none, and what would give
+/// them some; empty if there are no such options.
+[[nodiscard]] std::string note_without_effect(const CoordinateOptions& options);
 /// Which of the coordinated junctions have no light to tell human drivers that they may go, and
 /// what comes of it; empty if all have one or if there are no human drivers.
 [[nodiscard]] std::string note_on_missing_lights(const CoordinateOptions& options,

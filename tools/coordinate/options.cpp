@@ -99,8 +99,8 @@ void declare_planning(CLI::App& app, CoordinateOptions& o) {
       ->type_name("VEHICLE@SECONDS")
       ->group("Control");
   app.add_option("--replan-budget-ms", o.replan_budget_ms,
-                 "Processor time for the plan of one group of vehicles [ms]; a later plan is "
-                 "dropped. 0: no planning, as if the planner were dead (default: the decision "
+                 "Processor time for the plan of one group of vehicles [ms]; a later plan is\n"
+                 "dropped. 0: no planning, as if the planner were dead (default: the decision\n"
                  "period, 500)")
       ->check(number_between(0.0, 1e9))
       ->group("Control");

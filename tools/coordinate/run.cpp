@@ -81,8 +81,11 @@ class SumoRun::Impl {
     folder_.remove_old_results();
     for (const std::string& note : scenario_.notes) say("note: " + note);
     for (const std::string& note : notes_on(*traffic_)) say("note: " + note);
-    const std::string lights = note_on_missing_lights(options, traffic_->network(), junctions_);
-    if (!lights.empty()) say("note: " + lights);
+    for (const std::string& note :
+         {note_without_effect(options_),
+          note_on_missing_lights(options_, traffic_->network(), junctions_)}) {
+      if (!note.empty()) say("note: " + note);
+    }
     if (options_.quiet) return;
     for (const std::string& zone : drivers_.describe_zones()) say(zone);
   }
