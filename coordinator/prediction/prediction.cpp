@@ -23,8 +23,9 @@ constexpr std::size_t kLongest = 3000;  ///< steps that are predicted
 /// The acceleration of a driver who would take `a` but is to stop before a line [m/s^2].
 double before_line(const InertialState& now, double a, const StopLine& line, double dt) {
   constexpr double kBraking = StopLine::kBraking;
-  constexpr double kShort = 1.0;   // [m] before the line
-  constexpr double kRolls = 1e-3;  // [m/s]: who is slower stands
+  constexpr double kHardest = 4.5;  // [m/s^2] as hard as drivers brake if they have to
+  constexpr double kShort = 1.0;    // [m] before the line
+  constexpr double kRolls = 1e-3;   // [m/s]: who is slower stands
   const auto stays_short = [&](double acceleration) {
     const InertialState next = advance(now, acceleration, dt);
     return next.s + stopping_distance(next.v, kBraking) <= line.s - kShort;
@@ -37,7 +38,11 @@ double before_line(const InertialState& now, double a, const StopLine& line, dou
   };
   // SUMO drives a whole step at the speed that it has at the step's end: braking takes it less far.
   if (needed(room + now.v * dt / 2.0) > line.hardest) return -kBraking;
-  return -std::min(std::max(kBraking, needed(room)), now.v / dt);
+  // Whoever brakes late stands as far from it as others, if he can.
+  const bool stands_short =
+      room > kShort && needed(room - kShort) <= std::min(kHardest, line.hardest);
+  const double braking = std::max(kBraking, needed(stands_short ? room - kShort : room));
+  return -std::min(braking, now.v / dt);
 }
 
 /// Appends states until the end of the path, each with the acceleration that `wish` asks for, with

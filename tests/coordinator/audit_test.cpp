@@ -97,7 +97,7 @@ TEST_F(AuditTest, AnEventSaysWhatItIsAndWhoDidIt) {
   EXPECT_EQ(audit.events()[1].who, std::vector<std::string>{"a"});
 }
 
-// Two that touch under their own drivers are told again when one of them comes under control.
+// Two that touch under human drivers are told again when one of them comes under control.
 TEST_F(AuditTest, AnOverlapIsToldOnceAndOnceMoreIfItBecomesOurs) {
   const VehicleState a{.id = "a", .pose = {-97, -1.6, 0}};
   const VehicleState b{.id = "b", .pose = {-100, -1.6, 0}};
