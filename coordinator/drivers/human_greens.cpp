@@ -80,6 +80,13 @@ bool HumanDrivers::is_shown_green(const Agent& agent) const {
          std::ranges::all_of(agent.links, [&](int k) { return heads_.light(k) == Light::kGreen; });
 }
 
+bool HumanDrivers::stops_for_red(const std::string& id) const {
+  const auto agent = agents_.find(id);
+  if (agent == agents_.end() || agent->second.granted || agent->second.links.empty()) return false;
+  return std::ranges::all_of(agent->second.links,
+                             [&](int k) { return heads_.light(k) == Light::kRed; });
+}
+
 /// Has it green in a phase?
 bool HumanDrivers::is_in_phase(const Agent& agent) const {
   return is_shown_green(agent) && phases_ &&

@@ -116,6 +116,8 @@ class Coordinator : public Controller {
   /// What the planner sees now; public so that the invariants can be tested from outside.
   [[nodiscard]] RoadScene scene() const;
   [[nodiscard]] const JointPlan& plan() const { return plan_; }
+  /// What was expected of others at the last decision.
+  [[nodiscard]] std::span<const Forecast> forecasts() const { return forecasts_; }
   /// Keys of the vehicles that the last decision planned together.
   [[nodiscard]] const std::vector<std::vector<std::int64_t>>& groups() const { return groups_; }
 

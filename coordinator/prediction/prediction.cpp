@@ -37,10 +37,11 @@ double before_line(const InertialState& now, double a, const StopLine& line, dou
     return within > 0.0 ? now.v * now.v / (2.0 * within) : now.v / dt;
   };
   // SUMO drives a whole step at the speed that it has at the step's end: braking takes it less far.
-  if (needed(room + now.v * dt / 2.0) > line.hardest) return -kBraking;
+  const double less = now.v * dt / 2.0;
+  if (needed(room + less) > line.hardest) return -kBraking;
   // Whoever brakes late stands as far from it as others, if he can.
   const bool stands_short =
-      room > kShort && needed(room - kShort) <= std::min(kHardest, line.hardest);
+      room > kShort && needed(room - kShort + less) <= std::min(kHardest, line.hardest);
   const double braking = std::max(kBraking, needed(stands_short ? room - kShort : room));
   return -std::min(braking, now.v / dt);
 }

@@ -71,6 +71,29 @@ TEST(HumanDrivers, WhoStoppedAfterAllWaitsForGreen) {
   EXPECT_TRUE(waits_again);
 }
 
+// Others count on his braking for red from now on, however late, and not only once he is told to.
+TEST(HumanDrivers, AreExpectedToBrakeForRedAtOnce) {
+  CoordinatorOptions options;
+  options.share = {.human_types = {"bike"}};
+  ClosedLoop run(with_signals(crossroads_shape()),
+                 {{"turns", 0.0, "N-C", "C-E"}, {"human", 0.0, "S-C", "C-N", "bike"}}, 0.1,
+                 options);
+  const HumanDrivers& humans = *run.coordinator.humans();
+  int at_red = 0;
+  while (run.traffic.running() && run.traffic.time() < 60.0) {
+    const bool was_red = humans.stops_for_red("human");
+    const std::size_t decisions = run.coordinator.replans().size();
+    run.step();
+    const bool is_new = run.coordinator.replans().size() > decisions;
+    if (!is_new || !was_red || !humans.stops_for_red("human")) continue;
+    for (const Forecast& f : run.coordinator.forecasts()) {
+      ++at_red;
+      EXPECT_EQ(f.told, Told::kToWait) << "at t = " << run.traffic.time();
+    }
+  }
+  EXPECT_GT(at_red, 0);
+}
+
 // He is too fast to stop before the end of his lane, from which no connection leads where he goes:
 // a follower must not count on his driving on.
 TEST(HumanDrivers, NeverPassTheEndOfALaneThatDoesNotLeadOn) {
