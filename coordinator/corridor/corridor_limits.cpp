@@ -6,6 +6,7 @@
 
 #include "coordinator/audit/audit.hpp"
 #include "coordinator/corridor/corridor.hpp"
+#include "coordinator/corridor/reference_path.hpp"
 #include "coordinator/network/polyline.hpp"
 
 namespace mvtp {
