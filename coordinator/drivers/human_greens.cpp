@@ -23,6 +23,12 @@ constexpr double kSoon = 4.0;       ///< [s] in which one ahead is over the line
 constexpr double kTogether = 1.0;   ///< [s] after the first of its phase that a light follows
 constexpr double kUncertain = 1.0;  ///< [m] by which drivers may judge otherwise if they can stop
 
+/// Is each of these connections shown this, and is there one?
+bool all_show(const SignalHeads& heads, const std::vector<int>& links, Light light) {
+  return !links.empty() &&
+         std::ranges::all_of(links, [&](int k) { return heads.light(k) == light; });
+}
+
 }  // namespace
 
 /// Would it begin to brake for red before the next decision, or does it wait at its line?
@@ -76,15 +82,13 @@ bool HumanDrivers::may_turn_green(int link) const {
 }
 
 bool HumanDrivers::is_shown_green(const Agent& agent) const {
-  return !agent.links.empty() &&
-         std::ranges::all_of(agent.links, [&](int k) { return heads_.light(k) == Light::kGreen; });
+  return all_show(heads_, agent.links, Light::kGreen);
 }
 
 bool HumanDrivers::stops_for_red(const std::string& id) const {
   const auto agent = agents_.find(id);
-  if (agent == agents_.end() || agent->second.granted || agent->second.links.empty()) return false;
-  return std::ranges::all_of(agent->second.links,
-                             [&](int k) { return heads_.light(k) == Light::kRed; });
+  return agent != agents_.end() && !agent->second.granted &&
+         all_show(heads_, agent->second.links, Light::kRed);
 }
 
 /// Has it green in a phase?

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <optional>
 #include <ranges>
 
 #include "coordinator/drivers/human_drivers.hpp"
@@ -95,10 +96,12 @@ std::vector<std::string> Coordinator::guests_at_gate() {
     if (state != nullptr) known->second = predict_one(*state, {id});
     return known->second;
   };
-  const WaitingPlaces taken = waiting_places();
+  std::optional<WaitingPlaces> taken;
   const auto is_first = [&](const std::string& id) {
     const VehicleState* state = find_state(id);
-    return state != nullptr && is_first_on_lane(*state) && has_room_behind(*state, taken);
+    if (state == nullptr || !is_first_on_lane(*state)) return false;
+    if (!taken) taken = waiting_places();
+    return has_room_behind(*state, *taken);
   };
   const auto may_meet = [&](const std::string& a, const std::string& b, bool from_one_lane) {
     return std::ranges::any_of(passages_of(a), [&](const Forecast& f) {
