@@ -23,6 +23,7 @@ PlannerResult run_escot(const PlanningProblem& problem, const SolveOptions& opti
   EscotOptions escot;
   escot.seed = options.seed;
   escot.world.seed = options.seed;
+  escot.world.score = options.pbcr;
   return solve_escot(problem, escot, deadline);
 }
 
@@ -31,6 +32,7 @@ PlannerResult run_pbcr(const PlanningProblem& problem, const SolveOptions& optio
   EscotOptions escot;
   escot.seed = options.seed;
   escot.world.seed = options.seed;
+  escot.world.score = options.pbcr;
   escot.world.grouping = false;
   escot.replan_duplicates = false;
   return solve_escot(problem, escot, deadline);

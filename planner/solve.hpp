@@ -6,6 +6,7 @@
 
 #include "planner/problem/deadline.hpp"
 #include "planner/problem/instance.hpp"
+#include "planner/problem/pbcr_score.hpp"
 #include "planner/problem/plan.hpp"
 
 namespace mvtp {
@@ -18,6 +19,7 @@ struct SolveOptions {
   double run_time_limit = 1e9;  ///< of each run [s], > 0
   double gap = 0.01;            ///< escot-star stops at a makespan of (1 + gap) * lower bound, >= 0
   int threads = 1;              ///< of escot-star, >= 1; the others use one
+  PbcrScore pbcr = PbcrScore::kStrengthened;  ///< of escot and pbcr
 };
 
 /// The algorithms that solve() knows, the default first.

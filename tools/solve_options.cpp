@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cstdint>
 #include <limits>
+#include <map>
+#include <string>
 
 #include "tools/option_types.hpp"
 
@@ -33,6 +35,11 @@ void add_limit_options(CLI::App& app, SolveOptions& options, double& time_limit)
   app.add_option("--threads", options.threads, "Searchers of escot-star side by side [1]")
       ->type_name("N")
       ->check(whole_number_between(1, 64))
+      ->group(kSearchGroup);
+  const std::map<std::string, PbcrScore> scores{{"paper", PbcrScore::kPaper},
+                                                {"strengthened", PbcrScore::kStrengthened}};
+  add_choice(app, "--pbcr", options.pbcr, scores,
+             "What PBCR ranks by, alone and in escot [strengthened]")
       ->group(kSearchGroup);
   app.add_option("--run-time-limit", options.run_time_limit, "For each run [s] [the time limit]")
       ->type_name("S")

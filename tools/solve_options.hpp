@@ -11,7 +11,7 @@ namespace mvtp {
 /// The options that `solve` takes and `bench` hands on to it, in this group.
 inline constexpr const char* kSearchGroup = "Search";
 
-/// --time-limit, --runs and --run-time-limit. The targets must outlive the parsing.
+/// --time-limit, --runs, --run-time-limit, --gap, --threads and --pbcr. The targets must outlive the parsing.
 void add_limit_options(CLI::App& app, SolveOptions& options, double& time_limit);
 
 /// These, --algorithm and --seed.

@@ -48,12 +48,13 @@ SteppedWorld::Motion SteppedWorld::motion(int i, const Pose& pose, const Arc& ar
   return {arc, problem_.after(i, pose, arc), problem_.car(i).sweep(pose, arc)};
 }
 
-void SteppedWorld::set_order() {
+void SteppedWorld::set_order(const Configuration& q) {
   order_.resize(robots_.size());
   std::iota(order_.begin(), order_.end(), 0);
   std::ranges::sort(order_, {}, [&](int i) {
     const Robot& robot = robots_[std::size_t(i)];
-    return std::tuple(-robot.steps_under_way, -robot.distance, i);
+    const double then = is_plain() ? problem_.cost_to_go(i)(q[std::size_t(i)]) : -robot.distance;
+    return std::tuple(-robot.steps_under_way, then, i);
   });
   for (std::size_t k = 0; k < order_.size(); ++k) robots_[std::size_t(order_[k])].rank = int(k);
 }
@@ -142,7 +143,7 @@ void SteppedWorld::update_reference_paths(const Configuration& q) {
     }
     set_reference_path(i, pose, path ? std::move(path->steps) : std::vector<Arc>{}, -1);
   }
-  set_order();
+  set_order(q);
   update_neighbours(q);
 }
 
@@ -168,15 +169,13 @@ void SteppedWorld::advance(const std::vector<Motion>& motions) {
     if (m.end == problem_.goal(i)) {
       robot.steps_under_way = 0;
       robot.stuck = 0;
+      if (is_plain()) robot.times_in_cell.clear();
       continue;
     }
     ++robot.steps_under_way;
     robot.stuck = on_reference_path ? 0 : robot.stuck + 1;
-    if (on_reference_path) continue;  // a robot that follows its path is not stuck
-    const double before = times_in_cell(i, m.end);
-    const auto [counted, first] =
-        robot.times_in_cell.try_emplace(cell(i, m.end), CellCount{0.0, step_});
-    if (!first) counted->second = {before + 1.0, step_};
+    // A robot that follows its path is not stuck.
+    if (is_plain() || !on_reference_path) count_cell(i, m.end);
   }
 }
 

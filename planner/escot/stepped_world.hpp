@@ -14,14 +14,16 @@
 #include "planner/escot/neighbours.hpp"
 #include "planner/escot/planning_problem.hpp"
 #include "planner/problem/deadline.hpp"
+#include "planner/problem/pbcr_score.hpp"
 
 namespace mvtp {
 
 struct SteppedWorldOptions {
   std::uint64_t seed = 0;  ///< of the noise that tells equally good steps apart
-  bool grouping = true;    ///< false: PBCR alone
-  int window = 10;         ///< robots that will conflict within so many steps are grouped, >= 1
-  int max_group = 5;       ///< robots in a group, at most
+  PbcrScore score = PbcrScore::kStrengthened;
+  bool grouping = true;  ///< false: PBCR alone
+  int window = 10;       ///< robots that will conflict within so many steps are grouped, >= 1
+  int max_group = 5;     ///< robots in a group, at most
   /// PreCheck: a group that could not be planned is not tried again for so many steps.
   int retry_after = 5;
   CbsOptions eccr{
@@ -141,6 +143,12 @@ class SteppedWorld {
   [[nodiscard]] double penalty(int i, const Arc& arc) const;
   /// What counts against a motion of robot i, whatever the others do [m].
   [[nodiscard]] double score(int i, const Motion& motion, bool greedy) const;
+  /// What counts against driving straight without coming closer, pushed by a straight motion [m];
+  /// PBCR's authors have it.
+  [[nodiscard]] double head_on_cost(int i, const Pose& pose, const Motion& motion,
+                                    const Motion& pusher) const;
+  /// What is left to the goal after a motion, the strengthened estimate of it [m].
+  [[nodiscard]] double to_go_after(int i, const Motion& motion, bool greedy) const;
   /// What counts against standing where others pass, or against meeting them farther along the
   /// reference path if the motion is the greedy one [m].
   [[nodiscard]] double blocking_cost(int i, const Motion& motion, bool greedy,
@@ -164,7 +172,10 @@ class SteppedWorld {
   [[nodiscard]] double still_to_clear(int i, const Pose& pose, const GroundAhead& ground) const;
   /// No point of the body is farther from the rear axle during one step, wherever that starts [m].
   [[nodiscard]] double reach(int i) const;
-  void set_order();
+  [[nodiscard]] bool is_plain() const { return options_.score == PbcrScore::kPaper; }
+  void set_order(const Configuration& q);
+  /// Takes note that robot i was in the cell of `pose` once more.
+  void count_cell(int i, const Pose& pose);
   void update_neighbours(const Configuration& q);
   /// A circle around all places where robot i can be while groups look at it.
   [[nodiscard]] Circle reachable_disc(int i) const;
@@ -200,6 +211,9 @@ class SteppedWorld::Ranking {
   /// @param along  what one of them points at, if nobody else keeps it
   Ranking(const SteppedWorld& world, int robot, const Pose& pose, std::vector<GroundAhead> grounds,
           std::shared_ptr<const SweptTrajectory> along = nullptr);
+
+  /// Of a robot that is pushed, as PBCR's authors rank them.
+  Ranking(const SteppedWorld& world, int robot, const Pose& pose, const Motion& pusher);
 
   /// Number k, from 0 on; nullptr if there are not so many. The pointers stay valid.
   friend const Motion* nth(Ranking& ranking, std::size_t k) { return ranking.nth_motion(k); }

@@ -21,6 +21,8 @@ constexpr double kTurnPenalty = 1.5;
 constexpr double kReversePenalty = 2.0;
 constexpr double kSwitchPenalty = 2.0;  // of driving direction
 constexpr double kForget = 0.95;        // of having been there, per step
+constexpr double kForgetPlain = 0.99;   // the same in the authors' code, per time it is there again
+constexpr double kHeadOn = 3.0;         // there: straight on or back for who is pushed straight
 // Giving way in time: contact nose to nose leaves a car nothing but the path back.
 constexpr double kLookAhead = 6.0;  // [m] of those that have priority
 constexpr double kBlocking = 0.9;   // [steps] of standing where they go
@@ -51,7 +53,7 @@ SteppedWorld::Ranking SteppedWorld::candidates(int i, const Pose& pose) const {
 }
 
 std::optional<SteppedWorld::Motion> SteppedWorld::first_choice(int i, const Pose& pose) const {
-  if (robots_[std::size_t(i)].random_primitive) return std::nullopt;
+  if (is_plain() || robots_[std::size_t(i)].random_primitive) return std::nullopt;
   const std::vector<GroundAhead> grounds = grounds_to_keep_clear(i);
   if (!has_reference_path(i)) {
     Motion wait = safe_stop(i, pose);
@@ -68,6 +70,7 @@ std::optional<SteppedWorld::Motion> SteppedWorld::first_choice(int i, const Pose
 
 SteppedWorld::Ranking SteppedWorld::push_candidates(int i, const Pose& pose, int pusher,
                                                     const Motion& motion) const {
+  if (is_plain()) return {*this, i, pose, motion};
   std::vector<GroundAhead> grounds = grounds_to_keep_clear(i);
   std::erase_if(grounds, [&](const GroundAhead& ground) { return ground.of == pusher; });
   // The pusher goes on along its reference path, if that is what it does now, or else as it does
@@ -86,8 +89,9 @@ SteppedWorld::Ranking SteppedWorld::push_candidates(int i, const Pose& pose, int
 }
 
 std::vector<SteppedWorld::GroundAhead> SteppedWorld::grounds_to_keep_clear(int i) const {
-  const Robot& robot = robots_[std::size_t(i)];
   std::vector<GroundAhead> grounds;
+  if (is_plain()) return grounds;
+  const Robot& robot = robots_[std::size_t(i)];
   grounds.reserve(robot.within_lookahead.size() + 1);
   for (const int j : robot.within_lookahead) {
     const Robot& other = robots_[std::size_t(j)];
@@ -119,6 +123,14 @@ double SteppedWorld::still_to_clear(int i, const Pose& pose, const GroundAhead& 
   const double radius = own.min_turning_radius;
   const double clear = (own.width + problem_.car(ground.of).vehicle().width) / 2 + radius;
   return std::max(0.0, clear - std::abs(seen.y) - radius * std::abs(std::sin(seen.theta)));
+}
+
+SteppedWorld::Ranking::Ranking(const SteppedWorld& world, int robot, const Pose& pose,
+                               const Motion& pusher)
+    : Ranking(world, robot, pose, {}) {
+  for (Entry& entry : entries_) {
+    entry.score += world.head_on_cost(robot, pose, entry.motion, pusher);
+  }
 }
 
 SteppedWorld::Ranking::Ranking(const SteppedWorld& world, int robot, const Pose& pose,
@@ -180,27 +192,33 @@ bool SteppedWorld::Ranking::find_next() {
 }
 
 double SteppedWorld::score(int i, const Motion& m, bool greedy) const {
-  const Robot& robot = robots_[std::size_t(i)];
-  const double step = problem_.car(i).step_length();
-
-  // The reference path knows more than the cost-to-go: nobody gets closer to the goal than along
-  // it.
-  double to_go = 0.0;
-  const double left_on_path = step * double(robot.reference_path.size() - robot.next);
-  if (greedy) {
-    to_go = left_on_path - step;
-  } else {
-    to_go = problem_.cost_to_go(i)(m.end);
-    if (left_on_path > 0.0)
-      to_go = std::max(to_go, is_wait(m.arc) ? left_on_path : left_on_path - step);
-    const double spread = step * std::min(kMaxNoise, kNoise * robot.stuck);
-    const auto arc = std::uint64_t(3 * (m.arc.length > 0.0) + 6 * (m.arc.length < 0.0) +
-                                   (m.arc.curvature > 0.0) + 2 * (m.arc.curvature < 0.0));
-    to_go += spread * noise(options_.seed, std::uint64_t(step_), std::uint64_t(i), arc);
-  }
-
+  const double to_go = is_plain() ? problem_.cost_to_go(i)(m.end) : to_go_after(i, m, greedy);
   return to_go +
          kWeight * penalty(i, m.arc) * (1.0 + times_in_cell(i, m.end) - (greedy ? 1.0 : 0.0));
+}
+
+double SteppedWorld::head_on_cost(int i, const Pose& pose, const Motion& m,
+                                  const Motion& pusher) const {
+  const auto straight = [](const Motion& x) { return x.arc.curvature == 0.0 && !is_wait(x.arc); };
+  if (!straight(pusher) || !straight(m)) return 0.0;
+  const CostToGo& to_go = problem_.cost_to_go(i);
+  return to_go(m.end) < to_go(pose) ? 0.0 : kWeight * penalty(i, m.arc) * kHeadOn;
+}
+
+double SteppedWorld::to_go_after(int i, const Motion& m, bool greedy) const {
+  const Robot& robot = robots_[std::size_t(i)];
+  const double step = problem_.car(i).step_length();
+  // The reference path knows more than the cost-to-go: nobody gets closer to the goal than along
+  // it.
+  const double left_on_path = step * double(robot.reference_path.size() - robot.next);
+  if (greedy) return left_on_path - step;
+  double to_go = problem_.cost_to_go(i)(m.end);
+  if (left_on_path > 0.0)
+    to_go = std::max(to_go, is_wait(m.arc) ? left_on_path : left_on_path - step);
+  const double spread = step * std::min(kMaxNoise, kNoise * robot.stuck);
+  const auto arc = std::uint64_t(3 * (m.arc.length > 0.0) + 6 * (m.arc.length < 0.0) +
+                                 (m.arc.curvature > 0.0) + 2 * (m.arc.curvature < 0.0));
+  return to_go + spread * noise(options_.seed, std::uint64_t(step_), std::uint64_t(i), arc);
 }
 
 double SteppedWorld::penalty(int i, const Arc& arc) const {
@@ -249,7 +267,15 @@ double SteppedWorld::times_in_cell(int i, const Pose& pose) const {
   const auto& all = robots_[std::size_t(i)].times_in_cell;
   const auto found = all.find(cell(i, pose));
   if (found == all.end()) return 0.0;
+  if (is_plain()) return found->second.value;
   return found->second.value * std::pow(kForget, step_ - found->second.step);
+}
+
+void SteppedWorld::count_cell(int i, const Pose& pose) {
+  const double before = times_in_cell(i, pose) * (is_plain() ? kForgetPlain : 1.0);
+  const auto [counted, first] =
+      robots_[std::size_t(i)].times_in_cell.try_emplace(cell(i, pose), CellCount{0.0, step_});
+  if (!first) counted->second = {before + 1.0, step_};
 }
 
 std::uint64_t SteppedWorld::cell(int i, const Pose& pose) const {
