@@ -262,31 +262,12 @@ bool Coordinator::comes_late() const {
   return Draws(options_.escot.seed * 1000003 + std::uint64_t(step_)).share() < options_.late_share;
 }
 
-/// Of the groups of the last decision, those that have not moved since though nobody in them
-/// drives: a duplicate configuration [ESCoT, Alg. 2 l. 4-6]. They plan anew, in another order, at
-/// random.
+/// The groups of the last decision that stand as they stood then plan anew, in another order.
 std::vector<std::int64_t> Coordinator::stagnating_groups() {
-  std::vector<std::int64_t> upset;
   std::map<std::int64_t, InertialState> now;
   for (const auto& [id, driven] : driven_) now[driven.key] = driven.road.now;
-  for (const std::vector<std::int64_t>& group : groups_) {
-    std::vector<std::int64_t> there;
-    bool stands = true;
-    for (const std::int64_t key : group) {
-      const auto state = now.find(key);
-      if (state == now.end()) continue;
-      const auto before = last_states_.find(key);
-      stands = stands && state->second.v == 0.0 && before != last_states_.end() &&
-               before->second == state->second;
-      there.push_back(key);
-    }
-    if (!stands || there.size() < 2) continue;
-    Draws draws(options_.escot.seed + std::uint64_t(step_) + std::uint64_t(there.front()));
-    draws.shuffle(there);
-    upset.insert(upset.begin(), there.begin(), there.end());
-  }
-  last_states_ = std::move(now);
-  return upset;
+  return stagnation_.duplicates(groups_, std::move(now),
+                                options_.escot.seed + std::uint64_t(step_));
 }
 
 namespace {

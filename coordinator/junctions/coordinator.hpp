@@ -22,6 +22,7 @@
 #include "coordinator/faults/fault_model.hpp"
 #include "coordinator/junctions/priority.hpp"
 #include "coordinator/junctions/referee.hpp"
+#include "coordinator/junctions/stagnation.hpp"
 #include "coordinator/people/people.hpp"
 #include "coordinator/prediction/known_intent.hpp"
 #include "coordinator/prediction/prediction.hpp"
@@ -345,9 +346,9 @@ class Coordinator : public Controller {
   std::vector<Forecast> forecasts_;
   std::unordered_map<std::string, Trail> trails_;
   std::map<std::string, VehicleType> types_;
-  std::map<std::string, std::string> undriven_;        ///< what -> why
-  std::vector<std::vector<std::int64_t>> groups_;      ///< keys, of the last decision
-  std::map<std::int64_t, InertialState> last_states_;  ///< then, by key
+  std::map<std::string, std::string> undriven_;    ///< what -> why
+  std::vector<std::vector<std::int64_t>> groups_;  ///< keys, of the last decision
+  Stagnation stagnation_;
   std::map<std::string, int> turned_away_;  ///< decisions for which newcomers had to wait
   std::map<std::int64_t, int> standing_;    ///< decisions in a row without a complete plan, by key
   std::map<std::int64_t, int> refusals_;    ///< of the referee in a row, by key
