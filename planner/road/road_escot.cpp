@@ -121,14 +121,13 @@ RoadDecision decide_group(const RoadScene& scene, const Keys& group, const Joint
 
 /// Other threads are worth waking if there is something to do beside the largest group.
 int threads_for(const std::vector<Keys>& groups, const RoadEscotOptions& options) {
-  constexpr std::size_t kWorthIt = 200;  // pairs of vehicles
   std::size_t all = 0;
   std::size_t most = 0;
   for (const Keys& group : groups) {
     all += group.size() * group.size();
     most = std::max(most, group.size() * group.size());
   }
-  if (all - most < kWorthIt) return 1;
+  if (all - most < std::size_t(options.pairs_for_threads)) return 1;
   const int cores = tbb::info::default_concurrency();
   return options.threads > 0 ? std::min(options.threads, cores) : cores;
 }

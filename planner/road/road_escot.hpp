@@ -27,6 +27,8 @@ struct RoadEscotOptions {
   /// Looks at one other vehicle during one decision that a group may take per call; see WorkBudget.
   std::int64_t work = 4'000'000;
   int threads = 0;  ///< for groups; 0: as many as there are cores. Same result for any number
+  /// Pairs of vehicles, in groups beside the largest, from which other threads are woken. >= 0
+  int pairs_for_threads = 200;
   std::uint64_t seed = 0;
 };
 

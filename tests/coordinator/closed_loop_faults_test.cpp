@@ -26,6 +26,7 @@ TEST(Threads, DoNotChangeWhereAnybodyIs) {
   one.escot.threads = 1;
   CoordinatorOptions four;
   four.escot.threads = 4;
+  four.escot.pairs_for_threads = 0;
   ClosedLoop a(shape, cars(shape, 7, 40), 0.1, one);
   ClosedLoop b(shape, cars(shape, 7, 40), 0.1, four);
   while (a.traffic.running() && a.traffic.time() < 60.0) {

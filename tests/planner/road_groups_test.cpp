@@ -1,5 +1,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <tbb/info.h>
+
+#include <chrono>
+#include <condition_variable>
+#include <mutex>
+#include <set>
+#include <thread>
 
 #include "planner/road/road_escot.hpp"
 #include "planner/road/road_world.hpp"
@@ -96,10 +103,32 @@ TEST_F(ManyCrossings, AnyNumberOfThreadsGivesTheSame) {
   RoadEscotOptions options;
   options.threads = 1;
   const RoadDecision one = decide_on_road(scene, {}, keys(), options);
+  options.pairs_for_threads = 0;
   for (const int threads : {0, 2, 3, 8}) {
     options.threads = threads;
     expect_same(decide_on_road(scene, {}, keys(), options), one);
   }
+}
+
+// Each group waits until a second thread has begun another one, or for long.
+TEST_F(ManyCrossings, GroupsAreDividedAmongThreads) {
+  if (tbb::info::default_concurrency() < 2) GTEST_SKIP() << "there is one core only";
+  fill({0, 1, 2, 3});
+  std::mutex mutex;
+  std::condition_variable begun;
+  std::set<std::thread::id> threads;
+  RoadEscotOptions options;
+  options.threads = 2;
+  options.pairs_for_threads = 0;
+  options.budget.clock = [&] {
+    std::unique_lock lock(mutex);
+    threads.insert(std::this_thread::get_id());
+    begun.notify_all();
+    begun.wait_for(lock, std::chrono::seconds(60), [&] { return threads.size() > 1; });
+    return 0.0;
+  };
+  (void)decide_on_road(scene, {}, keys(), options);
+  EXPECT_EQ(threads.size(), 2U);
 }
 
 TEST_F(ManyCrossings, AGroupIsPlannedAsIfItWereAlone) {
