@@ -15,7 +15,7 @@ namespace mvtp {
 [[nodiscard]] std::vector<bool> select_junctions(const LaneGraph& graph,
                                                  std::span<const std::string> ids, double chain);
 
-/// Junctions whose corridors share ground, and how many connections lead over them.
+/// Junctions that one corridor may lead through, and how many connections lead over them.
 struct ControlZone {
   std::vector<int> junctions;
   int connections = 0;
