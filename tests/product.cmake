@@ -17,6 +17,8 @@ set_tests_properties(installed PROPERTIES TIMEOUT 300)
 # Docs and words.
 add_test(NAME vocabulary
   COMMAND ${Python3_EXECUTABLE} ${tests}/vocabulary/vocabulary_test.py ${PROJECT_SOURCE_DIR})
+add_test(NAME sizes
+  COMMAND ${Python3_EXECUTABLE} ${tests}/sizes/sizes_test.py ${PROJECT_SOURCE_DIR})
 add_test(NAME docs.site
   COMMAND ${Python3_EXECUTABLE} ${tests}/docs/site_test.py ${PROJECT_SOURCE_DIR}
     ${PROJECT_BINARY_DIR}/tools/manual/markdown/commands.md ${work}/docs/site)

@@ -147,6 +147,10 @@ class CourseFinder {
   [[nodiscard]] std::vector<std::vector<double>> costs_to_go(const CourseQuery& query,
                                                              std::size_t first, std::size_t last,
                                                              double room) const;
+  /// The last edge behind the exit that a course leads along, `reach` metres or to where it has to
+  /// end before.
+  [[nodiscard]] std::size_t last_edge_behind(const CourseQuery& query, std::size_t exit,
+                                             double reach) const;
   [[nodiscard]] bool lay_pieces(const CourseQuery& query, const Start& start, std::size_t exit,
                                 double reach, CorridorCourse& course) const;
   [[nodiscard]] static double straight_room(double body_length);

@@ -91,8 +91,8 @@ std::vector<std::vector<double>> CourseFinder::costs_to_go(const CourseQuery& qu
   return costs;
 }
 
-bool CourseFinder::lay_pieces(const CourseQuery& query, const Start& start, std::size_t exit,
-                              double reach, CorridorCourse& course) const {
+std::size_t CourseFinder::last_edge_behind(const CourseQuery& query, std::size_t exit,
+                                           double reach) const {
   std::size_t last = exit;
   double covered = length(query.edges[exit]);
   for (; covered < reach && last + 1 < query.edges.size(); ++last) {
@@ -108,6 +108,12 @@ bool CourseFinder::lay_pieces(const CourseQuery& query, const Start& start, std:
     covered +=
         length_between(query.edges[last], query.edges[last + 1]) + length(query.edges[last + 1]);
   }
+  return last;
+}
+
+bool CourseFinder::lay_pieces(const CourseQuery& query, const Start& start, std::size_t exit,
+                              double reach, CorridorCourse& course) const {
+  const std::size_t last = last_edge_behind(query, exit, reach);
   const std::size_t seen = std::min(last + kLookAhead, query.edges.size() - 1);
   const double room = length(query.edges[start.edge]) - std::max(start.position, 0.0);
   const auto costs = costs_to_go(query, start.edge, seen, room);

@@ -23,12 +23,6 @@ constexpr double kSoon = 4.0;       ///< [s] in which one ahead is over the line
 constexpr double kTogether = 1.0;   ///< [s] after the first of its phase that a light follows
 constexpr double kUncertain = 1.0;  ///< [m] by which drivers may judge otherwise if they can stop
 
-/// Is each of these connections shown this, and is there one?
-bool all_show(const SignalHeads& heads, const std::vector<int>& links, Light light) {
-  return !links.empty() &&
-         std::ranges::all_of(links, [&](int k) { return heads.light(k) == light; });
-}
-
 }  // namespace
 
 /// Would it begin to brake for red before the next decision, or does it wait at its line?
@@ -82,13 +76,13 @@ bool HumanDrivers::may_turn_green(int link) const {
 }
 
 bool HumanDrivers::is_shown_green(const Agent& agent) const {
-  return all_show(heads_, agent.links, Light::kGreen);
+  return heads_.all_show(agent.links, Light::kGreen);
 }
 
 bool HumanDrivers::stops_for_red(const std::string& id) const {
   const auto agent = agents_.find(id);
   return agent != agents_.end() && !agent->second.granted &&
-         all_show(heads_, agent->second.links, Light::kRed);
+         heads_.all_show(agent->second.links, Light::kRed);
 }
 
 /// Has it green in a phase?

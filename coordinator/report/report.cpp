@@ -226,23 +226,21 @@ Headline headline(const RunReport& r) {
           .replan_p95 = quantile(collect(r.replans, [](const Replan& x) { return x.ms; }), 0.95)};
 }
 
-std::string summary_json(const RunReport& r) {
+namespace {
+
+void add_counts(const RunReport& r, Json& j) {
   const auto completed = std::ranges::count_if(
       r.vehicles, [](const VehicleRecord& v) { return v.arrival.has_value(); });
   const auto departed = std::ranges::count_if(
       r.vehicles, [](const VehicleRecord& v) { return v.departure.has_value(); });
-  const auto field_mean = [&](auto value) { return mean(collect(r.vehicles, value)); };
-  const std::vector<double> ms = collect(r.replans, [](const Replan& x) { return x.ms; });
-  const auto count = [&](auto test) { return std::ranges::count_if(r.replans, test); };
-
-  Json j;
-  j["status"] = r.status;
-  if (!r.message.empty()) j["message"] = r.message;
-  j["controller"] = r.controller;
   j["vehicles"] = departed;
   j["never_departed"] = std::int64_t(r.vehicles.size()) - departed;
   j["completed"] = completed;
   j["throughput_veh_h"] = throughput(r);
+}
+
+void add_delays(const RunReport& r, Json& j) {
+  const auto field_mean = [&](auto value) { return mean(collect(r.vehicles, value)); };
   j["delay_s"] = delay_json(delays_of(r));
   j["penetration"] = r.penetration;
   j["delay_controlled_s"] = delay_by_driver(r, true);
@@ -259,7 +257,9 @@ std::string summary_json(const RunReport& r) {
   j["time_loss_s"] = field_mean([](const VehicleRecord& v) { return v.time_loss; });
   j["depart_delay_s"] = field_mean([&](const VehicleRecord& v) { return depart_delay(v, r.end); });
   j["waiting_time_s"] = field_mean([](const VehicleRecord& v) { return v.waiting_time; });
-  add_measures(r, j);
+}
+
+void add_audit(const RunReport& r, Json& j) {
   j["audit"] = audit_json(r.audit);
   j["overlap_pairs_coordinated"] = r.audit.overlap_pairs_coordinated;
   if (r.faults) j["faults"] = faults_json(r);
@@ -273,9 +273,11 @@ std::string summary_json(const RunReport& r) {
   j["max_speed"] = r.audit.max_speed;
   j["max_jump_m"] = r.audit.max_jump;
   j["hard_brakings_after_handback"] = r.audit.hard_brakings_after_handback;
-  j["detours"] = r.detours;
-  j["lane_swaps"] = r.lane_swaps;
-  j["left_to_sumo_sightings"] = r.left_to_sumo_sightings;
+}
+
+void add_replans(const RunReport& r, Json& j) {
+  const std::vector<double> ms = collect(r.replans, [](const Replan& x) { return x.ms; });
+  const auto count = [&](auto test) { return std::ranges::count_if(r.replans, test); };
   j["replan_ms"] = {{"p50", quantile(ms, 0.5)},
                     {"p95", quantile(ms, 0.95)},
                     {"p99", quantile(ms, 0.99)},
@@ -283,6 +285,23 @@ std::string summary_json(const RunReport& r) {
   j["replans"] = r.replans.size();
   j["fallbacks"] = count([](const Replan& x) { return x.fallback; });
   j["replans_with_stepped_vehicles"] = count([](const Replan& x) { return x.stepped > 0; });
+}
+
+}  // namespace
+
+std::string summary_json(const RunReport& r) {
+  Json j;
+  j["status"] = r.status;
+  if (!r.message.empty()) j["message"] = r.message;
+  j["controller"] = r.controller;
+  add_counts(r, j);
+  add_delays(r, j);
+  add_measures(r, j);
+  add_audit(r, j);
+  j["detours"] = r.detours;
+  j["lane_swaps"] = r.lane_swaps;
+  j["left_to_sumo_sightings"] = r.left_to_sumo_sightings;
+  add_replans(r, j);
   if (!r.lots.empty()) j["parking"] = lots_json(r.lots, r.end);
   j["zones"] = zones_json(r);
   j["left_to_sumo"] = left_json(r);

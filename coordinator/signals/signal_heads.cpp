@@ -151,6 +151,11 @@ bool SignalHeads::is_called_before(int link, std::int64_t came) const {
                              [&](int other) { return heads_[std::size_t(other)].called < came; });
 }
 
+bool SignalHeads::all_show(std::span<const int> links, Light light) const {
+  return !links.empty() &&
+         std::ranges::all_of(links, [&](int k) { return this->light(k) == light; });
+}
+
 double SignalHeads::shown_for(int link) const {
   return traffic_.time() - heads_[std::size_t(link)].since;
 }

@@ -228,7 +228,11 @@ void bind_driving(Door& traffic) {
           [](TrafficDoor& d, const std::string& id, bool keep) {
             d.with_vehicle(id).keep_lane(id, keep);
           },
-          "id"_a, "keep"_a, "Keeps a vehicle that is not controlled in its lane, or no longer.")
+          "id"_a, "keep"_a, "Keeps a vehicle that is not controlled in its lane, or no longer.");
+}
+
+void bind_lanes_and_signals(Door& traffic) {
+  traffic
       .def(
           "limit_speed",
           [](TrafficDoor& d, const std::string& lane, double speed) {
@@ -295,6 +299,7 @@ void bind_traffic(py::module_& module) {
       "The traffic of a mvtp.Simulation: what there is to see, and what may be said to it.");
   bind_looking(traffic);
   bind_driving(traffic);
+  bind_lanes_and_signals(traffic);
   bind_controller(module);
 }
 

@@ -13,6 +13,7 @@ sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)),
                                 *[".."] * 3, "tools", "networks"))
 import generated  # noqa: E402
 import suite  # noqa: E402
+import verdict  # noqa: E402
 
 GOOD = {"status": "finished", "vehicles": 2, "completed": 2, "delay_s": {"mean": 1.0},
         "audit": {"overlap_pairs": 0, "overlap_pairs_coordinated": 0,
@@ -65,7 +66,7 @@ class Judge(unittest.TestCase):
             with open(configuration, "w", encoding="utf-8") as file:
                 file.write('<configuration><time><begin value="0"/></time></configuration>')
             run = {"exit": 0, "message": "", "wall": 10.0, "memory": 100.0, "timeout": False}
-            return suite.judge(suite.Scenario("x", configuration), folder,
+            return verdict.judge(suite.Scenario("x", configuration), folder,
                                run | (measured or {}))
 
     def test_a_good_run_passes(self):
@@ -76,7 +77,7 @@ class Judge(unittest.TestCase):
         row = self.judge(GOOD, [("a", 0, "", 40)] * 3 + [("b", 10, 60, 40), ("c", 250, "", 40)])
         self.assertEqual(row["late"], "3/4")  # c could not have arrived yet
         self.assertIn("gridlock", row["reasons"])
-        suite.excuse(row)
+        verdict.excuse(row)
         self.assertEqual((row["verdict"], row["reasons"]), ("pass", ""))
 
     def test_nothing_to_coordinate_is_not_run(self):
