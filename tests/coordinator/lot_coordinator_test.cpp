@@ -117,7 +117,7 @@ TEST(LotCoordinator, ParksACarAndBringsItBack) {
   expect_clean(run.audit);
 }
 
-TEST(LotCoordinator, WhoseStayIsNotOverRests) {
+TEST(LotCoordinator, AParkedVehicleRestsUntilItWantsToLeave) {
   LotRun run(arrivals(1, 0.0));
   const auto& events = run.coordinator.events();
   EXPECT_FALSE(run.coordinator.rests("c0"));

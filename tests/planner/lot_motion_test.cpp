@@ -179,7 +179,7 @@ TEST(LotMotion, ACycleOfWaitsIsNotComplete) {
 }
 
 //   Half an hour at walking speed: late, but nothing is blocking.
-TEST(LotMotion, WhoseWayIsLongIsNotBlocked) {
+TEST(LotMotion, WhosePathIsLongIsNotBlocked) {
   LotMotion motion;
   motion.put(make_car(0, {0, 0, 0}, {{5000.0, 0.0}}));
   const LotForecast forecast = motion.forecast();

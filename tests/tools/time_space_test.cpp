@@ -126,7 +126,7 @@ TEST(TimeSpace, TheRoadIsMarkedWhereItIs) {
 }
 
 //   The light for those who turn right stands at the same stop line.
-TEST(TimeSpace, TheLightIsThatOfTheMovement) {
+TEST(TimeSpace, TheSignalIsThatOfTheMovement) {
   const auto signals = diagram_of(run_on_road(), {.begin = 1.0}).panels[0].signals;
   ASSERT_THAT(signals, SizeIs(1));
   EXPECT_NEAR(signals[0].station, 100.0, 0.3);

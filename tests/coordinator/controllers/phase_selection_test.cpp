@@ -127,7 +127,7 @@ TEST_F(PhaseSelectionTest, ALightThatStaysGreenDoesNotChange) {
   EXPECT_EQ(watch(*controller, 10.0), (Seen{{"ryG", 30}, {"rrG", 70}}));
 }
 
-TEST_F(PhaseSelectionTest, PressureCountsTheWayOnAndAWaveDoesNot) {
+TEST_F(PhaseSelectionTest, PressureCountsTheLanesBehindAndAWaveDoesNot) {
   traffic.put(4, "a", "out");
   traffic.put(8, "out", "x", 10.0);  // two ways on: 4 each, no pressure left for a
   traffic.put(1, "c", "end");
