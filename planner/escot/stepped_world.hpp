@@ -182,7 +182,7 @@ class SteppedWorld {
   Configuration now_;           ///< where they are; kept only if some overlap from the start on
   std::vector<int> order_;      ///< robots, highest priority first
   Neighbours neighbours_;
-  std::vector<Circle> reachable_discs_;  ///< of each robot, see outlook()
+  std::vector<Circle> reachable_discs_;  ///< of each robot, see reachable_disc()
   /// Groups, and the step in which they could not be planned; forgotten once they may be tried.
   std::map<Group, int> failed_;
   int step_ = 0;
