@@ -64,7 +64,7 @@ TEST(EscotStar, ThreadsGiveTheSamePlanEachTime) {
   EXPECT_EQ(plan.trajectories, star(instance, options).trajectories);
 }
 
-//   More than one conflict per robot on their ways alone: found window by window.
+//   More than one conflict per robot on their single-agent paths: found window by window.
 TEST(EscotStar, SolvesACrowd) {
   const Instance instance = random_instance(4, 36, 3, 40);
   const Plan plan = star(instance, {.gap = 0.4});

@@ -44,7 +44,7 @@ TEST(LotPlanner, GivesACarAPathToItsPlace) {
   EXPECT_TRUE(motion.forecast().complete);
 }
 
-//   Over days, cars ask for ways to places without number.
+//   Over days, cars ask for paths to places without number.
 TEST(LotPlanner, ForgetsPlacesThatNobodyAsksForAnyMore) {
   LotPlanner planner(open_ground(), {});
   const Pose from{5, 5, 0};
@@ -329,8 +329,8 @@ class LotPbcr : public testing::Test {
   void drive(double seconds, std::span<const StandingCar> standing = {}) {
     for (int step = 0; step < int(seconds * 10); ++step) {
       if (step % 5 == 0) (void)planner_->decide(motion_, standing);
-      const std::vector<double> halts(motion_.cars().size(), 1e9);
-      motion_.step(0.1, halts);
+      const std::vector<double> stopping_points(motion_.cars().size(), 1e9);
+      motion_.step(0.1, stopping_points);
     }
   }
 

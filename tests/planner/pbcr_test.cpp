@@ -126,7 +126,7 @@ TEST(Pbcr, WithoutAllowanceForBacktrackingRobotsBrake) {
   EXPECT_EQ(targets(next.value()), (std::vector{0, 1}));
 }
 
-/// A random world: 14 places, ways to up to four others, some of them wide; 9 robots.
+/// A random world: 14 places, motions to up to four others, some of them wide; 9 robots.
 struct RandomScene {
   Places world;
   std::vector<int> from;

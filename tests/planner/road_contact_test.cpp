@@ -319,7 +319,7 @@ TEST_F(TooClose, WhoWillBeRunIntoDrivesOn) {
 
 //      |            A guest is let over the crossing and yields to nobody. Whoever has no plan must
 //      not
-//  us -|-   X       halt blocking its path, even if the guest is still far.
+//  us -|-   X       stop blocking its path, even if the guest is still far.
 //      f
 TEST_F(Forecasts, WhoHasNoPlanStaysOutOfThePassageOfAGuest) {
   RoadVehicle guest = add(1, 70.0, 4.0);

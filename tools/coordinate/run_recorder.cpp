@@ -41,7 +41,7 @@ ReplayScene scene_of(const RoadNetwork& network, const std::set<std::string>& ju
 
 ReplayState state_of(const Observation& s, bool rests) {
   if (rests) return ReplayState::kParked;
-  if (!s.coordinated) return ReplayState::kOwnDriver;
+  if (!s.coordinated) return ReplayState::kCarFollowing;
   return s.state->speed < 0.1 ? ReplayState::kWaiting : ReplayState::kCoordinated;
 }
 
