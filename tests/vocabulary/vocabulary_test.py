@@ -34,6 +34,7 @@ WORDS = {
     "the light": (r"\bthe light\b|\bown light\b", "traffic signal"),
     "own drivers": (r"\bown[ _]drivers?\b|OwnDrivers", "car-following model, human drivers"),
     "ours": (r"\b(?:of|not|with|one of) ours\b|\bof our own\b", "CAV; under control"),
+    "zone": (r"(?<![Cc]ontrol[ -])(?<![Cc]onflict[ -])(?<!dead )\bzones?\b", "control zone"),
     "strand": (r"\bstrand(?:s|ed)?\b", "stop permanently"),
     "gone": (r"\bgone\b", "departed"),
     "one at a time": (r"one[ -]at[ -]a[ -]time|one_at_a_time|order of arrival", "FCFS"),
@@ -67,7 +68,7 @@ def split(name, text):
         return [(re.sub(r"`[^`\n]*`|\]\([^)]*\)", "", line), "") for line in text.splitlines()]
     comment = r"//.*|^ *\*.*|/\*.*|<!--.*" if not name.endswith((".py", ".sh")) else r"(?:^|\s)#.*"
     hidden = r"--[a-z][\w-]*|\b\w+\.[a-z]{2,4}\b"
-    named = r"`[^`]*`|\b\w+\("
+    named = r"`[^`]*`|@param \w+|\b\w+_\w+\b|\b\w+\("
     prose = re.compile(rf"{comment}|\"(?:[^\"\\]|\\.)*\"|\"\"\".*")
     parts = []
     for line in text.splitlines():
@@ -103,11 +104,13 @@ def check_itself():
     """What it must see, and what is English, or a name of the field."""
     for seen in ("kSight", "EvasiveWorld", "FindsAWayOut", "is_in_the_way(", "// see outlook()", "/// `OwnDriver`",
                  "// a way among robots at rest", "// two ways meet", "PlansFromALaterBucketOn", "way_ = 1;",
-                 "OfAMixedFleet", "SlowActions", "// after its stay is over", "halts[i]", "ByTheLight"):
+                 "OfAMixedFleet", "SlowActions", "// after its stay is over", "halts[i]", "ByTheLight",
+                 "// Zones share no ground"):
         assert list(hits_of("a.cpp", seen)), f"not seen: {seen}"
     for said in ("has_right_of_way(", "// gives way to b", "steps_under_way_", "TheOtherWayRound", "one_way(",
                  "// in a way that nothing explains", "// lanes each way", "prepare_tables(", "Highway", "away",
-                 "// the vehicle stays on its lane", "halted_by_stop", '"--stall"', "// a step at a time"):
+                 "// the vehicle stays on its lane", "halted_by_stop", '"--stall"', "// a step at a time",
+                 "// a control zone", "// Control zones"):
         assert not list(hits_of("a.cpp", said)), f"seen: {said}"
 
 

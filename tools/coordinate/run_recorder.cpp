@@ -63,7 +63,7 @@ ReplayEventKind kind_of(AuditEventKind kind) {
   return ReplayEventKind::kNote;
 }
 
-/// The zone of the junction that is nearest to a stop line.
+/// The control zone of the junction that is nearest to a stop line.
 int zone_at(const Pose& line, const std::vector<ZoneFigures>& zones, const RoadNetwork& network) {
   int nearest = 0;
   double least = std::numeric_limits<double>::infinity();
