@@ -7,7 +7,7 @@
 namespace mvtp {
 namespace {
 
-// What SUMO's drivers do (sigma 0 ... 0.5) lies between these; measured on the crossroads.
+// What SUMO's drivers do (sigma 0 ... 0.5) lies between these: docs/experiments/mixed.md.
 constexpr double kFastest = 1.01;    ///< share of the wanted speed
 constexpr double kSlowest = 0.92;    ///< the same
 constexpr double kLeastAccel = 0.6;  ///< share of the vehicle's acceleration
