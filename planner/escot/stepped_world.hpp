@@ -67,6 +67,7 @@ class SteppedWorld {
   // GroupWorld
   /// Those that will conflict soon, most urgent conflicts first; nobody who is to act at random.
   [[nodiscard]] std::vector<Group> group_robots(const Configuration& q);
+  /// Did the group not fail shortly before? Its size is kept by group_robots().
   [[nodiscard]] bool pre_check(const Group& group) const;
   /// For the whole group, or for nobody in it.
   [[nodiscard]] std::vector<std::optional<Motion>> get_opt_traj(const Configuration& q,
