@@ -47,7 +47,7 @@ class Controller {
   /// After the step: looks at what became of it.
   virtual void observe() {}
   [[nodiscard]] virtual bool drives(const std::string& id) const = 0;
-  /// Does the vehicle stand because it is parked and its stay is not over?
+  /// Does the vehicle stand because it is parked and its parking event is not over?
   [[nodiscard]] virtual bool rests(const std::string& /*id*/) const { return false; }
   [[nodiscard]] virtual const std::vector<Replan>& replans() const = 0;
   /// For the record: what is planned together, and what is not planned at all.

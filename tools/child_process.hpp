@@ -15,7 +15,7 @@
 namespace mvtp {
 
 /// While it lives, SIGINT, SIGTERM and SIGCHLD are waited for instead of handled: what a process
-/// needs that does nothing but look after children. One at a time.
+/// needs that does nothing but look after children. There must not be two.
 class AwaitedSignals {
  public:
   AwaitedSignals();

@@ -220,8 +220,8 @@ class NetworkReader {
     int index = 0;
   };
 
-  /// The light that a connection obeys; none too at a signal that does not control it, which SUMO
-  /// writes as the index -1.
+  /// The signal head that a connection obeys; none too at a signal that does not control it, which
+  /// SUMO writes as the index -1.
   std::optional<Light> light_of(const Element& element) const {
     const std::string signal = attribute(element, "tl");
     if (signal.empty() || attribute(element, "linkIndex") == "-1") return std::nullopt;

@@ -36,7 +36,7 @@ struct AuditFigures {
   std::int64_t off_road_steps = 0;  ///< vehicle-steps with part of the footprint off the road
   std::int64_t off_road_steps_coordinated = 0;
 
-  // Coordinated vehicles in their zone, at the rear axle, from the poses alone.
+  // Coordinated vehicles in their control zone, at the rear axle, from the poses alone.
   double max_accel = 0.0;             ///< [m/s^2]
   double max_decel = 0.0;             ///< [m/s^2]
   double max_lateral_accel = 0.0;     ///< [m/s^2], over the last metre or second

@@ -2,7 +2,7 @@
 
 namespace mvtp {
 
-/// Where two ways meet, the whole of it belongs to one of the two vehicles at a time. [the idea of
+/// Where two paths meet, the whole of it belongs to one of the two vehicles at a time. [the idea of
 /// Moveover, arXiv 2603.05165]
 ControllerKind conflict_zone_controller() {
   return {.name = "conflict-zone",

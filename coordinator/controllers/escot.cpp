@@ -2,7 +2,7 @@
 
 namespace mvtp {
 
-/// All vehicles of a zone are planned together, and the order of passage is searched.
+/// All vehicles of a control zone are planned together, and the order of passage is searched.
 ControllerKind escot_controller() {
   return {.name = "escot",
           .meaning = "ESCoT: all vehicles planned together, the order of passage searched",

@@ -11,13 +11,13 @@ namespace mvtp {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kHalfWidth = 1.0;  ///< [m] beside the middle of its lane that a driver needs
-constexpr double kNear = 2.0;       ///< [m] beside it a body may be there soon
-constexpr double kRoom = 5.0;       ///< [m] that those who change lanes keep ahead and behind
-constexpr double kSight = 60.0;     ///< [m] behind a tail in which drivers matter
-constexpr double kInside = 20.0;    ///< [m] between two inside a junction that may meet
-constexpr double kStanding = 0.1;   ///< [m/s]
-constexpr double kSample = 1.0;     ///< [m] between two points of a body's side
+constexpr double kHalfWidth = 1.0;   ///< [m] beside the middle of its lane that a driver needs
+constexpr double kNear = 2.0;        ///< [m] beside it a body may be there soon
+constexpr double kRoom = 5.0;        ///< [m] that those who change lanes keep ahead and behind
+constexpr double kTailRange = 60.0;  ///< [m] behind a tail in which drivers matter
+constexpr double kInside = 20.0;     ///< [m] between two inside a junction that may meet
+constexpr double kStanding = 0.1;    ///< [m/s]
+constexpr double kSample = 1.0;      ///< [m] between two points of a body's side
 
 /// Where a point is beside a lane.
 struct Beside {
@@ -131,7 +131,7 @@ double Straddling::most_speed(const VehicleState& driver) const {
   if (tails == tails_.end()) return most;
   for (const Tail& tail : tails->second) {
     const double ahead = tail.along - driver.lane_position;
-    if (ahead > 0.0 && ahead < kSight) most = std::min(most, safe_speed(driver, tail));
+    if (ahead > 0.0 && ahead < kTailRange) most = std::min(most, safe_speed(driver, tail));
   }
   return most;
 }

@@ -142,7 +142,7 @@ class Coordinator : public Controller {
     std::map<std::int64_t, int> paths;  ///< of the vehicles planned, by key
     std::map<std::int64_t, int> zones;  ///< the same: where they are, or come to
   };
-  /// Sets of guests that may be let over the junctions of a zone, in the order of trial.
+  /// Sets of guests that may be let over the junctions of a control zone, in the order of trial.
   struct ZoneOffers {
     std::vector<std::vector<std::string>> sets;
     std::size_t next = 0;  ///< that is tried now; the number of sets: none

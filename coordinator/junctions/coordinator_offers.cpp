@@ -1,5 +1,5 @@
 // Who is let over junctions is decided for each control zone by itself: which guests are offered,
-// in which order, and whether the plans of the zone allow it.
+// in which order, and whether the plans of the control zone allow it.
 
 #include <algorithm>
 #include <iterator>
@@ -12,7 +12,7 @@
 
 namespace mvtp {
 
-/// The zone of each junction; LaneGraph::kNone: it is not coordinated.
+/// The control zone of each junction; LaneGraph::kNone: it is not coordinated.
 void Coordinator::find_zones() {
   zone_of_junction_.assign(std::size_t(graph_.junctions()), LaneGraph::kNone);
   const std::vector<ControlZone> zones = partition(graph_, coordinated_, options_.corridors.chain);
@@ -21,7 +21,7 @@ void Coordinator::find_zones() {
   }
 }
 
-/// The zone through which a corridor leads first.
+/// The control zone through which a corridor leads first.
 int Coordinator::zone_of(int corridor) const {
   for (const CorridorPiece& piece : corridors_[corridor].course.pieces) {
     if (graph_.edge_of(piece.lane) != LaneGraph::kNone) continue;
@@ -32,7 +32,7 @@ int Coordinator::zone_of(int corridor) const {
   return LaneGraph::kNone;
 }
 
-/// The zone that somebody is in, or comes to next.
+/// The control zone that somebody is in, or comes to next.
 int Coordinator::zone_of(const std::string& guest) const {
   if (people_ && people_->knows(guest)) {
     return zone_of_junction_[std::size_t(people_->junction_of(guest))];
@@ -183,7 +183,7 @@ std::map<int, Coordinator::ZoneOffers> Coordinator::offers_of_zones(
   return offers;
 }
 
-/// What a trial means for those under control in a zone.
+/// What a trial means for those under control in a control zone.
 Coordinator::ZoneVerdict Coordinator::verdict(const Trial& trial, int zone) const {
   ZoneVerdict verdict;
   const auto is_there = [&](std::int64_t key) {
@@ -201,8 +201,8 @@ Coordinator::ZoneVerdict Coordinator::verdict(const Trial& trial, int zone) cons
   return verdict;
 }
 
-/// May these guests of a zone go, as planned in `with`? Nobody there may lose its complete plan,
-/// and nobody may come where the guests may be; and it has to be worth what it costs.
+/// May these guests of a control zone go, as planned in `with`? Nobody there may lose its complete
+/// plan, and nobody may come where the guests may be; and it has to be worth what it costs.
 bool Coordinator::allows(const std::vector<std::string>& guests, int zone, const Trial& with,
                          const Trial& without) {
   const ZoneVerdict then = verdict(with, zone);
@@ -216,10 +216,11 @@ bool Coordinator::allows(const std::vector<std::string>& guests, int zone, const
 }
 
 /// The plan with as many drivers and people getting green as is possible, and worth what it costs
-/// the vehicles under control. Zones share no ground: each has its own offers and its own verdict,
-/// and one trial plans an offer of every zone.
+/// the vehicles under control. Control zones share no ground: each has its own offers and its own
+/// verdict, and one trial plans an offer of every control zone.
 /// @param groups  of those who may go over junctions now.
-/// @param tried  a trial of guests of all zones, which need not be made again; none: there is none.
+/// @param tried  a trial of guests of all control zones, which need not be made again; none: there
+/// is none.
 Coordinator::Trial Coordinator::best_trial_by_zones(
     const std::map<std::string, Driven>& arrivals, const std::set<std::string>& excluded,
     const std::vector<std::int64_t>& upset, const std::vector<std::vector<std::string>>& groups,

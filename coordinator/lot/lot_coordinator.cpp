@@ -223,7 +223,7 @@ void LotCoordinator::take_over_the_parked() {
   }
 }
 
-void LotCoordinator::end_stays() {
+void LotCoordinator::end_parking() {
   for (auto& [id, guest] : guests_) {
     if (guest.phase != Phase::kParked || guest.wants_out) continue;
     if (traffic_.time() < guest.until || lot_.exits.empty()) continue;
@@ -253,7 +253,7 @@ void LotCoordinator::take_over(const std::string& id, Guest& guest) {
 void LotCoordinator::replan() {
   ++decisions_;
   take_over_the_parked();
-  end_stays();
+  end_parking();
   break_down();
   const std::vector<std::string> asking = those_who_ask();
   const bool alone = options_.controller == LotController::kOneAtATime;
@@ -283,7 +283,7 @@ void LotCoordinator::replan() {
   replans_.push_back(record);
 }
 
-std::vector<double> LotCoordinator::halts() {
+std::vector<double> LotCoordinator::stopping_points() {
   std::vector<Pedestrian> people(traffic_.pedestrians().begin(), traffic_.pedestrians().end());
   for (Pedestrian& person : people) person.position = moved(person.position, origin_);
   std::vector<StandingCar> strangers;
@@ -295,7 +295,8 @@ std::vector<double> LotCoordinator::halts() {
   const std::vector<double> turns = motion_.turns();
   std::vector<double> result;
   for (std::size_t i = 0; i < turns.size(); ++i) {
-    result.push_back(LotLookout::halt(motion_, motion_.cars()[i], turns[i], {people, strangers}));
+    result.push_back(
+        LotLookout::stopping_point(motion_, motion_.cars()[i], turns[i], {people, strangers}));
   }
   return result;
 }
@@ -303,7 +304,7 @@ std::vector<double> LotCoordinator::halts() {
 void LotCoordinator::advance() {
   std::vector<double> before;
   for (const LotCar& car : motion_.cars()) before.push_back(car.s);
-  motion_.step(traffic_.step_length(), halts());
+  motion_.step(traffic_.step_length(), stopping_points());
   for (std::size_t i = 0; i < motion_.cars().size(); ++i) {
     const LotCar& car = motion_.cars()[i];
     ParkingEvent& event = events_[ids_.at(car.key)];

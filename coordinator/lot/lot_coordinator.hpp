@@ -47,7 +47,7 @@ struct LotOptions {
   std::map<std::string, double> breakdowns;
 };
 
-/// One vehicle's stay; all times simulated [s].
+/// One vehicle's parking event; all times simulated [s].
 struct ParkingEvent {
   std::string id;
   bool there_at_start = false;        ///< it was parked when the run began
@@ -55,7 +55,7 @@ struct ParkingEvent {
   std::optional<double> asked_in;     ///< first seen at the gate, waiting to be let in
   std::optional<double> admitted_in;  ///< it got its path to the slot
   std::optional<double> parked;
-  std::optional<double> wished_out;  ///< its stay was over
+  std::optional<double> wished_out;  ///< its time in the slot was over
   std::optional<double> admitted_out;
   std::optional<double> handed_back;  ///< on the exit lane
   double alone_in = 0.0;              ///< what the path in would take with nobody else moving
@@ -84,7 +84,8 @@ struct LotObservation {
 };
 
 /// The closed loop on an open parking lot: takes vehicles over in the entry lanes, gives each a
-/// slot, brings it there, and, when its stay is over, to an exit lane and back to a human driver.
+/// slot, brings it there, and, when its time in the slot is over, to an exit lane and back to a
+/// human driver.
 ///
 /// Two properties hold at every step: everyone braking now is free of contact, and
 /// everyone under way has a complete path in an order that lets all arrive (LotMotion). A breakdown
@@ -138,7 +139,7 @@ class LotCoordinator : public Controller {
   [[nodiscard]] double speed_behind_the_last(const LotLane& lane, const Guest& guest) const;
   void replan();
   void take_over_the_parked();
-  void end_stays();
+  void end_parking();
   void break_down();
   void take_over(const std::string& id, Guest& guest);
   [[nodiscard]] const std::string& exit_at(const Pose& goal) const;
@@ -153,7 +154,7 @@ class LotCoordinator : public Controller {
   [[nodiscard]] std::vector<StandingCar> in_place(const std::string& except) const;
   [[nodiscard]] std::vector<StandingCar> solid(std::span<const int> free_to_use,
                                                const std::string& except) const;
-  [[nodiscard]] std::vector<double> halts();
+  [[nodiscard]] std::vector<double> stopping_points();
   void advance();
   void leave_slot(Guest& guest, const LotCar& car) const;
   void place_all();

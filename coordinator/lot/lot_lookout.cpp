@@ -16,7 +16,7 @@ constexpr double kDistance = 0.6;       ///< [m] kept from people
 constexpr double kTimeStep = 0.25;      ///< [s]
 constexpr double kSlackOutside = 1.2;   ///< [s] between a car and a person at one place, and
 constexpr double kSlackInside = 0.3;    ///< [s] where a car is on a footpath already
-constexpr double kRoomAhead = 0.3;      ///< [m] between a halt and what it is for
+constexpr double kRoomAhead = 0.3;      ///< [m] between a stopping point and what it is for
 constexpr double kHesitation = 1.5;     ///< times what it takes at best
 constexpr double kBeside = 0.2;         ///< [m] from people who walk past a car that stands
 constexpr double kPassing = 8.0;        ///< [s] that this may take
@@ -106,7 +106,8 @@ struct LotLookout::Look {
   }
 };
 
-double LotLookout::halt(const LotMotion& motion, const LotCar& car, double turn, const View& view) {
+double LotLookout::stopping_point(const LotMotion& motion, const LotCar& car, double turn,
+                                  const View& view) {
   if (car.at_end()) return kInfinity;
   const double lookahead = rest(car, motion.limits()) + kLookahead;
   const int here = car.cells.cell_at(car.s);
@@ -119,19 +120,19 @@ double LotLookout::halt(const LotMotion& motion, const LotCar& car, double turn,
 
 double LotLookout::before_people(const Look& look) {
   const double slack = look.inside ? kSlackInside : kSlackOutside;
-  double halt = kInfinity;
+  double stopping_point = kInfinity;
   for (const Pedestrian& person : look.view.people) {
     for (int cell = look.here + 1; cell <= look.last; ++cell) {
-      if (before(cell) >= halt) break;
+      if (before(cell) >= stopping_point) break;
       if (!look.meets(person, cell, slack, kHesitation)) continue;
       if (const std::optional<double> place = look.place_to_wait(person, cell)) {
-        halt = std::min(halt, *place);
+        stopping_point = std::min(stopping_point, *place);
       } else if (look.meets(person, cell, kSlackInside, 1.0)) {
-        halt = before(cell);
+        stopping_point = before(cell);
       }
     }
   }
-  return halt;
+  return stopping_point;
 }
 
 double LotLookout::before_footpath(const Look& look) {

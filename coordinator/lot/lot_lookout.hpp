@@ -25,8 +25,8 @@ class LotLookout {
 
   /// How far a car may drive for now [m]; infinity: anywhere. All in one frame.
   /// @param turn  how far the other cars let it, LotMotion::turns
-  [[nodiscard]] static double halt(const LotMotion& motion, const LotCar& car, double turn,
-                                   const View& view);
+  [[nodiscard]] static double stopping_point(const LotMotion& motion, const LotCar& car,
+                                             double turn, const View& view);
 
  private:
   struct Look;

@@ -13,7 +13,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// Of all who made one of the two ways.
+/// Of all who made one of the two trips.
 struct Travel {
   std::vector<double> took;   ///< [s] those not at the end counted up to now
   std::vector<double> alone;  ///< [s] of those who got a path

@@ -10,7 +10,7 @@
 
 namespace mvtp {
 
-/// A stay with what only the trip's record knows. A row of visits.csv.
+/// A parking event with what only the trip's record knows. A row of visits.csv.
 struct ParkingRecord {
   ParkingEvent event;
   /// [s] when it would have been at the gate with nobody before it; none: it was there at the start
@@ -25,8 +25,8 @@ struct LotReport {
   std::vector<Occupied> occupancy;  ///< the rows of occupancy.csv
 };
 
-/// From the gate to the slot, or from the end of the stay to the exit lane [s]; of a vehicle that
-/// is still waiting or under way, up to `end`; none if it had no such way to make.
+/// From the gate to the slot, or from when it wants to leave to the exit lane [s]; of a vehicle
+/// that is still waiting or under way, up to `end`; none if it made no such trip.
 [[nodiscard]] std::optional<double> time_in(const ParkingRecord& record, double end);
 [[nodiscard]] std::optional<double> time_out(const ParkingRecord& record, double end);
 

@@ -21,7 +21,7 @@ struct ControlZone {
   int connections = 0;
 };
 
-/// The coordinated junctions in zones: junctions less than `chain` metres apart are in one.
+/// The coordinated junctions in control zones: junctions less than `chain` metres apart are in one.
 [[nodiscard]] std::vector<ControlZone> partition(const LaneGraph& graph,
                                                  const std::vector<bool>& coordinated,
                                                  double chain);

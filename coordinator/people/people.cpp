@@ -23,10 +23,10 @@ constexpr double kSlack = 0.5;   ///< [s] that new plans keep before and behind 
 /// since who is in it can neither wait for them nor be waited for.
 constexpr double kSlackToCome = 5.0;
 constexpr double kPromiseAfter = 3.0;  ///< [s] after which a green is promised ahead of time,
-constexpr double kAhead = 3.0;     ///< so much [s]: longer than any vehicle in town needs to stop
-constexpr double kLongest = 6.0;   ///< [s] after which a green is worth any delay of others
-constexpr double kPatience = 8.0;  ///< [s] in which drivers go first who have waited longer
-constexpr double kCourtesy = 1.0;  ///< [s] by which drivers who came later may still go first
+constexpr double kAhead = 3.0;    ///< so much [s]: longer than any vehicle in town needs to stop
+constexpr double kLongest = 6.0;  ///< [s] after which a green is worth any delay of others
+constexpr double kDriversFirst = 8.0;  ///< [s] in which drivers go first who have waited longer
+constexpr double kCourtesy = 1.0;      ///< [s] by which drivers who came later may still go first
 /// [s] after which people walk around vehicles that stand on the edge of their crossing: such a
 /// vehicle may wait for them to leave the kerb beside which it has to pass.
 constexpr double kSqueezeAfter = 20.0;
@@ -313,7 +313,7 @@ std::vector<std::string> People::propose(const std::function<double(int)>& drive
     const int light = heads_.light_of_crossing(c);
     if (!heads_.may_turn_green(light)) continue;
     const double here = waited(id_of(c));
-    if (here < kPatience && drivers_waited(light) > here) continue;
+    if (here < kDriversFirst && drivers_waited(light) > here) continue;
     ids.push_back(id_of(c));
     if (next_green(c).begin == step_) offered_[c] = step_;
   }

@@ -24,7 +24,7 @@ struct ExitRoot {
 /// over it, as it is let through; or nobody knows, of one that does not do what it was told to.
 enum class Intent { kWaits, kPasses, kUnknown };
 
-/// Where a driver halts for long.
+/// Where a driver stands for long.
 struct StopLine {
   static constexpr double kBraking = 3.0;  ///< [m/s^2] as drivers like to
 

@@ -7,7 +7,7 @@
 namespace mvtp {
 namespace {
 
-// What SUMO's drivers do (sigma 0 ... 0.5) lies between these; measured on the crossroads.
+// What SUMO's drivers do (sigma 0 ... 0.5) lies between these: docs/experiments/mixed.md.
 constexpr double kFastest = 1.01;    ///< share of the wanted speed
 constexpr double kSlowest = 0.92;    ///< the same
 constexpr double kLeastAccel = 0.6;  ///< share of the vehicle's acceleration
@@ -16,16 +16,16 @@ constexpr double kStart = 0.5;       ///< [s] until one that stands moves at its
 constexpr double kLateFollow = 0.5;  ///< [s] of headway beside his own
 constexpr double kLeastGap = 1.0;    ///< [m] that a follower keeps, more than any margin
 constexpr double kHorizon = 100.0;   ///< [s] as that of plans
-constexpr double kSight = 4.5;  ///< [m] before a waiting place he sees that he may go on [sumo]
+constexpr double kVisibility = 4.5;  ///< [m] before a waiting place he sees who comes [sumo]
 
 /// The speeds from which he can stop at each place where he may wait, until he sees that he need
 /// not.
 SpeedEnvelope before_waiting_places(const TubeDriver& driver) {
   std::vector<double> limits(driver.limits.size(), 1e9);
   for (const double place : driver.waiting_places) {
-    const double i = std::round((place - kSight) / ReferencePath::kSpacing);
+    const double i = std::round((place - kVisibility) / ReferencePath::kSpacing);
     const bool is_ahead = i >= 0.0 && i < double(limits.size());
-    if (is_ahead) limits[std::size_t(i)] = std::sqrt(2.0 * driver.max_decel * kSight);
+    if (is_ahead) limits[std::size_t(i)] = std::sqrt(2.0 * driver.max_decel * kVisibility);
   }
   return {std::move(limits), driver.max_decel};
 }

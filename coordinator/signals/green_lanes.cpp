@@ -265,8 +265,8 @@ void GreenLanes::close_for(const Crossing& crossing, int other, RoadVehicle& veh
   const SignalProgram& theirs = *program_of(other);
   if (&program != &theirs) return;
   const double stop = crossing.stop + kRounding;
-  const int own_light = graph_.link(crossing.link).signal_index;
-  const int other_light = graph_.link(other).signal_index;
+  const int own_index = graph_.link(crossing.link).signal_index;
+  const int other_index = graph_.link(other).signal_index;
   const std::optional<double> first = earliest_on(graph_.link(other).from);
   const double time = traffic_.time();
   const double horizon = std::ceil((time + kLeast) / kRound) * kRound - time;
@@ -278,25 +278,25 @@ void GreenLanes::close_for(const Crossing& crossing, int other, RoadVehicle& veh
   };
   // Who waits inside with a green that yields does so for those with a better one only.
   const bool waits = waiting_inside_.contains(other);
-  const bool is_left_over = !is_permissive(program.light_now(other_light));
+  const bool is_left_over = !is_permissive(program.light_now(other_index));
   for (const SignalProgram::Course& course : program.courses(horizon)) {
     for (std::size_t i = 0; i < course.size(); ++i) {
       const SignalProgram::Shown& shown = course[i];
-      const char right = program.right(shown.phase, own_light);
+      const char right = program.right(shown.phase, own_index);
       if (waits && (!is_protected(right) || is_left_over)) add(from, to, shown.begin, shown.end);
       if (is_protected(right)) continue;
-      if (is_red(program.light(shown.phase, other_light))) continue;
+      if (is_red(program.light(shown.phase, other_index))) continue;
       const bool only_sensed = ground_ == GreenGround::kSensed || !is_red(right);
       if (only_sensed && !first) continue;
       const bool goes_next =
-          i + 1 < course.size() && !is_red(program.light(course[i + 1].phase, own_light));
+          i + 1 < course.size() && !is_red(program.light(course[i + 1].phase, own_index));
       const bool ends = i + 1 < course.size() &&
-                        is_red(program.light(course[i + 1].phase, other_light)) && !goes_next;
+                        is_red(program.light(course[i + 1].phase, other_index)) && !goes_next;
       const double begin = std::max(shown.begin, only_sensed ? *first : 0.0);
       const double end = shown.end + (ends ? kClearance : 0.0);
       // Who has come over the line before it was red may clear the junction.
       const bool turned_red =
-          i > 0 && is_red(right) && !is_red(program.right(course[i - 1].phase, own_light));
+          i > 0 && is_red(right) && !is_red(program.right(course[i - 1].phase, own_index));
       const double clear = turned_red ? std::max(begin, shown.begin + kClearance) : begin;
       if (clear > begin) add(stop, std::min(stop + kLine, from), begin, std::min(clear, end));
       add(from, to, clear, end);

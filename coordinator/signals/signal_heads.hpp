@@ -70,7 +70,7 @@ class SignalHeads {
 
   /// People have waited at a crossing since this step: those who cross it and came later wait.
   void call(int crossing, std::int64_t since);
-  /// The light of a crossing turns green soon: no light that crosses it does so before.
+  /// A crossing gets its green soon: no light that crosses it does so before.
   void reserve(int crossing, bool reserved);
   /// Is somebody on the crossing? At real timing no light that crosses it turns green then.
   void occupy(int crossing, bool occupied);

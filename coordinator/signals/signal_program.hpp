@@ -36,7 +36,7 @@ class SignalProgram {
     return phases_[phase].lights[std::size_t(index)];
   }
   [[nodiscard]] char light_now(int index) const { return light(phase_, index); }
-  /// The light that gives the right to be on the junction in a phase: of a yellow one what it was
+  /// What gives the right to be on the junction in a phase: of a yellow one what it was
   /// before.
   [[nodiscard]] char right(std::size_t phase, int index) const;
 

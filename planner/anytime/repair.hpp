@@ -30,11 +30,10 @@ class RandomNumbers {
   std::mt19937_64 engine_;
 };
 
-/// What the repair does; the effect of each value was measured on random instances of all
-/// densities.
+/// What the repair does. What each value is worth: docs/experiments/planner.md.
 struct RepairOptions {
-  double soft_cost = 10.0;   ///< of overlapping a robot for one macro step [s]; 5 is clearly worse
-  double weight = 2.0;       ///< of the cost-to-go; 1.5 is slower at density, 3 fails more often
+  double soft_cost = 10.0;   ///< of overlapping a robot for one macro step [s]
+  double weight = 2.0;       ///< of the cost-to-go
   int expansions = 300;      ///< of one search; the rarer larger ones get through tight places
   int larger_every = 8;      ///< one search in so many may expand ...
   int larger_factor = 8;     ///< ... so many times more

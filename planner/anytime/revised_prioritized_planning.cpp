@@ -8,8 +8,8 @@
 namespace mvtp {
 namespace {
 
-constexpr int kExpansions = 1000;      ///< of the search for a way in time
-constexpr int kRestExpansions = 4000;  ///< of that for a way among robots at rest ...
+constexpr int kExpansions = 1000;      ///< of the search for a path in time
+constexpr int kRestExpansions = 4000;  ///< of that for a path among robots at rest ...
 constexpr int kMostFailures = 2;       ///< ... and, after each failure, of a larger and finer one
 constexpr int kFactor = 3;
 

@@ -14,7 +14,7 @@ namespace mvtp {
 /// stand at their starts.
 ///
 /// Slow but sure plans for places where hardly two can pass. As far as possible, robots go after
-/// those whose start lies on their way, and before those whose goal does. Each needs a way among
+/// those whose start lies on their path, and before those whose goal does. Each needs a path among
 /// the others at rest; it drives it as early as it can, or another path earlier still.
 /// Source: revised prioritized planning, Cap et al. 2015, Algorithm 2; the order is ours.
 class RevisedPrioritizedPlanning {
@@ -39,7 +39,7 @@ class RevisedPrioritizedPlanning {
     std::vector<int> goals_on_path;      ///< their goals
     int starts_on_path = 0;              ///< of robots that have not departed
     int would_block = 0;                 ///< robots that have not departed, with its goal
-    int failures = 0;                    ///< since anybody on its way has departed
+    int failures = 0;                    ///< since anybody on its path has departed
     bool departed = false;
   };
 

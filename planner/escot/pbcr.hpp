@@ -44,7 +44,7 @@ concept StepWorld = requires(const W& world, int i, const typename W::State& sta
 
 /// A world may know better what a robot should do while it is pushed.
 template <class W>
-concept EvasiveWorld = StepWorld<W> &&
+concept PushCandidateWorld = StepWorld<W> &&
     requires(const W& world, int i, const typename W::State& state,
              const typename W::Motion& motion) {
   /// Motions of robot i blocking another one and its motion; instead of candidates().
@@ -206,7 +206,7 @@ class Pbcr<World>::Step {
 
   /// What robot j may do while it is pushed by i.
   decltype(auto) push_candidates(int j, int i) {
-    if constexpr (EvasiveWorld<World>) {
+    if constexpr (PushCandidateWorld<World>) {
       return world_.push_candidates(j, at(from_, j), i, *at(decided_, i));
     } else {
       return candidates(j);

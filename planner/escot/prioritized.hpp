@@ -19,10 +19,10 @@ struct PrioritizedOptions {
 };
 
 /// SHA*: prioritized planning. One robot after the other gets the quickest path that keeps clear of
-/// those before it, which are moving obstacles, and stay where they arrive for ever: a way neither
+/// those before it, which are moving obstacles, and stay where they arrive for ever: a path neither
 /// crosses a robot that has parked, nor ends where one has yet to pass.
 ///
-/// The order is longest path first. A robot without a way is put in front of all others; if that
+/// The order is longest path first. A robot without a path is put in front of all others; if that
 /// order was tried before, the next one is random.
 /// Source: Wen et al. 2022 (the baseline SHA*); Erdmann & Lozano-Perez 1987; the treatment of
 /// starts and orders is that of Andreychuk & Yakovlev 2018.

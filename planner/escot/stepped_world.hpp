@@ -69,6 +69,7 @@ class SteppedWorld {
   // GroupWorld
   /// Those that will conflict soon, most urgent conflicts first; nobody who is to act at random.
   [[nodiscard]] std::vector<Group> group_robots(const Configuration& q);
+  /// Did the group not fail shortly before? Its size is kept by group_robots().
   [[nodiscard]] bool pre_check(const Group& group) const;
   /// For the whole group, or for nobody in it.
   [[nodiscard]] std::vector<std::optional<Motion>> get_opt_traj(const Configuration& q,
@@ -193,7 +194,7 @@ class SteppedWorld {
   Configuration now_;           ///< where they are; kept only if some overlap from the start on
   std::vector<int> order_;      ///< robots, highest priority first
   Neighbours neighbours_;
-  std::vector<Circle> reachable_discs_;  ///< of each robot, see outlook()
+  std::vector<Circle> reachable_discs_;  ///< of each robot, see reachable_disc()
   /// Groups, and the step in which they could not be planned; forgotten once they may be tried.
   std::map<Group, int> failed_;
   int step_ = 0;

@@ -102,9 +102,7 @@ std::vector<Group> SteppedWorld::group_robots(const Configuration& q) {
   return groups;
 }
 
-bool SteppedWorld::pre_check(const Group& group) const {
-  return int(group.size()) <= options_.max_group && !failed_.contains(group);
-}
+bool SteppedWorld::pre_check(const Group& group) const { return !failed_.contains(group); }
 
 std::vector<std::optional<SteppedWorld::Motion>> SteppedWorld::get_opt_traj(const Configuration& q,
                                                                             const Group& group) {

@@ -34,7 +34,7 @@ Trig trig(double a) {
   }
   const double q = a * a;
   // sin(a)/a = 1 - q/3! + q^2/5! - ...;  (1 - cos(a))/q = 1/2! - q/4! + q^2/6! - ...
-  // Factors, not divisors: divisions would take ten times as long.
+  // Factors, not divisors: divisions take longer.
   const double sinc =
       series(q, 1.0, {1. / 6, 1. / 20, 1. / 42, 1. / 72, 1. / 110, 1. / 156, 1. / 210});
   const double versine =

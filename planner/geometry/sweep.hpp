@@ -54,7 +54,8 @@ class Sweep {
 ///
 /// Proven by bisection: between two time steps s0 < s1 with gaps g0, g1 the gap is at least
 /// (g0 + g1 - travel * (s1 - s0)) / 2. An overlap of up to 1.5 kTouch between the time steps that
-/// are looked at may be let through. Cost: a comparison if the circles are apart, else about 50 ns.
+/// are looked at may be let through. Cost: a comparison if the circles are apart, else the gap at a
+/// few time steps.
 [[nodiscard]] bool collide(const Sweep& a, const Sweep& b);
 
 /// Does the footprint overlap a disc, or a fixed box, by more than kTouch at any s?

@@ -172,11 +172,11 @@ LotMotion::State LotMotion::advance(const LotCar& car, State now, double stop, d
   return next;
 }
 
-void LotMotion::step(double dt, std::span<const double> halts) {
+void LotMotion::step(double dt, std::span<const double> stopping_points) {
   const std::vector<double> turns = this->turns();
   for (std::size_t i = 0; i < cars_.size(); ++i) {
     LotCar& car = cars_[i];
-    const State next = advance(car, {car.s, car.v}, std::min(halts[i], turns[i]), dt);
+    const State next = advance(car, {car.s, car.v}, std::min(stopping_points[i], turns[i]), dt);
     car.s = next.s;
     car.v = next.v;
   }

@@ -92,8 +92,9 @@ class LotMotion {
   std::vector<std::int64_t> stop_the_blocked_permanently();
 
   /// Everyone drives for `dt` [s].
-  /// @param halts  per car: it must stop before it has driven so far [m]; infinity: no matter
-  void step(double dt, std::span<const double> halts);
+  /// @param stopping_points  per car: it must stop before it has driven so far [m]; infinity: no
+  /// matter
+  void step(double dt, std::span<const double> stopping_points);
   /// How far each car may drive for now, as far as the others go [m].
   [[nodiscard]] std::vector<double> turns() const;
   /// When the car has driven `s` [m] if nothing but `stop` [m] holds it up; [s] from now, infinity

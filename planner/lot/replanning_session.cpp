@@ -136,7 +136,7 @@ SoftProblem LotPlanner::ReplanningSession::problem(int robot) const {
   return problem;
 }
 
-/// From both ends where it parks: one search may be lost where the other finds a way at once.
+/// From both ends where it parks: one search may be lost where the other finds a path at once.
 std::optional<ArcTrajectory> LotPlanner::ReplanningSession::alone(int robot, Effort effort) {
   const int expansions = planner_.options_.expansions * (effort == Effort::kQuick ? 1 : kMoreAlone);
   std::optional<SoftResult> path = search_alone(problem(robot), expansions);

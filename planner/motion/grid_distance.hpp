@@ -30,10 +30,10 @@ class ObstacleGrid {
   std::vector<bool> blocked_;
 };
 
-/// Length of the shortest way to a goal on the grid, for every cell: 16 neighbours, Dijkstra.
+/// Length of the shortest path to a goal on the grid, for every cell: 16 neighbours, Dijkstra.
 ///
 /// Blocked cells next to free ones take over their distance, as a car may stand there; cells
-/// without a way are at infinity.
+/// without a path are at infinity.
 class GridDistance {
  public:
   GridDistance(std::shared_ptr<const ObstacleGrid> grid, const Point& goal);

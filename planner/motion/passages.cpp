@@ -70,7 +70,7 @@ class ParitySets {
     std::iota(parent_.begin(), parent_.end(), 0);
   }
 
-  /// Joins i and j by a way of this parity; false if there was one of the other parity.
+  /// Joins i and j by a line of this parity; false if there was one of the other parity.
   bool join(int i, int j, bool odd) {
     const auto [root_i, odd_i] = find(i);
     const auto [root_j, odd_j] = find(j);

@@ -54,7 +54,7 @@ struct Pose {
 /// [1/m] (positive: to the left). Exact: no Euler step of eq. (5) of the ESCoT paper.
 [[nodiscard]] inline Pose drive(const Pose& from, double length, double curvature) {
   const double turn = length * curvature;
-  // sin(a)/a and (1-cos(a))/a stay exact for a -> 0 through their series.
+  // sin(a)/a and (1-cos(a))/a are exact for a -> 0 through their series.
   const double a = turn;
   const double along = std::abs(a) < 1e-4 ? 1.0 - a * a / 6.0 : std::sin(a) / a;
   const double aside = std::abs(a) < 1e-4 ? a / 2.0 - a * a * a / 24.0 : (1.0 - std::cos(a)) / a;

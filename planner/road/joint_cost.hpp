@@ -21,7 +21,7 @@ class JointCost {
 
   /// Of all of them [s].
   [[nodiscard]] double of(const Entries& entries) const;
-  /// Time until the zone is left, and what it takes to be at cruise speed again [s].
+  /// Time until the control zone is left, and what it takes to be at cruise speed again [s].
   [[nodiscard]] double until_handback(const JointPlan::Entry& e) const;
   /// The same of a vehicle that is alone on the road: nobody is faster.
   [[nodiscard]] double alone(std::int64_t key);

@@ -48,14 +48,14 @@ void PathLibrary::remove(std::span<const int> paths) {
     auto& ground = grounds_[std::size_t(ground_of(p))];
     if (--ground->users == 0) ground.reset();
   }
-  const auto is_gone = [&](int g) { return grounds_[std::size_t(g)] == nullptr; };
+  const auto is_removed = [&](int g) { return grounds_[std::size_t(g)] == nullptr; };
   for (const auto& ground : grounds_) {
-    if (ground) std::erase_if(ground->near, is_gone);
+    if (ground) std::erase_if(ground->near, is_removed);
   }
   for (Tables* tables : {&tables_, &reserved_, &late_}) {
     std::erase_if(*tables, [&](const auto& table) {
       const auto [a, b] = grounds_of(table.first);
-      return is_gone(a) || is_gone(b);
+      return is_removed(a) || is_removed(b);
     });
   }
 }

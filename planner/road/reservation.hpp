@@ -11,7 +11,7 @@ namespace mvtp {
 enum class Reservation {
   kNone,          ///< nothing more
   kTiles,         ///< every tile of a grid that its body touches [Dresner, Stone, AIM, 2008]
-  kConflictArea,  ///< towards each other way: all of the ground where the two meet
+  kConflictArea,  ///< towards each other path: all of the ground where the two meet
   kJunction,      ///< the whole junction, but for those who follow it from its own lane
 };
 

@@ -33,11 +33,11 @@ struct BrakingProfile {
 /// Two vehicles of a scene and where their bodies may touch: the one collision test of all planners
 /// on roads, so that what one of them accepts is accepted by the others.
 ///
-/// Motions are compared between the looks too (ContactTable::sweeps). Vehicles come into the zone
-/// as their drivers left them. If they are so close that braking now would bring them into their
-/// margins, then as long as that is so the margins do not count, but the gap between the true
-/// bodies must not become smaller than by braking now. Nor do they count for two that are stuck,
-/// down to a bare gap: a junction where nobody can move for the sake of margins is worse.
+/// Motions are compared between the looks too (ContactTable::sweeps). Vehicles come into the
+/// control zone as their drivers left them. If they are so close that braking now would bring them
+/// into their margins, then as long as that is so the margins do not count, but the gap between the
+/// true bodies must not become smaller than by braking now. Nor do they count for two that are
+/// stuck, down to a bare gap: a junction where nobody can move for the sake of margins is worse.
 class RoadContact {
  public:
   /// @param reaction  [s] after which `a` answers to braking of `b`.

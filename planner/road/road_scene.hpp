@@ -83,7 +83,7 @@ struct RoadVehicle {
   int exit_lane = -1;                  ///< vehicles of one exit lane keep a headway on it
   double s_exit_lane = 0.0;            ///< rear axle when the front bumper enters the exit lane [m]
   std::vector<EntryLane> entry_lanes;  ///< where its path begins behind another junction
-  double s_handback = 0.0;             ///< rear axle where the zone ends [m]
+  double s_handback = 0.0;             ///< rear axle where the control zone ends [m]
   double s_end = 0.0;                  ///< rear axle where a plan is complete [m]; >= s_handback
   double weight = 1.0;                 ///< its time costs so many times that of any other vehicle
   /// It has stood for long without a complete plan, or it stands with a driver of its own. Two such

@@ -93,7 +93,7 @@ class RoadWorld {
   [[nodiscard]] bool pre_check(const Group& /*group*/) const { return options_.plans_groups; }
   [[nodiscard]] std::vector<std::optional<Motion>> get_opt_traj(const std::vector<State>& q,
                                                                 const Group& group);
-  /// The longest in the zone first.
+  /// The longest in the control zone first.
   [[nodiscard]] std::vector<int> order(const std::vector<State>& q) const;
 
  private:

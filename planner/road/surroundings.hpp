@@ -36,7 +36,7 @@ class Surroundings {
   /// The same with nobody but drivers who do not yield: where it stands they would run into it.
   [[nodiscard]] bool leaves_passages_free(std::int64_t k, const InertialState& state) const;
 
-  /// Does somebody stand across the way to `s`, ahead of where the vehicle can stop, who is not
+  /// Does somebody block the path to `s`, ahead of where the vehicle can stop, who is not
   /// expected to move? Then no timing gets it there.
   [[nodiscard]] bool is_barred(double s) const;
 
@@ -66,7 +66,7 @@ class Surroundings {
     const ContactTable* reserved = nullptr;
     int before = 0;  ///< steps of slack; see Forecast
     int behind = 0;
-    /// If this vehicle brakes now it comes to rest in its passage, or is met on the way out of it.
+    /// If this vehicle brakes now it comes to rest in its passage, or is met before it has left it.
     /// Then to go on may be safe: as long as it does not slow down, only where it drives counts.
     bool braking_is_no_help = false;
 
@@ -132,7 +132,7 @@ class Surroundings {
                                     double a, const InertialState& to) const;
 
   /// Is this vehicle beside the lane of a driver who goes the same way? He does not see it there: a
-  /// new plan neither counts on him to make room, nor on braking as a way out. One that is kept
+  /// new plan neither counts on him to make room, nor on braking as safe. One that is kept
   /// has no choice any more.
   [[nodiscard]] bool comes_over(const Other& other, const InertialState& state,
                                 const InertialState& other_state) const;

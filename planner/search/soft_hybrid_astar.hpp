@@ -45,7 +45,7 @@ struct SoftOptions {
   double reversal = 0.0;       ///< soft-collision cost of a change of direction [s]
   bool slowly = false;         ///< slow motion primitives, too: for tight places
   bool hard = false;           ///< nobody may be touched, at whatever soft-collision cost
-  /// May it wait anywhere for any time, or only for less than a cell's macro steps at once? Ways
+  /// May it wait anywhere for any time, or only for less than a cell's macro steps at once? Paths
   /// out of tight places are found among fewer nodes then.
   bool waits = true;
 

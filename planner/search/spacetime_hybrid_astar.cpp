@@ -48,7 +48,7 @@ struct Node {
 /// farthest.
 using FocalKey = std::pair<double, int>;
 
-/// Where a way to the goal was found: what costs no less and comes later in FOCAL is pointless.
+/// Where a path to the goal was found: what costs no less and comes later in FOCAL is pointless.
 struct Reached {
   double f = 0.0;
   FocalKey key;
@@ -229,8 +229,8 @@ class Search {
     if (best) best_goal_ = number;
   }
 
-  /// Counts the conflicts on the way of the analytic expansion. False if it is not free, or has too
-  /// many of them to be of use.
+  /// Counts the conflicts on the path of the analytic expansion. False if it is not free, or has
+  /// too many of them to be of use.
   [[nodiscard]] bool drive_analytic_expansion(const Node& from, Node& goal) const {
     if (pointless(goal)) return false;
     Pose pose = from.pose;

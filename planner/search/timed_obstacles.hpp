@@ -16,7 +16,7 @@ struct Reach {
   double per_step = 0.0;  ///< [m]
 };
 
-/// Robots on their ways, looked up by time: which of them does a sweep of step t touch?
+/// Robots on their paths, looked up by time: which of them does a sweep of step t touch?
 ///
 /// The circles around all sweeps of one step are sorted by x, so that only robots in a strip of the
 /// map are looked at.

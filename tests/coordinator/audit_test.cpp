@@ -174,7 +174,7 @@ TEST_F(AuditTest, SeesAnOverlapBetweenTwoSteps) {
   EXPECT_NEAR(audit.events().front().time, 0.15, 0.001);
 }
 
-TEST_F(AuditTest, ALaneChangeWithinOneStepIsNoWayThroughTheNeighbour) {
+TEST_F(AuditTest, ALaneChangeWithinOneStepDoesNotSweepOverTheNeighbour) {
   const VehicleState beside{.id = "b", .pose = {-98, -1.6, 0}, .speed = 10};
   see(0.1, {.id = "a", .pose = {-100, -4.8, 0}, .speed = 10}, false, beside);
   see(0.2, {.id = "a", .pose = {-99, 1.6, 0}, .speed = 10}, false, beside);
@@ -188,7 +188,7 @@ TEST_F(AuditTest, TheSameLeapOfACoordinatedVehicleIs) {
   EXPECT_EQ(audit.figures().overlap_pairs_coordinated, 1);
 }
 
-TEST_F(AuditTest, ATeleportIsNoWayThroughOthers) {
+TEST_F(AuditTest, ATeleportDoesNotSweepOverOthers) {
   const VehicleState between{.id = "b", .pose = {-50, -1.6, 0}};
   see(0.1, {.id = "a", .pose = {-100, -1.6, 0}, .speed = 10}, false, between);
   see(0.2, {.id = "a", .pose = {0, -1.6, 0}, .speed = 10}, false, between);

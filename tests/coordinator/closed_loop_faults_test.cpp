@@ -196,10 +196,10 @@ TEST(ScheduledStops, AreNotCutShort) {
   int stood = 0;
   bool driven = false;
   while (traffic.running() && traffic.time() < 100.0) {
-    const bool halts = !traffic.vehicles().empty() && traffic.vehicles()[0].halted_by_stop;
+    const bool stands = !traffic.vehicles().empty() && traffic.vehicles()[0].halted_by_stop;
     simulation.step();
     driven = driven || coordinator.drives("bus");
-    if (!halts) continue;
+    if (!stands) continue;
     ++stood;
     EXPECT_FALSE(coordinator.drives("bus"));
   }

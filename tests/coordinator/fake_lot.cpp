@@ -43,17 +43,17 @@ Vehicle lot_car() {
           .max_decel = 4.5};
 }
 
-FakeLotTraffic::FakeLotTraffic(const ParkingLot& lot, std::vector<FakeStay> stays)
-    : lot_(lot), stays_(std::move(stays)) {
-  std::ranges::stable_sort(stays_, {}, &FakeStay::depart);
+FakeLotTraffic::FakeLotTraffic(const ParkingLot& lot, std::vector<FakeParkingEvent> events)
+    : lot_(lot), events_(std::move(events)) {
+  std::ranges::stable_sort(events_, {}, &FakeParkingEvent::depart);
   refresh();
 }
 
 VehicleType FakeLotTraffic::type(const std::string& id) const { return {.id = id, .body = body_}; }
 
 std::optional<ParkingStop> FakeLotTraffic::parking_stop(const std::string& id) const {
-  const FakeStay& stay = cars_.at(id).stay;
-  return ParkingStop{.area = "lot", .duration = stay.stay, .parked = stay.slot >= 0};
+  const FakeParkingEvent& event = cars_.at(id).event;
+  return ParkingStop{.area = "lot", .duration = event.duration, .parked = event.slot >= 0};
 }
 
 void FakeLotTraffic::hand_back(const std::string& id) {
@@ -84,18 +84,18 @@ void FakeLotTraffic::step() {
   }
   double leader = kLane + kGap;
   std::vector<std::string> left;
-  for (const FakeStay& stay : stays_) {  // in the order of their departure
-    const auto found = cars_.find(stay.id);
+  for (const FakeParkingEvent& event : events_) {  // in the order of their departure
+    const auto found = cars_.find(event.id);
     if (found == cars_.end()) continue;
     Car& car = found->second;
     // As in SUMO: whose front has left the lane does not count for those who follow.
     const bool in_strip = car.pose.x + body_.front < 0.0 && std::abs(car.pose.y - 6.5) < 2.0;
     if (car.placed && in_strip) leader = std::min(leader, car.pose.x - body_.rear + kLane);
-    if (car.placed || (stay.slot >= 0 && !car.going)) continue;
+    if (car.placed || (event.slot >= 0 && !car.going)) continue;
     if (car.going) {
       drive_own(car, 1e3);
       car.pose = {-car.front + body_.front, 11.5, std::numbers::pi};
-      if (car.front > kLane) left.push_back(stay.id);
+      if (car.front > kLane) left.push_back(event.id);
     } else {
       drive_own(car, leader - kGap - car.front);
       car.pose = {car.front - kLane - body_.front, 6.5, 0.0};
@@ -104,20 +104,20 @@ void FakeLotTraffic::step() {
   }
   for (const std::string& id : left) cars_.erase(id);
   arrived_ += int(left.size());
-  while (next_ < stays_.size() && stays_[next_].depart <= time_) {
-    const FakeStay& stay = stays_[next_];
-    if (stay.slot < 0 && leader < 2 * body_.length()) break;
-    Car car{.stay = stay,
+  while (next_ < events_.size() && events_[next_].depart <= time_) {
+    const FakeParkingEvent& event = events_[next_];
+    if (event.slot < 0 && leader < 2 * body_.length()) break;
+    Car car{.event = event,
             .pose = {body_.length() - kLane - body_.front, 6.5, 0.0},
             .front = body_.length()};
-    car.speed = stay.slot < 0 ? kSpeed : 0.0;
-    if (stay.slot >= 0) {
-      const Pose& middle = lot_.slots[std::size_t(stay.slot)].middle;
+    car.speed = event.slot < 0 ? kSpeed : 0.0;
+    if (event.slot >= 0) {
+      const Pose& middle = lot_.slots[std::size_t(event.slot)].middle;
       car.pose = compose(middle, {-(body_.front - body_.rear) / 2, 0, 0});
     } else {
       leader = 0.0;
     }
-    cars_.emplace(stay.id, car);
+    cars_.emplace(event.id, car);
     ++next_;
   }
   refresh();
@@ -127,7 +127,7 @@ void FakeLotTraffic::refresh() {
   states_.clear();
   for (const auto& [id, car] : cars_) {
     VehicleState state{.id = id, .type = "car", .pose = car.pose, .speed = car.speed};
-    if (car.going || (!car.placed && car.stay.slot < 0)) {
+    if (car.going || (!car.placed && car.event.slot < 0)) {
       state.lane = car.going ? "out_0" : "in_0";
       state.lane_position = car.front;
     }

@@ -26,24 +26,24 @@ namespace mvtp {
 /// A car of 4.5 x 1.8 m as SUMO's default.
 [[nodiscard]] Vehicle lot_car();
 
-struct FakeStay {
+struct FakeParkingEvent {
   std::string id;
   double depart = 0.0;
-  double stay = 60.0;
-  int slot = -1;  ///< parked there at the start, nose in; -1: it comes by the entry lane
+  double duration = 60.0;  ///< [s] in the slot
+  int slot = -1;           ///< parked there at the start, nose in; -1: it comes by the entry lane
 };
 
 /// Cars that come along a lane of 60 m at 5 m/s, one behind the other, and go along another.
 class FakeLotTraffic : public Traffic {
  public:
-  FakeLotTraffic(const ParkingLot& lot, std::vector<FakeStay> stays);
+  FakeLotTraffic(const ParkingLot& lot, std::vector<FakeParkingEvent> events);
 
   [[nodiscard]] const RoadNetwork& network() const override { return network_; }
   [[nodiscard]] std::vector<std::string> types() const override { return {"car"}; }
   [[nodiscard]] VehicleType type(const std::string& id) const override;
   [[nodiscard]] double time() const override { return time_; }
   [[nodiscard]] double step_length() const override { return 0.1; }
-  [[nodiscard]] bool running() const override { return !cars_.empty() || next_ < stays_.size(); }
+  [[nodiscard]] bool running() const override { return !cars_.empty() || next_ < events_.size(); }
   [[nodiscard]] std::span<const VehicleState> vehicles() const override { return states_; }
   [[nodiscard]] std::vector<std::string> route(const std::string&) const override {
     return {"in", "out"};
@@ -66,7 +66,7 @@ class FakeLotTraffic : public Traffic {
 
  private:
   struct Car {
-    FakeStay stay;
+    FakeParkingEvent event;
     Pose pose;
     double speed = 0.0;
     double front = 0.0;  ///< on its lane [m]
@@ -80,7 +80,7 @@ class FakeLotTraffic : public Traffic {
   void refresh();
 
   ParkingLot lot_;
-  std::vector<FakeStay> stays_;
+  std::vector<FakeParkingEvent> events_;
   Vehicle body_ = lot_car();
   RoadNetwork network_;
   double time_ = 0.0;

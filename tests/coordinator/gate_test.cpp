@@ -213,7 +213,7 @@ TEST_F(GateTest, ProposesNobodyBehindAQueue) {
   EXPECT_EQ(propose(), "a");
 }
 
-TEST_F(GateTest, LetsThroughOnceAndForgetsWhoHasGone) {
+TEST_F(GateTest, LetsThroughOnceAndForgetsWhoHasPassed) {
   gate.begin();
   see("a", 40.0, 10.0);
   gate.end();
@@ -314,7 +314,7 @@ TEST_F(GateTest, LetsChangeLanesWhoseLaneLeadsElsewhere) {
   EXPECT_THAT(traffic.in_lane, UnorderedElementsAre("a"));
 }
 
-TEST_F(GateTest, ReleasesWhoHasGoneUnheld) {
+TEST_F(GateTest, ReleasesWhoHasPassedUnheld) {
   gate.begin();
   see("a", 40.0, 10.0);
   gate.end();

@@ -189,8 +189,8 @@ TEST(GuestsAtTheGate, PassUntilTheyAreThrough) {
   EXPECT_TRUE(was_inside && was_behind);
 }
 
-// Whoever stood between two junctions that have one zone would stand before vehicles whose plans
-// lead through both.
+// Whoever stood between two junctions that have one control zone would stand before vehicles whose
+// plans lead through both.
 TEST(GuestsAtTheGate, PassTheJunctionsOfAZoneAtOnce) {
   ClosedLoop run(chain_shape(), {{"bike", 0.0, "W-A", "B-E", "bike"},
                                  {"car", 11.0, "SB-B", "B-NB"},

@@ -18,9 +18,9 @@ namespace {
 /// A run on the small lot, watched at every step.
 class LotRun {
  public:
-  explicit LotRun(std::vector<FakeStay> stays, LotOptions options = {},
+  explicit LotRun(std::vector<FakeParkingEvent> cars, LotOptions options = {},
                   const ParkingLot& lot = make_lot())
-      : traffic(lot, std::move(stays)),
+      : traffic(lot, std::move(cars)),
         coordinator(traffic, lot, options),
         area_({}, std::array{lot}),
         audit(area_, 0.1) {
@@ -75,18 +75,18 @@ class LotRun {
   Audit audit;
 };
 
-std::vector<FakeStay> arrivals(int count, double every, double stay = 40.0) {
-  std::vector<FakeStay> stays;
-  for (int k = 0; k < count; ++k) stays.push_back({"c" + std::to_string(k), k * every, stay});
-  return stays;
+std::vector<FakeParkingEvent> arrivals(int count, double every, double duration = 40.0) {
+  std::vector<FakeParkingEvent> cars;
+  for (int k = 0; k < count; ++k) cars.push_back({"c" + std::to_string(k), k * every, duration});
+  return cars;
 }
 
-std::vector<FakeStay> busy() {
-  std::vector<FakeStay> stays = arrivals(10, 9.0);
+std::vector<FakeParkingEvent> busy() {
+  std::vector<FakeParkingEvent> cars = arrivals(10, 9.0);
   for (int k = 0; k < 8; ++k) {
-    stays.push_back({"p" + std::to_string(k), 0.0, 5.0 + 11.0 * k, 2 * k});
+    cars.push_back({"p" + std::to_string(k), 0.0, 5.0 + 11.0 * k, 2 * k});
   }
-  return stays;
+  return cars;
 }
 
 void expect_clean(const Audit& audit) {
@@ -117,7 +117,7 @@ TEST(LotCoordinator, ParksACarAndBringsItBack) {
   expect_clean(run.audit);
 }
 
-TEST(LotCoordinator, WhoseStayIsNotOverRests) {
+TEST(LotCoordinator, AParkedVehicleRestsUntilItWantsToLeave) {
   LotRun run(arrivals(1, 0.0));
   const auto& events = run.coordinator.events();
   EXPECT_FALSE(run.coordinator.rests("c0"));
@@ -149,9 +149,9 @@ INSTANTIATE_TEST_SUITE_P(All, LotControllers,
 TEST(LotPbcr, LetsOneAfterTheOtherPass) {
   LotOptions options;
   options.controller = LotController::kPbcr;
-  std::vector<FakeStay> stays;
-  for (int k = 0; k < 4; ++k) stays.push_back({"p" + std::to_string(k), 0.0, 5.0, 2 * k});
-  LotRun run(stays, options);
+  std::vector<FakeParkingEvent> cars;
+  for (int k = 0; k < 4; ++k) cars.push_back({"p" + std::to_string(k), 0.0, 5.0, 2 * k});
+  LotRun run(cars, options);
   EXPECT_TRUE(run.finish(400.0));
   EXPECT_EQ(run.traffic.arrived(), 4);
   expect_clean(run.audit);
@@ -199,11 +199,11 @@ TEST(LotCoordinator, StandsAsAskedFor) {
 }
 
 TEST(LotCoordinator, FullLotQueuesAndServesWhenASlotGetsFree) {
-  std::vector<FakeStay> stays = arrivals(2, 5.0, 30.0);
+  std::vector<FakeParkingEvent> cars = arrivals(2, 5.0, 30.0);
   for (int s = 0; s < 16; ++s) {
-    stays.push_back({"p" + std::to_string(s), 0.0, s == 3 ? 120.0 : s == 12 ? 200.0 : 400.0, s});
+    cars.push_back({"p" + std::to_string(s), 0.0, s == 3 ? 120.0 : s == 12 ? 200.0 : 400.0, s});
   }
-  LotRun run(stays);
+  LotRun run(cars);
   while (run.traffic.time() < 100.0) run.step();
   EXPECT_EQ(run.coordinator.occupied(0.0).at_gate, 2);
   EXPECT_EQ(run.coordinator.occupied(0.0).parked, 16);
@@ -291,7 +291,7 @@ class DrivenByAnother : public FakeLotTraffic {
 };
 
 TEST(LotCoordinator, LeavesAloneWhomAnotherControllerDrives) {
-  DrivenByAnother traffic(make_lot(), {{.id = "v", .stay = 10.0}});
+  DrivenByAnother traffic(make_lot(), {{.id = "v", .duration = 10.0}});
   LotCoordinator coordinator(traffic, make_lot(), {});
   Simulation simulation(traffic);
   simulation.add(coordinator);

@@ -29,8 +29,9 @@ class LotLookoutAhead : public testing::Test {
     motion_.put(car);
   }
 
-  [[nodiscard]] double halt(const std::vector<Pedestrian>& people, double turn = kInfinity) const {
-    return LotLookout::halt(motion_, motion_.cars().front(), turn, {people, {}});
+  [[nodiscard]] double stopping_point(const std::vector<Pedestrian>& people,
+                                      double turn = kInfinity) const {
+    return LotLookout::stopping_point(motion_, motion_.cars().front(), turn, {people, {}});
   }
 
   LotMotion motion_;
@@ -42,44 +43,44 @@ Pedestrian walker(double x, double y, double theta, double speed = 1.3) {
 
 TEST_F(LotLookoutAhead, NobodyThere) {
   drive(2.0, true);
-  EXPECT_EQ(halt({}), kInfinity);
+  EXPECT_EQ(stopping_point({}), kInfinity);
 }
 
 TEST_F(LotLookoutAhead, StopsBeforeSomebodyWhoStands) {
   drive(2.0, false);
   // The front stops 0.6 m + 0.3 m before the person, whose radius is 0.3 m.
-  EXPECT_NEAR(halt({walker(8, 0, 0, 0.0)}), 8 - 0.3 - 0.6 - 0.3 - kCar.front, 0.3);
+  EXPECT_NEAR(stopping_point({walker(8, 0, 0, 0.0)}), 8 - 0.3 - 0.6 - 0.3 - kCar.front, 0.3);
 }
 
 TEST_F(LotLookoutAhead, LetsThoseBeAloneWhoWalkAway) {
   drive(2.0, false);
-  EXPECT_EQ(halt({walker(8, 4, kHalfPi)}), kInfinity);   // beside, away from its path
-  EXPECT_EQ(halt({walker(-6, 0, 0)}), kInfinity);        // behind
-  EXPECT_LT(halt({walker(8, 4, -kHalfPi)}), kInfinity);  // towards it
+  EXPECT_EQ(stopping_point({walker(8, 4, kHalfPi)}), kInfinity);   // beside, away from its path
+  EXPECT_EQ(stopping_point({walker(-6, 0, 0)}), kInfinity);        // behind
+  EXPECT_LT(stopping_point({walker(8, 4, -kHalfPi)}), kInfinity);  // towards it
 }
 
 TEST_F(LotLookoutAhead, WaitsAtAFootpathForWhoComes) {
   drive(2.0, true);
   const double before = 10 - 1.0 - kCar.front;
   // Is there when the car would be, 2 to 6 s from now.
-  EXPECT_NEAR(halt({walker(10, 6, -kHalfPi)}), before - 0.3, 0.3);
+  EXPECT_NEAR(stopping_point({walker(10, 6, -kHalfPi)}), before - 0.3, 0.3);
   // Has passed by then, or comes long after.
-  EXPECT_EQ(halt({walker(10, 1, kHalfPi)}), kInfinity);
-  EXPECT_EQ(halt({walker(10, 19, -kHalfPi)}), kInfinity);
+  EXPECT_EQ(stopping_point({walker(10, 1, kHalfPi)}), kInfinity);
+  EXPECT_EQ(stopping_point({walker(10, 19, -kHalfPi)}), kInfinity);
 }
 
 TEST_F(LotLookoutAhead, EntersAFootpathOnlyToLeaveItAgain) {
   drive(2.0, true);
   const Pedestrian far = walker(10, 19, -kHalfPi);
-  EXPECT_EQ(halt({far}, 14.0), kInfinity);
+  EXPECT_EQ(stopping_point({far}, 14.0), kInfinity);
   // Another car lets it no further than onto the footpath: it would stand there.
-  EXPECT_LT(halt({far}, 8.0), 10 - 1.0 - kCar.front);
+  EXPECT_LT(stopping_point({far}, 8.0), 10 - 1.0 - kCar.front);
 }
 
 //   To stop where somebody walks into its side would be worse.
 TEST_F(LotLookoutAhead, CrossesAtOnceWhatItCanNoLongerStopBefore) {
   drive(2.3, true, 4.0);  // comes to rest behind the footpath's beginning, at 10 - 1 - 3.6 m
-  EXPECT_EQ(halt({walker(10, 6.1, -kHalfPi)}), kInfinity);
+  EXPECT_EQ(stopping_point({walker(10, 6.1, -kHalfPi)}), kInfinity);
 }
 
 TEST_F(LotLookoutAhead, StandsWhereNobodyWalksIntoIt) {
@@ -87,7 +88,7 @@ TEST_F(LotLookoutAhead, StandsWhereNobodyWalksIntoIt) {
     motion_ = LotMotion();
     drive(1.0, true, from);
     for (double y = 1.0; y < 12.0; y += 0.5) {
-      const double place = halt({walker(10, y, -kHalfPi)});
+      const double place = stopping_point({walker(10, y, -kHalfPi)});
       // The body covers the walker's line from 10 - 3.6 to 10 + 0.9 m on.
       const bool on_the_line = place > 10 - 3.6 - 0.3 && place < 10 + 0.9 + 0.3;
       EXPECT_FALSE(on_the_line) << "from " << from << " m, somebody at " << y << " m: " << place;
@@ -98,9 +99,10 @@ TEST_F(LotLookoutAhead, StandsWhereNobodyWalksIntoIt) {
 TEST_F(LotLookoutAhead, StopsBehindThoseWithDriversOfTheirOwn) {
   drive(2.0, false);
   const std::array strangers = {StandingCar{{9, 0, 0}, kCar}};
-  const double halt = LotLookout::halt(motion_, motion_.cars().front(), kInfinity, {{}, strangers});
-  EXPECT_LT(halt, 9 - kCar.rear - 0.5 - kCar.front);
-  EXPECT_GT(halt, 9 - kCar.rear - 0.5 - kCar.front - 0.6);
+  const double stopping_point =
+      LotLookout::stopping_point(motion_, motion_.cars().front(), kInfinity, {{}, strangers});
+  EXPECT_LT(stopping_point, 9 - kCar.rear - 0.5 - kCar.front);
+  EXPECT_GT(stopping_point, 9 - kCar.rear - 0.5 - kCar.front - 0.6);
 }
 
 }  // namespace

@@ -116,7 +116,7 @@ Polygon hull_of(std::vector<Point> points) {
   return hull;
 }
 
-/// Does more than one way lead over the same ground?
+/// Does more than one path lead over the same ground?
 bool has_conflicts(const Junction& junction, const RoadNetwork& network) {
   for (const Connection& a : junction.connections) {
     for (const Connection& b : junction.connections) {

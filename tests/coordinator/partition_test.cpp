@@ -14,7 +14,7 @@ namespace {
 
 using testing::UnorderedElementsAre;
 
-/// The ids of the junctions of each zone.
+/// The ids of the junctions of each control zone.
 std::set<std::set<std::string>> zones_of(const RoadNetwork& network, double chain,
                                          std::vector<std::string> ids = {}) {
   const LaneGraph graph(network);

@@ -12,7 +12,7 @@ namespace {
 
 using testing::SizeIs;
 
-TEST(Predictor, WhoWaitsHaltsBeforeItsLineAndStaysThere) {
+TEST(Predictor, WhoWaitsStopsBeforeItsLineAndStaysThere) {
   Prediction p(crossroads_shape());
   for (const double speed : {3.0, 8.0, 13.0}) {
     const auto forecasts = p.predict("W-C_0", 60.0, speed, {"W-C", "C-E"}, Intent::kWaits);
@@ -49,7 +49,7 @@ TEST(Predictor, WhoBrakesLateStandsAsFarBeforeHisLineAsOthers) {
 }
 
 // Only the left of two lanes leads where it wants to go: until it can change over, it waits.
-TEST(Predictor, WhoIsInAWrongLaneHaltsAtItsEndEvenIfItMayPass) {
+TEST(Predictor, WhoIsInAWrongLaneStopsAtItsEndEvenIfItMayPass) {
   Prediction p(two_lanes_shape());
   for (const Intent intent : {Intent::kPasses, Intent::kWaits}) {
     const auto forecasts = p.predict("W-C_0", 60.0, 8.0, {"W-C", "C-N"}, intent);

@@ -121,7 +121,7 @@ TEST_F(RefereeTest, DoesNotLookAgainAtPairsThatWereJudged) {
   EXPECT_EQ(find_planned_contacts(scene, plan, before).size(), 1U);
 }
 
-TEST_F(RefereeTest, OneWhoStandsForGoodIsInTheWayToTheEnd) {
+TEST_F(RefereeTest, OneWhoStandsForGoodBlocksToTheEnd) {
   add(0, 0.0, 1.0, 90);
   add(1, 49.0, 0.0, 1);
   SpeedProfile stands{.states = {{49.0, 0.0}}, .complete = false};

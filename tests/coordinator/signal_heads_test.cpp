@@ -69,7 +69,7 @@ TEST_F(SignalHeadsTest, EveryLightIsRedAtFirst) {
   EXPECT_FALSE(heads.is_free());
 }
 
-TEST_F(SignalHeadsTest, WaysThatCrossOrMergeExcludeEachOther) {
+TEST_F(SignalHeadsTest, ConnectionsThatCrossOrMergeExcludeEachOther) {
   const int east = link("W-C", "C-E");
   EXPECT_TRUE(heads.cross(east, link("S-C", "C-N")));
   EXPECT_TRUE(heads.cross(east, link("S-C", "C-E")));

@@ -178,7 +178,7 @@ TEST_F(OursAndATube, BesideSomebodyNewOldPlansKeepSlackToo) {
   EXPECT_TRUE(fits(*careful));
 }
 
-TEST_F(OursAndATube, BrakingInTheWayOfADriverWhoReliesOnHisGreenIsNoWayOut) {
+TEST_F(OursAndATube, BrakingBeforeADriverWhoReliesOnHisGreenIsNotSafe) {
   // It comes to rest within the decision, right on the crossing, where he is by then.
   scene.vehicles.front().now = {98.0, 2.0};
   let_come(91.0);

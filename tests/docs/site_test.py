@@ -3,7 +3,8 @@
 
 Every link and picture must lead to a file, and every anchor to a heading, on the site and, where a
 page of the project has the link, in the repository too. Every page of docs/ must be in the
-navigation. The drawings must be what drawings.py draws. The README must fit a screen.
+navigation. The drawings must be what drawings.py draws. The README must fit a screen, and so must
+those of the planner's rooms.
 """
 
 import html.parser
@@ -84,6 +85,9 @@ def longer_than_a_screen(root):
     text = (root / "README.md").read_text(encoding="utf-8")
     if len(text.splitlines()) > 30 or len(text) > 2400:
         yield "README.md: is longer than a screen (30 lines, 2400 signs); move something to docs/"
+    for room in sorted(root.glob("planner/*/README.md")):
+        if len(room.read_text(encoding="utf-8").splitlines()) > 45:
+            yield f"{room.relative_to(root)}: is longer than a screen (45 lines); move something to docs/"
 
 
 def stale_drawings(root, work):

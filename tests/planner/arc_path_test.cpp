@@ -21,7 +21,7 @@ ArcPath there_and_back() {
   return path;
 }
 
-TEST(ArcPath, IsTheWayOfItsArcs) {
+TEST(ArcPath, DrivesItsArcsOneAfterTheOther) {
   const ArcPath path = there_and_back();
   EXPECT_DOUBLE_EQ(path.length(), 5.0);
   Pose pose{1.0, 2.0, 0.5};

@@ -74,7 +74,7 @@ TEST(Eccr, MovesARobotOffItsGoalForAnother) {
   EXPECT_GT(result.steps[1].size(), 2U);
 }
 
-TEST_P(Cbs, SaysSoWhenARobotHasNoWay) {
+TEST_P(Cbs, SaysSoWhenARobotHasNoPath) {
   Instance instance{.agents = {agent({10, 15, 0}, {20, 15, 0})}, .map = empty_map(30), .dt = 1.0};
   instance.map.polygons = {{{14.5, 0}, {15.5, 0}, {15.5, 30}, {14.5, 30}}};
   const PlanningProblem problem(instance, CollisionRule::kContinuous);

@@ -64,7 +64,7 @@ TEST(EscotStar, ThreadsGiveTheSamePlanEachTime) {
   EXPECT_EQ(plan.trajectories, star(instance, options).trajectories);
 }
 
-//   More than one conflict per robot on their ways alone: found window by window.
+//   More than one conflict per robot on their single-agent paths: found window by window.
 TEST(EscotStar, SolvesACrowd) {
   const Instance instance = random_instance(4, 36, 3, 40);
   const Plan plan = star(instance, {.gap = 0.4});
@@ -225,7 +225,7 @@ TEST(Repair, GivesUpWithoutProgress) {
 
 //   The goal of robot 1 is in a lane for one that robot 0 has to drive through: however robot 0 is
 //   planned anew, robot 1 is there before it. It is robot 1 that has to wait.
-TEST(Repair, TakesTurnsWithinAPair) {
+TEST(Repair, PlansBothOfAPairAlternately) {
   Map lane = empty_map(40);
   lane.polygons = {{{14, -1}, {30, -1}, {30, 18.5}, {14, 18.5}},
                    {{14, 21.5}, {30, 21.5}, {30, 41}, {14, 41}}};

@@ -30,7 +30,7 @@ TEST(GridDistance, LeadsAroundAWall) {
   EXPECT_NEAR(distance.at(15.5, 12.5), 10.0, 1e-4);
 }
 
-TEST(GridDistance, IsInfiniteWhereNoWayLeads) {
+TEST(GridDistance, IsInfiniteWhereNoPathLeads) {
   const Map map{.width = 20, .height = 20, .polygons = {{{9, 0}, {11, 0}, {11, 20}, {9, 20}}}};
   EXPECT_TRUE(std::isinf(GridDistance(grid_over(map), {15.5, 2.5}).at(4.5, 2.5)));
 }

@@ -44,7 +44,7 @@ TEST_F(Departures, TwoThatHaveLeftMeetNobody) {
   EXPECT_THAT(motion_.conflicts(), IsEmpty());
 }
 
-TEST_F(Departures, WhoLeavesIsInNobodysWayWhicheverIsPlacedFirst) {
+TEST_F(Departures, WhoLeavesBlocksNobodyWhicheverIsPlacedFirst) {
   motion_.place(2, long_path());
   motion_.place(0, path_out(0, 40));
   EXPECT_EQ(motion_.overlaps(1, path_out(1, 50), 3), 0);
@@ -52,7 +52,7 @@ TEST_F(Departures, WhoLeavesIsInNobodysWayWhicheverIsPlacedFirst) {
   EXPECT_THAT(motion_.conflicts_of(1), IsEmpty());
 }
 
-TEST_F(Departures, AnExitIsNotPutOffByAnEarlierOne) {
+TEST_F(Departures, AnExitIsNotDelayedByAnEarlierOne) {
   motion_.place(2, long_path());
   motion_.place(0, path_out(0, 50));
   const std::vector<Arc> steps_driven(50, Arc{0.1, 0.0});
@@ -61,7 +61,7 @@ TEST_F(Departures, AnExitIsNotPutOffByAnEarlierOne) {
 }
 
 //   Until the end of the macro step in which it arrives it is there, and not a macro step longer.
-TEST_F(Departures, TheWayOutItselfCounts) {
+TEST_F(Departures, ThePathOutItselfCounts) {
   motion_.place(0, path_out(0, 50));
   const MacroRobot& second = motion_.robot(1);
   const auto standing = [&] {
@@ -76,7 +76,7 @@ TEST_F(Departures, TheWayOutItselfCounts) {
   EXPECT_EQ(motion_.overlaps(1, late, 3), 0);
 }
 
-TEST_F(Departures, WhoArrivesAtOnceIsThereForOneBucket) {
+TEST_F(Departures, WhoArrivesAtOnceIsThereForOneMacroStep) {
   EXPECT_EQ(path_out(0, 0).departure(), scene_.time.macro_step);
   motion_.place(0, path_out(0, 0));
   const ArcTrajectory standing(motion_.robot(1).car->vehicle(), {4, 5, 0}, {},

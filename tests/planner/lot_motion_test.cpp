@@ -114,16 +114,16 @@ TEST(LotMotion, KeepsCarsApartInAnyOrder) {
   int blocked = 0;
   for (int scene = 0; scene < 150; ++scene) {
     LotMotion motion = random_motion(dice);
-    std::vector<double> halts(motion.cars().size(), kInfinity);
+    std::vector<double> stopping_points(motion.cars().size(), kInfinity);
     for (int step = 0; step < 500; ++step) {
       if (step % 40 == 0) {
-        for (std::size_t i = 0; i < halts.size(); ++i) {
+        for (std::size_t i = 0; i < stopping_points.size(); ++i) {
           const LotCar& car = motion.cars()[i];
           const double stop = car.s + braking_distance(motion, car) + dice.in(0.5, 3.0);
-          halts[i] = step < 300 && dice.below(3) == 0 ? stop : kInfinity;
+          stopping_points[i] = step < 300 && dice.below(3) == 0 ? stop : kInfinity;
         }
       }
-      motion.step(0.1, halts);
+      motion.step(0.1, stopping_points);
       for (const double part : {0.0, 0.5, 1.0}) {
         ASSERT_FALSE(any_overlap(motion, part)) << "scene " << scene << ", step " << step;
       }
@@ -179,7 +179,7 @@ TEST(LotMotion, ACycleOfWaitsIsNotComplete) {
 }
 
 //   Half an hour at walking speed: late, but nothing is blocking.
-TEST(LotMotion, WhoseWayIsLongIsNotBlocked) {
+TEST(LotMotion, WhosePathIsLongIsNotBlocked) {
   LotMotion motion;
   motion.put(make_car(0, {0, 0, 0}, {{5000.0, 0.0}}));
   const LotForecast forecast = motion.forecast();

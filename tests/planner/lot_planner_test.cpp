@@ -31,7 +31,7 @@ LotRequest request(std::int64_t key, const Pose& from, const Pose& to) {
   return {.key = key, .body = kCar, .pose = from, .speed = 0.0, .goals = {to}};
 }
 
-TEST(LotPlanner, GivesACarAWayToItsPlace) {
+TEST(LotPlanner, GivesACarAPathToItsPlace) {
   LotPlanner planner(open_ground(), {});
   LotMotion motion;
   const auto request_planner = planner.admit(motion, request(1, {5, 5, 0}, {30, 20, 0}), {});
@@ -44,7 +44,7 @@ TEST(LotPlanner, GivesACarAWayToItsPlace) {
   EXPECT_TRUE(motion.forecast().complete);
 }
 
-//   Over days, cars ask for ways to places without number.
+//   Over days, cars ask for paths to places without number.
 TEST(LotPlanner, ForgetsPlacesThatNobodyAsksForAnyMore) {
   LotPlanner planner(open_ground(), {});
   const Pose from{5, 5, 0};
@@ -84,7 +84,7 @@ ParkingLot tight_slot(double x, double begin) {
 }
 
 //   A lattice finds no path out between two long cars.
-TEST(LotPlanner, FindsAWayOutOfATightSlot) {
+TEST(LotPlanner, FindsAPathOutOfATightSlot) {
   LotPlanner planner(tight_slot(20.5, 0.0), {});
   LotMotion motion;
   const Pose slot{20.5, 1.3, std::numbers::pi / 2};
@@ -267,7 +267,7 @@ void let_pass(LotMotion& motion, std::int64_t first, std::int64_t second) {
 //   1 --=.....  it, but goes round behind it.
 //      ^:
 //      3
-TEST(LotPlanner, WhoWaitsIsGoneRound) {
+TEST(LotPlanner, PathsLeadRoundThoseThatWait) {
   ParkingLot lot = open_ground();
   lot.ground = {{0, 0}, {40, 0}, {40, 60}, {0, 60}};
   LotPlannerOptions options;
@@ -329,8 +329,8 @@ class LotPbcr : public testing::Test {
   void drive(double seconds, std::span<const StandingCar> standing = {}) {
     for (int step = 0; step < int(seconds * 10); ++step) {
       if (step % 5 == 0) (void)planner_->decide(motion_, standing);
-      const std::vector<double> halts(motion_.cars().size(), 1e9);
-      motion_.step(0.1, halts);
+      const std::vector<double> stopping_points(motion_.cars().size(), 1e9);
+      motion_.step(0.1, stopping_points);
     }
   }
 

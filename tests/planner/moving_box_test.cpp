@@ -147,7 +147,7 @@ TEST(MovingBox, TouchingIsAllowed) {
 }
 
 //   A crossing that takes place between two time steps only: two slabs that swap sides in one step.
-TEST(MovingBox, FindsOverlapsBetweenInstants) {
+TEST(MovingBox, FindsOverlapsBetweenTimeSteps) {
   const Vehicle slab{.front = 0.005, .rear = 0.005, .width = 2.0, .min_turning_radius = 3.0};
   BoxShape shape = box_shape(slab, kDt);
   const std::vector<BoxPose> right = {{0.0F, 0.0F, 1.0F, 0.0F}, {0.1F, 0.0F, 1.0F, 0.0F}};

@@ -178,7 +178,7 @@ TEST(GridDistance, IsTheStraightLineOnAnEmptyMapWithinThreePercent) {
   }
 }
 
-TEST(CostToGo, IsTheLargerOfCurveAndWayAroundObstacles) {
+TEST(CostToGo, IsTheLargerOfCurveAndPathAroundObstacles) {
   const Map map = room_with_wall(4);
   const ReedsShepp curves;
   const ReedsSheppTable table;

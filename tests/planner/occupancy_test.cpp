@@ -78,7 +78,7 @@ TEST_F(OccupancyOfMany, TravelBoundsEveryCorner) {
   }
 }
 
-TEST_F(OccupancyOfMany, RemovedRobotsAreGone) {
+TEST_F(OccupancyOfMany, RemovedRobotsAreNotFound) {
   occupancy.remove(7);
   for (int k = 0; k < 25; ++k) {
     const BoxPose& box = *trajectories[7].boxes(k * kTime.macro_step);

@@ -13,7 +13,7 @@
 namespace mvtp {
 namespace {
 
-/// A fine grid over a square map, as a second opinion: is there a way of the disc's centre over
+/// A fine grid over a square map, as a second opinion: is there a path of the disc's centre over
 /// cells whose middle keeps `clearance` from every obstacle?
 class Flood {
  public:

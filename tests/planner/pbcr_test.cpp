@@ -71,7 +71,7 @@ TEST(Pbcr, ThePushedRobotInheritsThePriorityOfItsPusher) {
 
 //  place:  0    1
 //        [0>] [1] |wall
-TEST(Pbcr, ARobotWaitsWhenTheOneInItsWayCannotYield) {
+TEST(Pbcr, ARobotWaitsWhenTheOneThatBlocksItCannotYield) {
   const Places world{.wishes = {{{0, 0}, {1}}}, .wide = {}};
   const auto next = Pbcr{world}.step(std::vector{0, 1}, std::vector{0, 1});
   EXPECT_EQ(targets(next.value()), (std::vector{0, 1}));
@@ -126,7 +126,7 @@ TEST(Pbcr, WithoutAllowanceForBacktrackingRobotsBrake) {
   EXPECT_EQ(targets(next.value()), (std::vector{0, 1}));
 }
 
-/// A random world: 14 places, ways to up to four others, some of them wide; 9 robots.
+/// A random world: 14 places, motions to up to four others, some of them wide; 9 robots.
 struct RandomScene {
   Places world;
   std::vector<int> from;

@@ -130,7 +130,7 @@ TEST_F(PlanFile, RecordsTheVehicleThatAllShare) {
   EXPECT_EQ(read_plan(directory_.path("plan.yaml")).vehicles, plan.vehicles);
 }
 
-TEST_F(PlanFile, RecordsTheVehiclesOfAMixedFleetBitByBit) {
+TEST_F(PlanFile, RecordsVehiclesOfSeveralKindsBitByBit) {
   Plan plan = example_plan();
   plan.vehicles.assign(plan.names.size(), Vehicle{.width = 0.1 + 0.2, .max_accel = 1.5});
   plan.vehicles[1] = vehicle_preset("escot")->vehicle;

@@ -67,7 +67,7 @@ TEST(Prioritized, SolvesCrossingsThatNeedEverybodysGoalToBeCrossed) {
   for (const int robots : {2, 4, 8}) (void)judged(circle(robots));
 }
 
-TEST(Prioritized, TriesOtherOrdersWhenARobotFindsNoWay) {
+TEST(Prioritized, TriesOtherOrdersWhenARobotFindsNoPath) {
   const Instance instance = random_instance(3, 10, 4, 24);
   ASSERT_EQ(plan_for(instance, {.max_orders = 1}).status, Status::kExhausted)
       << "the first order does; the test needs another instance";

@@ -124,7 +124,7 @@ TEST(PlanBySampling, HasNoPathFromOrToAPlaceThatIsTaken) {
                                 options, aisle.check()));
 }
 
-TEST(PlanBySampling, IsTheReedsSheppPathWhereNothingIsInTheWay) {
+TEST(PlanBySampling, IsTheReedsSheppPathWhereNothingBlocksIt) {
   const Pose from{20, 15, 0.3};
   const Pose to{24, 18, -kPi};
   const auto free = [](const Pose&, const Arc&) { return true; };

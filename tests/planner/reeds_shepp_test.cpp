@@ -63,7 +63,7 @@ TEST(ReedsShepp, IsAsLongAsOmplsPath) {
   }
 }
 
-TEST(ReedsShepp, TheWayBackIsAsLong) {
+TEST(ReedsShepp, ThePathBackIsAsLong) {
   const ReedsShepp curves;
   for (const auto& [from, to] : random_pairs(500)) {
     EXPECT_NEAR(curves.length(from, to, kTurningRadius), curves.length(to, from, kTurningRadius),

@@ -66,7 +66,7 @@ TEST_F(RevisedPrioritizedPlanningTest, ADeadEndIsFilledFromItsEnd) {
 }
 
 //   Nose to nose there is no turn to take: both stand where they were.
-TEST_F(RevisedPrioritizedPlanningTest, WhoFindsNoWayStandsAtItsStart) {
+TEST_F(RevisedPrioritizedPlanningTest, WhoFindsNoPathStandsAtItsStart) {
   const Instance swap{
       .agents = {agent({5, 20, 0}, {36, 20, 0}, 0), agent({32, 20, 0}, {2, 20, 0}, 1)},
       .map = with_lane(empty_map(40), -1, 41, 20)};
@@ -87,7 +87,7 @@ TEST_F(RevisedPrioritizedPlanningTest, WhoFailsIsLookedAtMoreFinely) {
 
 //   Robot 1 rests in a gap of a wall. The next gap is far, but nobody drives through a robot at
 //   rest.
-TEST_F(RevisedPrioritizedPlanningTest, WhoStaysIsGoneRoundHoweverFar) {
+TEST_F(RevisedPrioritizedPlanningTest, PathsLeadRoundThoseThatStayHoweverFar) {
   Instance wall{.agents = {agent({3, 6, 0}, {20, 6, 0}, 0),
                            agent({10.5, 4.8, kNorth}, {10.5, 4.8, kNorth}, 1)},
                 .map = {.width = 30, .height = 50}};
@@ -98,7 +98,7 @@ TEST_F(RevisedPrioritizedPlanningTest, WhoStaysIsGoneRoundHoweverFar) {
   expect_all_departed();
 }
 
-TEST_F(RevisedPrioritizedPlanningTest, WithoutPatienceNobodyGoes) {
+TEST_F(RevisedPrioritizedPlanningTest, WithoutExpansionsNobodyDeparts) {
   take(random_instance(11, 30, 5, 45), 0);
   EXPECT_EQ(departed_, std::vector<bool>(30, false));
   EXPECT_EQ(motion_->makespan(), 0);

@@ -150,7 +150,7 @@ TEST_F(TooClose, TwoThatAreStuckPassEachOtherAtAHairsBreadth) {
   }
 }
 
-TEST_F(OrderOfVehicles, WhoStandsInTheWayOfAnotherComesBeforeIt) {
+TEST_F(OrderOfVehicles, WhoBlocksAnotherComesBeforeIt) {
   add(0, 60.0, 5.0);   // 0: before the crossing
   add(2, 80.0, 5.0);   // 1: ahead of it in the same lane
   add(1, 100.0, 1.0);  // 2: in the middle of the crossing
@@ -255,7 +255,7 @@ TEST_F(TooClose, WhoMayRunIntoSomebodyBrakes) {
 
 // The leader is expected to drive on, so that half braking would be no worse than to brake now as
 // it is planned: with a moment to notice. At the next decision that would begin anew.
-TEST_F(TooClose, BehindALeaderWithItsOwnDriverItBrakesFully) {
+TEST_F(TooClose, BehindAHumanDrivenLeaderItBrakesFully) {
   RoadVehicle leader = add(0, 74.5, 5.0);
   scene.vehicles.pop_back();
   leader.key = -1;
@@ -319,7 +319,7 @@ TEST_F(TooClose, WhoWillBeRunIntoDrivesOn) {
 
 //      |            A guest is let over the crossing and yields to nobody. Whoever has no plan must
 //      not
-//  us -|-   X       halt blocking its path, even if the guest is still far.
+//  us -|-   X       stop blocking its path, even if the guest is still far.
 //      f
 TEST_F(Forecasts, WhoHasNoPlanStaysOutOfThePassageOfAGuest) {
   RoadVehicle guest = add(1, 70.0, 4.0);
@@ -340,7 +340,7 @@ TEST_F(Forecasts, WhoHasNoPlanStaysOutOfThePassageOfAGuest) {
 }
 
 //   f --> us --->     The driver behind sees us; if we waited for him, both would wait for ever.
-TEST_F(Forecasts, WhoHasUsInHisWayDoesNotBlockUs) {
+TEST_F(Forecasts, AHumanDriverWhomWeBlockDoesNotBlockUs) {
   RoadVehicle& own = add(0, 60.0, 0.0);
   own.exit_lane = -1;
   RoadVehicle other = own;
@@ -401,7 +401,7 @@ TEST_F(Forecasts, ALeaderAheadAlwaysCounts) {
   EXPECT_FALSE(plan_vehicle(scene, scene.vehicles[0], {}, {}).has_value());
 }
 
-TEST_F(Forecasts, CrossTrafficCountsUntilWeAreInItsWay) {
+TEST_F(Forecasts, CrossTrafficCountsUntilWeBlockIt) {
   RoadVehicle other = add(1, 40.0, 12.0);
   scene.vehicles.clear();
   other.key = -1;

@@ -216,7 +216,7 @@ TEST_F(WithoutAPlan, NobodyCreepsOnBeforeOneWhoHasNoneEither) {
 
 //          | 1     A driver who does not yield goes over the crossing, perhaps at a crawl.
 //   0 -----+-----  A car that cannot stop before his passage brakes, unless it is over it first.
-TEST_F(WithoutAPlan, NobodyDrivesOnIntoADriverWhoIsInTheWay) {
+TEST_F(WithoutAPlan, NobodyDrivesOnIntoADriverWhoBlocksIt) {
   const RoadVehicle driver = add(1, 90.0, 8.0);
   scene.vehicles.clear();
   const auto passing = [&](double speed) {
@@ -299,7 +299,7 @@ TEST_F(WithoutAPlan, WhoWouldBeMetByBrakingKeepsThePlanThatGetsAway) {
 }
 
 //   From the south it turns into the lane of a driver from the west, who does not yield.
-TEST_F(WithoutAPlan, WhoCannotStopBeforeAPassageGetsOutOfTheWay) {
+TEST_F(WithoutAPlan, WhoCannotStopBeforeAPassageLeavesIt) {
   std::vector<Point> turn = {{0, -100}, {0, -6}};
   for (double a = 0.1; a < 1.5; a += 0.1)
     turn.push_back({6 - 6 * std::cos(a), 6 * std::sin(a) - 6});
@@ -354,7 +354,7 @@ TEST_F(WithoutAPlan, OthersOfItsGroupKeepTheirPlans) {
   EXPECT_TRUE(decision.plan.find(1)->complete);
 }
 
-TEST_F(WithoutAPlan, AnOldPlanStandsUnlessSomebodyBrakesInItsWay) {
+TEST_F(WithoutAPlan, AnOldPlanStandsUnlessABrakingVehicleBlocksIt) {
   add(1, 60.0, 10.0);
   const RoadDecision before = decide_on_road(scene, {}, {0}, {});
   add(0, 40.0, 4.0);  // a newcomer that cannot leave, and stops before the crossing

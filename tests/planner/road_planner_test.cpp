@@ -76,7 +76,7 @@ TEST_F(Crossing, NobodyStopsWhereAnotherOneWillPass) {
 
 // Who finds no plan brakes, and others may lose theirs because of it: then he asks again, and so do
 // they. In the end those without one do not all find one, in lane order, around the others.
-TEST_F(Crossing, WhoeverIsLeftWithoutAPlanIsInSomebodysWay) {
+TEST_F(Crossing, WhoeverIsLeftWithoutAPlanBlocksSomebody) {
   std::mt19937 random(3);
   std::uniform_real_distribution<double> share(0.0, 1.0);
   CrossingOptions options;

@@ -90,7 +90,7 @@ TEST(SoftHybridAstar, SeesOthersUntilTheHorizonOnly) {
 
 //   Between two walls, one primitive ahead and one behind are too long: 0.6 m of room to turn round
 //   in.
-TEST(SoftHybridAstar, SlowActionsLeadOutOfTightPlaces) {
+TEST(SoftHybridAstar, SlowPrimitivesLeadOutOfTightPlaces) {
   Map map = empty_map(50);
   map.polygons = {{{24.3, 20}, {25, 20}, {25, 30}, {24.3, 30}},
                   {{16, 20}, {18.9, 20}, {18.9, 30}, {16, 30}}};
@@ -239,7 +239,7 @@ TEST(SoftHybridAstar, ItsMemoryGrowsWithTheSearch) {
 }
 
 //   A tail: planned from a macro step on, arcs are counted from there.
-TEST(SoftHybridAstar, PlansFromALaterBucketOn) {
+TEST(SoftHybridAstar, PlansFromALaterMacroStepOn) {
   const Pose start{10, 10, 0};
   Scene scene(empty_map(50), {40, 10, 0});
   scene.place_other({25, 10, 1.5707963267949}, std::vector<Arc>(140, Arc{0.1059, 0.0}));

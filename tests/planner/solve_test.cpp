@@ -57,7 +57,7 @@ TEST(Pbcr, RobotsHeadOnGiveWayInTime) {
 
 //   A loop is left by what is drawn at random. Planned together as if nothing had been drawn, the
 //   same two would drive into it for ever.
-TEST(Escot, ADrawnActionIsNotPlannedAway) {
+TEST(Escot, ADrawnPrimitiveIsNotPlannedAway) {
   const Instance instance = circle(2, 6.0);
   const PlanningProblem problem(instance, CollisionRule::kContinuous);
   const Deadline never = Deadline::never();
@@ -261,7 +261,7 @@ TEST(Solve, ProvesThatAGapNarrowerThanTheCarLetsNobodyThrough) {
             "no path for agent1 to its goal, even alone: every gap is narrower than it");
 }
 
-TEST(Solve, FindsAWayThroughAGapJustWiderThanTheCar) { (void)judged(room_with_gap(2.02)); }
+TEST(Solve, FindsAPathThroughAGapJustWiderThanTheCar) { (void)judged(room_with_gap(2.02)); }
 
 //   Seen at whole steps only, a car gets through a wall thinner than its jumps.
 TEST(Solve, DoesNotCallAWallClosedThatStepsJumpOver) {

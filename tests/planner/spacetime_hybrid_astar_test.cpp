@@ -45,7 +45,7 @@ class SpacetimeSearch : public testing::Test {
   }
 };
 
-TEST_F(SpacetimeSearch, FindsTheReedsSheppPathWhereNothingIsInTheWay) {
+TEST_F(SpacetimeSearch, FindsTheReedsSheppPathWhereNothingBlocksIt) {
   const Instance instance = instance_of(empty_map(50), {agent({10, 10, 0}, {30, 20, kPi / 2})});
   const PlanningProblem planning_problem(instance, CollisionRule::kContinuous);
   const auto path = SpacetimeHybridAstar(planning_problem.curves())
@@ -66,7 +66,7 @@ TEST_F(SpacetimeSearch, GoesRoundAWall) {
   EXPECT_GT(path->steps.size(), 40U);
 }
 
-TEST_F(SpacetimeSearch, GivesUpWhereThereIsNoWay) {
+TEST_F(SpacetimeSearch, GivesUpWhereThereIsNoPath) {
   Map map = empty_map(30);
   map.polygons = {{{14.5, 0}, {15.5, 0}, {15.5, 30}, {14.5, 30}}};
   const Instance instance = instance_of(map, {agent({7, 5, 0}, {23, 5, 0})});
@@ -145,7 +145,7 @@ TEST_F(SpacetimeSearch, LeavesItsGoalForAConstraintAndComesBack) {
 }
 
 //   Boxed in so tightly that a full step hits a wall in every direction; half a step does not.
-TEST_F(SpacetimeSearch, ShorterArcsFindTheWayOutOfATightPlace) {
+TEST_F(SpacetimeSearch, ShorterArcsFindThePathOutOfATightPlace) {
   Map map = empty_map(30);
   // Blocks ahead and behind leave 0.7 m; the path out is to edge forwards and backwards.
   map.polygons = {{{13.2, 13}, {14.2, 13}, {14.2, 17}, {13.2, 17}},

@@ -36,7 +36,7 @@ class BeforeADriver : public Crossing {
   }
 };
 
-TEST_F(BeforeADriver, BrakingIsAWayOutIfHeBrakesToo) { EXPECT_TRUE(may_brake_fully(false)); }
+TEST_F(BeforeADriver, BrakingIsSafeIfHeBrakesToo) { EXPECT_TRUE(may_brake_fully(false)); }
 
 TEST_F(BeforeADriver, BrakingIsNoneIfHeReliesOnHisSignal) { EXPECT_FALSE(may_brake_fully(true)); }
 
@@ -138,7 +138,7 @@ class OnTheCrossing : public Crossing {
   }
 };
 
-TEST_F(OnTheCrossing, WhereBrakingIsNoWayOutDrivingOnIs) {
+TEST_F(OnTheCrossing, WhereBrakingIsNotSafeDrivingOnIs) {
   for (const double before : {13.0, 14.0, 15.0, 30.0}) EXPECT_TRUE(may_drive_on(before)) << before;
 }
 

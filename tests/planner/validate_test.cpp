@@ -135,7 +135,7 @@ TEST(Validate, NoArcIsTighterThanTheTurningCircle) {
   EXPECT_THAT(scene.judge()[0].message, HasSubstr("radius of 1.9608 m; at least 2.0000 m"));
 }
 
-TEST(Validate, SteeringBeyondARightAngleIsNoWayAroundTheTurningCircle) {
+TEST(Validate, SteeringBeyondARightAngleDoesNotEvadeTheTurningCircle) {
   Scene scene;
   scene.add("a", {10, 10, 0}, {{1, 0.2}});
   scene.plan.trajectories[0] =

@@ -61,7 +61,7 @@ TEST(Comparison, ShowsARunThatFailed) {
   EXPECT_FALSE(succeeded(bad));
 }
 
-TEST(Comparison, AnOverlapOfOursIsNoSuccess) {
+TEST(Comparison, AnOverlapUnderControlIsNoSuccess) {
   ComparedRun run{.control = "aim", .drives = true, .failure = "", .status = "finished"};
   run.figures["people_touched_coordinated"] = 0.0;
   run.figures["overlap_pairs_coordinated"] = 1.0;

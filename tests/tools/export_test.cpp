@@ -72,7 +72,7 @@ TEST(Csv, IsInOrderOfTimeAndQuotesIds) {
             "1.000,\"a,b\",1.0000,0.0000,0.000000,1.0000,0.000000\n");
 }
 
-TEST(Recording, AStayNeverTakesTheNameOfAnother) {
+TEST(Recording, APartOfAVehicleNeverTakesTheNameOfAnother) {
   Recording all = recording({seen_at("a", {0, 1, 5}), seen_at("a+2", {0})});
   split_stays(all);
   EXPECT_EQ(all.vehicles[1].id, "a+3");

@@ -128,7 +128,7 @@ INSTANTIATE_TEST_SUITE_P(Cells, GeneratedInstances,
                                          Cell{Suite::kCrowd, Layout::kRandom, 50, 40, 60, 1}));
 
 //   Without the check several of these have a robot that cannot get out of its corner.
-TEST(GeneratedInstance, LetsEachRobotFindItsWayAlone) {
+TEST(GeneratedInstance, LetsEachRobotFindASingleAgentPath) {
   const Cell crammed{Suite::kCrowd, Layout::kRandom, 16, 25, 2, 10};
   for (int index = 0; index < crammed.instances; ++index) {
     const GeneratedInstance made = generate_instance(crammed, {}, index);
@@ -250,7 +250,7 @@ TEST(GeneratedParking, HasAllSizesAndBothWaysRound) {
   EXPECT_LT(forward, 2 * all / 3);
 }
 
-TEST(GeneratedParking, EachFindsItsWayAlone) {
+TEST(GeneratedParking, EachFindsASingleAgentPath) {
   const Instance instance = generate_parking({6, 6, 1}, 1, 0).instance;
   const PlanningProblem problem(instance, CollisionRule::kContinuous);
   for (int i = 0; i < problem.size(); ++i) EXPECT_TRUE(solvable_alone(problem, i)) << i;

@@ -36,7 +36,7 @@ TEST(RunFolder, FilesGetTheirNamesAtTheEnd) {
   EXPECT_FALSE(fs::exists(out + "/summary.json.part"));
 }
 
-TEST(RunFolder, WhatIsNotFinishedIsGone) {
+TEST(RunFolder, WhatIsNotFinishedIsRemoved) {
   const TemporaryDirectory directory;
   const std::string out = directory.path("out");
   {
@@ -46,7 +46,7 @@ TEST(RunFolder, WhatIsNotFinishedIsGone) {
   EXPECT_TRUE(fs::is_empty(out));
 }
 
-TEST(RunFolder, OldResultsAreGoneBeforeTheRun) {
+TEST(RunFolder, OldResultsAreRemovedBeforeTheRun) {
   const TemporaryDirectory directory;
   for (const char* name : {"summary.json", "fcd.xml", "lot.svg", "lot2.svg", "tripinfo.xml.part"}) {
     (void)directory.file(name, "old");

@@ -63,15 +63,15 @@ Replay run_on_road() {
     now.push_back({a,
                    {20.0 * t - kFront, 0, 0},
                    20.0,
-                   t < 4 ? ReplayState::kOwnDriver : ReplayState::kCoordinated});
-    now.push_back({b, {10.0 * t - kFront, 0, 0}, 10.0, ReplayState::kOwnDriver});
+                   t < 4 ? ReplayState::kCarFollowing : ReplayState::kCoordinated});
+    now.push_back({b, {10.0 * t - kFront, 0, 0}, 10.0, ReplayState::kCarFollowing});
     const bool turned = t > 5;
     now.push_back(
         {c,
          turned ? Pose{107, -20.0 * (t - 5), -std::numbers::pi / 2} : Pose{20.0 * t - kFront, 0, 0},
-         20.0, ReplayState::kOwnDriver});
+         20.0, ReplayState::kCarFollowing});
     now.push_back(
-        {d, {107, -50.0 + 10.0 * t, std::numbers::pi / 2}, 10.0, ReplayState::kOwnDriver});
+        {d, {107, -50.0 + 10.0 * t, std::numbers::pi / 2}, 10.0, ReplayState::kCarFollowing});
     recorder.add_frame(t, now);
   }
   return recorder.finish();
@@ -125,8 +125,8 @@ TEST(TimeSpace, TheRoadIsMarkedWhereItIs) {
   EXPECT_NEAR(zones[0].to, 160.0, 0.5);
 }
 
-//   The light for those who turn right stands at the same stop line.
-TEST(TimeSpace, TheLightIsThatOfTheMovement) {
+//   The signal head for those who turn right stands at the same stop line.
+TEST(TimeSpace, TheSignalIsThatOfTheMovement) {
   const auto signals = diagram_of(run_on_road(), {.begin = 1.0}).panels[0].signals;
   ASSERT_THAT(signals, SizeIs(1));
   EXPECT_NEAR(signals[0].station, 100.0, 0.3);
@@ -150,9 +150,9 @@ TEST(TimeSpace, RunsShareTheirStations) {
   ReplayRecorder recorder({.title = "y"}, road(), 0.0);
   const std::size_t a = recorder.add_vehicle(car("a", "W>E"));
   for (int t = 0; t < 3; ++t) {
-    recorder.add_frame(t,
-                       std::vector{ReplayVehicleState{
-                           a, {150.0 + 10.0 * t - kFront, 0, 0}, 10.0, ReplayState::kOwnDriver}});
+    recorder.add_frame(
+        t, std::vector{ReplayVehicleState{
+               a, {150.0 + 10.0 * t - kFront, 0, 0}, 10.0, ReplayState::kCarFollowing}});
   }
   const Replay late = recorder.finish();
   const Replay whole = run_on_road();

@@ -207,7 +207,7 @@ Replay waiting_and_passing() {
   for (int i = 0; i <= 20; ++i) {
     const double t = 5.0 + 0.1 * i;
     const bool passes = t >= 6.0;
-    ReplayVehicleState b{1, {153 + i * 0.1, 0, 0}, 1.0, ReplayState::kOwnDriver};
+    ReplayVehicleState b{1, {153 + i * 0.1, 0, 0}, 1.0, ReplayState::kCarFollowing};
     b.tube = ReplayTube{.fork = passes ? known : open, .passes = passes, .reaches = {}};
     b.tube->reaches = {{{0, 8}, {0, 8}}};
     if (passes) b.tube->reaches = {{{2, 10}, {14, 40}}};

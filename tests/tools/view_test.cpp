@@ -85,7 +85,7 @@ TEST(ReplayRecorder, KeepsPosesToACentimetreAndATenthOfADegree) {
   std::vector<ReplayVehicleState> driven;
   for (int i = 0; i < 200; ++i) {  // more than two turns to the left, across the seam at pi
     driven.push_back({0, drive({-812.3456, 77.7, 3.0}, 0.37 * i, 0.2), 13.8888 - 0.1 * i,
-                      i < 50 ? ReplayState::kOwnDriver : ReplayState::kCoordinated});
+                      i < 50 ? ReplayState::kCarFollowing : ReplayState::kCoordinated});
     add(recorder, 0.1 * i, driven.back());
   }
   const Replay replay = recorder.finish();

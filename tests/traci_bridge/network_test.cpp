@@ -31,7 +31,7 @@ const Connection& connection(const Junction& junction, const std::string& from,
   });
 }
 
-TEST(ReadNetwork, TheCrossroadsHaveFourArmsAndTwelveWays) {
+TEST(ReadNetwork, TheCrossroadsHaveFourArmsAndTwelveConnections) {
   const RoadNetwork network = crossroads();
 
   EXPECT_THAT(network.edges, SizeIs(8));
@@ -231,12 +231,12 @@ TEST(ReadNetwork, AConnectionWithoutALightObeysNoSignal) {
   EXPECT_TRUE(network.signals.empty());
 }
 
-TEST(ReadNetwork, WaysThatCrossAreInConflictEvenWhereNobodyYields) {
+TEST(ReadNetwork, ConnectionsThatCrossAreInConflictEvenWhereNobodyYields) {
   EXPECT_TRUE(parse(crossing(kOpenLane, kStraightOn)).junctions.at("J").has_conflicts);
   EXPECT_FALSE(parse(crossing(kOpenLane, "")).junctions.at("J").has_conflicts);
 }
 
-TEST(ReadNetwork, WaysOfBusesAloneAreInConflictThoseOfTramsAndBicyclesAreNot) {
+TEST(ReadNetwork, ConnectionsOfBusesAloneAreInConflictThoseOfTramsAndBicyclesAreNot) {
   const RoadNetwork network = parse(crossing(kBusLane, kStraightOn));
   EXPECT_FALSE(network.lanes.at("sJ_0").drivable);
   EXPECT_TRUE(network.lanes.at("sJ_0").road);

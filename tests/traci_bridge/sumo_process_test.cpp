@@ -112,7 +112,7 @@ pid_t child() {
   return pid;
 }
 
-TEST_F(SumoTrafficTest, TheDeathOfASeparateProcessIsAnErrorOfOurs) {
+TEST_F(SumoTrafficTest, TheDeathOfASeparateProcessIsReportedAsAnError) {
   options_.separate_process = true;
   const auto traffic = open(vehicle("a", 0, "Wi Eo"));
   traffic->step();

@@ -41,7 +41,7 @@ ReplayScene scene_of(const RoadNetwork& network, const std::set<std::string>& ju
 
 ReplayState state_of(const Observation& s, bool rests) {
   if (rests) return ReplayState::kParked;
-  if (!s.coordinated) return ReplayState::kOwnDriver;
+  if (!s.coordinated) return ReplayState::kCarFollowing;
   return s.state->speed < 0.1 ? ReplayState::kWaiting : ReplayState::kCoordinated;
 }
 
@@ -63,7 +63,7 @@ ReplayEventKind kind_of(AuditEventKind kind) {
   return ReplayEventKind::kNote;
 }
 
-/// The zone of the junction that is nearest to a stop line.
+/// The control zone of the junction that is nearest to a stop line.
 int zone_at(const Pose& line, const std::vector<ZoneFigures>& zones, const RoadNetwork& network) {
   int nearest = 0;
   double least = std::numeric_limits<double>::infinity();

@@ -52,7 +52,7 @@ def draw_control_zone():
     sheet.arrow(342, 62, 290, 190, GREY)
     for i, (color, words) in enumerate(((BLUE, "under control: placed every step"),
                                         (ORANGE, "human-driven: predicted"),
-                                        (GREY, "SUMO's driver, outside the zone"))):
+                                        (GREY, "SUMO's driver, outside"))):
         sheet.car(525, 368 + 28 * i, 0, color)
         sheet.text(550, 373 + 28 * i, words, size=12)
     return sheet

@@ -27,7 +27,7 @@ constexpr double kGap = 1.0;          // from the first bumper to the end of the
 constexpr double kDigits = 1e3;       // whole millimetres
 constexpr double kAngleDigits = 1e4;  // whole 1e-4 rad
 constexpr double kAside = 0.4;        // a slot is at least so much wider than its car [m]
-constexpr int kAttempts = 20;         // to draw an instance in which all find a way alone
+constexpr int kAttempts = 20;         // to draw an instance in which all find a path alone
 
 double rounded(double value, double digits) { return std::round(digits * value) / digits; }
 

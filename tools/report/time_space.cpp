@@ -23,7 +23,7 @@ constexpr double kAside = 8.0;     // [m]: two lanes and a half; farther off it 
 struct Front {
   std::size_t frame = 0;
   Pose pose;
-  ReplayState state = ReplayState::kOwnDriver;
+  ReplayState state = ReplayState::kCarFollowing;
 };
 
 /// One run, unpacked.

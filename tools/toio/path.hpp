@@ -31,13 +31,13 @@ struct Leg {
 /// The same motion on the desk.
 [[nodiscard]] std::vector<Leg> to_desk(const PlanFrame& frame, const std::vector<Leg>& legs);
 
-/// One instant of a motion on the desk.
+/// One moment of a motion on the desk.
 struct MotionSample {
   double time = 0.0;       ///< since the start of the run [s]
   double plan_time = 0.0;  ///< the time in the plan at which it is there [s of the plan]
   Pose pose;
   int direction = 0;   ///< 1 forwards, -1 backwards, 0 at rest
-  double speed = 0.0;  ///< [m/s], >= 0; changes evenly in time until the next instant
+  double speed = 0.0;  ///< [m/s], >= 0; changes evenly in time until the next moment
 };
 
 /// How fast the desk's motion may be.

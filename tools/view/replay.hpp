@@ -17,12 +17,12 @@ namespace mvtp {
 
 /// Who drives a vehicle and how, in the words of the page's legend.
 enum class ReplayState : std::uint8_t {
-  kOwnDriver,    ///< not under our control: SUMO's car following
-  kCoordinated,  ///< follows our plan
-  kWaiting,      ///< under our control, standing because its plan says so
-  kArrived,      ///< at its goal for good
-  kParked,       ///< stands in a slot or at a scheduled stop
-  kWalking,      ///< a person on foot
+  kCarFollowing,  ///< not under our control: SUMO's car following
+  kCoordinated,   ///< follows our plan
+  kWaiting,       ///< under our control, standing because its plan says so
+  kArrived,       ///< at its goal for good
+  kParked,        ///< stands in a slot or at a scheduled stop
+  kWalking,       ///< a person on foot
 };
 
 // Members have initialisers, so that designated ones may be left out without a warning.
@@ -47,7 +47,7 @@ struct ReplayVehicleState {
   std::size_t vehicle = 0;  ///< index returned by ReplayRecorder::add_vehicle
   Pose pose{};              ///< rear axle
   double speed = 0.0;       ///< [m/s], negative in reverse
-  ReplayState state = ReplayState::kOwnDriver;
+  ReplayState state = ReplayState::kCarFollowing;
   /// The first vehicle of the group that it is planned with; none: it is planned alone, or not.
   std::optional<std::size_t> group{};
   int rank = 0;                 ///< in the group's order of passage, 1 first; 0: in no group

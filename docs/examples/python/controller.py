@@ -12,7 +12,7 @@ import mvtp
 SCENARIOS = Path(__file__).parents[3] / "scenarios"
 
 
-class OneAtATime(mvtp.Controller):
+class Fcfs(mvtp.Controller):
     def __init__(self, junction, reach=60.0):
         super().__init__()
         self.junction = junction
@@ -46,7 +46,7 @@ def main():
     parser.add_argument("--end", type=float, default=300.0, help="simulated time [s]")
     options = parser.parse_args()
     scenario = SCENARIOS / "crossroads" / "crossroads.sumocfg"
-    summary = mvtp.Simulation(scenario, controller=OneAtATime("C"), end=options.end).run()
+    summary = mvtp.Simulation(scenario, controller=Fcfs("C"), end=options.end).run()
     print(
         f"{summary['controller']}: {summary['vehicles']} vehicles, "
         f"{summary['audit']['overlap_pairs']} pairs in contact, "

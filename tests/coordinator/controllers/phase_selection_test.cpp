@@ -12,7 +12,7 @@
 namespace mvtp {
 namespace {
 
-/// A signal with three links: from the lanes a and b to the edge out, which two ways leave, and
+/// A signal with three links: from the lanes a and b to the edge out, which two lanes leave, and
 /// from c to the end of the network. Vehicles stand where they are put.
 class StillTraffic : public Traffic {
  public:
@@ -127,9 +127,9 @@ TEST_F(PhaseSelectionTest, ALightThatStaysGreenDoesNotChange) {
   EXPECT_EQ(watch(*controller, 10.0), (Seen{{"ryG", 30}, {"rrG", 70}}));
 }
 
-TEST_F(PhaseSelectionTest, PressureCountsTheWayOnAndAWaveDoesNot) {
+TEST_F(PhaseSelectionTest, PressureCountsTheLanesBehindAndAWaveDoesNot) {
   traffic.put(4, "a", "out");
-  traffic.put(8, "out", "x", 10.0);  // two ways on: 4 each, no pressure left for a
+  traffic.put(8, "out", "x", 10.0);  // two lanes behind: 4 each, no pressure left for a
   traffic.put(1, "c", "end");
   const auto pressure = make("max-pressure");
   (void)watch(*pressure, 20.0);

@@ -105,7 +105,7 @@ class CheckFcd(unittest.TestCase):
 
 
 class Motion(unittest.TestCase):
-    def test_ends_are_exact_and_the_way_is_an_arc(self):
+    def test_ends_are_exact_and_the_path_is_an_arc(self):
         before = (3 + 4j, cmath.exp(0.3j))
         centre = 3 + 4j + cmath.exp(0.3j) * 10j
         turn = cmath.exp(0.2j)

@@ -15,7 +15,7 @@ EXAMPLES = Path(os.environ["MVTP_EXAMPLES"])
     ("script", "arguments", "output"),
     [
         ("solve.py", (), r"solved: 6 robots, \d+ steps.*\nthe referee finds 0 violations\n"),
-        ("controller.py", ("--end", "30"), r"OneAtATime: \d+ vehicles, 0 pairs in contact"),
+        ("controller.py", ("--end", "30"), r"Fcfs: \d+ vehicles, 0 pairs in contact"),
         (
             "reinforcement.py",
             ("--episodes", "2", "--seconds", "60"),
