@@ -9,11 +9,11 @@
 #include "planner/problem/text_file.hpp"
 #include "planner/problem/vehicle_file.hpp"
 #include "tools/bench/results.hpp"
-#include "tools/commands.hpp"
-#include "tools/instance_options.hpp"
-#include "tools/option_types.hpp"
-#include "tools/output_files.hpp"
-#include "tools/seed_list.hpp"
+#include "tools/cli/commands.hpp"
+#include "tools/cli/instance_options.hpp"
+#include "tools/cli/option_types.hpp"
+#include "tools/cli/output_files.hpp"
+#include "tools/cli/seed_list.hpp"
 #include "tools/solve_options.hpp"
 
 namespace mvtp {

@@ -5,10 +5,10 @@
 #include <memory>
 #include <thread>
 
-#include "tools/commands.hpp"
+#include "tools/cli/commands.hpp"
+#include "tools/cli/seed_list.hpp"
 #include "tools/compare/options.hpp"
 #include "tools/compare/run.hpp"
-#include "tools/seed_list.hpp"
 
 namespace mvtp {
 namespace {

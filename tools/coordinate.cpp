@@ -1,7 +1,7 @@
 #include <memory>
 
-#include "tools/command_line.hpp"
-#include "tools/commands.hpp"
+#include "tools/cli/command_line.hpp"
+#include "tools/cli/commands.hpp"
 #include "tools/coordinate/run.hpp"
 
 namespace mvtp {

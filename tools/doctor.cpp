@@ -9,9 +9,9 @@
 #include <string>
 #include <vector>
 
-#include "tools/child_process.hpp"
-#include "tools/commands.hpp"
-#include "tools/sibling.hpp"
+#include "tools/cli/child_process.hpp"
+#include "tools/cli/commands.hpp"
+#include "tools/cli/sibling.hpp"
 #include "tools/view/browser.hpp"
 
 namespace mvtp {
@@ -24,7 +24,7 @@ struct Need {
   std::string what;
   bool found = false;
   bool required = false;  ///< a part of mvtp itself, as it was built
-  std::string without;  ///< what does not work then
+  std::string without;    ///< what does not work then
   std::string remedy;
 };
 
@@ -97,7 +97,8 @@ int examine_and_tell() {
 }  // namespace
 
 Action declare_doctor(CLI::App& app) {
-  app.footer("absent: an optional part; MISSING: a part of mvtp itself.\n"
+  app.footer(
+      "absent: an optional part; MISSING: a part of mvtp itself.\n"
       "Exit code: 0 nothing is MISSING; 1 something is.");
   return [] { return examine_and_tell(); };
 }

@@ -9,13 +9,13 @@
 
 #include "planner/problem/input_error.hpp"
 #include "planner/problem/text_file.hpp"
-#include "tools/child_process.hpp"
-#include "tools/commands.hpp"
+#include "tools/cli/child_process.hpp"
+#include "tools/cli/commands.hpp"
+#include "tools/cli/instance_options.hpp"
+#include "tools/cli/option_types.hpp"
+#include "tools/cli/output_files.hpp"
 #include "tools/export/formats.hpp"
 #include "tools/export/recording.hpp"
-#include "tools/instance_options.hpp"
-#include "tools/option_types.hpp"
-#include "tools/output_files.hpp"
 
 namespace mvtp {
 namespace {

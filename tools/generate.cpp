@@ -10,13 +10,13 @@
 #include "planner/problem/input_error.hpp"
 #include "planner/problem/instance_file.hpp"
 #include "planner/problem/text_file.hpp"
-#include "tools/commands.hpp"
+#include "tools/cli/commands.hpp"
+#include "tools/cli/option_types.hpp"
+#include "tools/cli/output_folder.hpp"
+#include "tools/cli/progress.hpp"
 #include "tools/generate/parking_instance.hpp"
 #include "tools/generate/random_instance.hpp"
 #include "tools/generate/suite.hpp"
-#include "tools/option_types.hpp"
-#include "tools/output_folder.hpp"
-#include "tools/progress.hpp"
 
 namespace mvtp {
 namespace {

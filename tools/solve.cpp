@@ -9,15 +9,15 @@
 
 #include "planner/problem/check_instance.hpp"
 #include "planner/problem/plan_file.hpp"
-#include "tools/commands.hpp"
-#include "tools/instance_options.hpp"
-#include "tools/interrupt.hpp"
-#include "tools/option_types.hpp"
-#include "tools/output_files.hpp"
-#include "tools/progress.hpp"
+#include "tools/cli/commands.hpp"
+#include "tools/cli/instance_options.hpp"
+#include "tools/cli/interrupt.hpp"
+#include "tools/cli/option_types.hpp"
+#include "tools/cli/output_files.hpp"
+#include "tools/cli/progress.hpp"
+#include "tools/cli/version.hpp"
 #include "tools/solve_and_judge.hpp"
 #include "tools/solve_options.hpp"
-#include "tools/version.hpp"
 
 namespace mvtp {
 namespace {

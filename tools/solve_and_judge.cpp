@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "planner/problem/validate.hpp"
-#include "tools/version.hpp"
+#include "tools/cli/version.hpp"
 
 namespace mvtp {
 namespace {

@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <limits>
 
-#include "tools/option_types.hpp"
+#include "tools/cli/option_types.hpp"
 
 namespace mvtp {
 

@@ -6,12 +6,12 @@
 
 #include "planner/problem/input_error.hpp"
 #include "planner/problem/text_file.hpp"
-#include "tools/commands.hpp"
-#include "tools/number_list.hpp"
-#include "tools/option_types.hpp"
-#include "tools/output_files.hpp"
+#include "tools/cli/commands.hpp"
+#include "tools/cli/number_list.hpp"
+#include "tools/cli/option_types.hpp"
+#include "tools/cli/output_files.hpp"
+#include "tools/cli/seed_list.hpp"
 #include "tools/runs/merge_rows.hpp"
-#include "tools/seed_list.hpp"
 #include "tools/sweep/rows.hpp"
 
 namespace mvtp {

@@ -1,6 +1,6 @@
 #include <CLI/CLI.hpp>
 
-#include "tools/commands.hpp"
+#include "tools/cli/commands.hpp"
 #include "tools/toio/commands.hpp"
 
 namespace mvtp {

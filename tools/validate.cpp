@@ -10,8 +10,8 @@
 #include "planner/problem/instance_file.hpp"
 #include "planner/problem/metrics.hpp"
 #include "planner/problem/plan_file.hpp"
-#include "tools/commands.hpp"
-#include "tools/instance_options.hpp"
+#include "tools/cli/commands.hpp"
+#include "tools/cli/instance_options.hpp"
 
 namespace mvtp {
 namespace {

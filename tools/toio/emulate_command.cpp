@@ -7,9 +7,9 @@
 #include <nlohmann/json.hpp>
 
 #include "planner/problem/text_file.hpp"
-#include "tools/option_types.hpp"
-#include "tools/output_files.hpp"
-#include "tools/progress.hpp"
+#include "tools/cli/option_types.hpp"
+#include "tools/cli/output_files.hpp"
+#include "tools/cli/progress.hpp"
 #include "tools/toio/check.hpp"
 #include "tools/toio/commands.hpp"
 #include "tools/toio/emulate.hpp"

@@ -8,10 +8,10 @@
 #include <sstream>
 
 #include "planner/problem/input_error.hpp"
-#include "tools/child_process.hpp"
+#include "tools/cli/child_process.hpp"
+#include "tools/cli/option_types.hpp"
+#include "tools/cli/program.hpp"
 #include "tools/manual/command_help.hpp"
-#include "tools/option_types.hpp"
-#include "tools/program.hpp"
 #include "tools/toio/bluetooth.hpp"
 #include "tools/toio/emulated_bluez.hpp"
 #include "tools/toio/stalls.hpp"

@@ -6,9 +6,9 @@
 #include <functional>
 #include <memory>
 
-#include "tools/child_process.hpp"
-#include "tools/option_types.hpp"
-#include "tools/output_files.hpp"
+#include "tools/cli/child_process.hpp"
+#include "tools/cli/option_types.hpp"
+#include "tools/cli/output_files.hpp"
 #include "tools/toio/check.hpp"
 #include "tools/toio/commands.hpp"
 #include "tools/toio/live_run.hpp"

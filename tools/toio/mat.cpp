@@ -9,7 +9,7 @@
 #include "planner/problem/document.hpp"
 #include "planner/problem/input_error.hpp"
 #include "planner/problem/text_file.hpp"
-#include "tools/suggest.hpp"
+#include "tools/cli/suggest.hpp"
 
 namespace mvtp {
 namespace {

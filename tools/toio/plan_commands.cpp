@@ -4,8 +4,8 @@
 #include <memory>
 
 #include "planner/problem/text_file.hpp"
-#include "tools/option_types.hpp"
-#include "tools/output_files.hpp"
+#include "tools/cli/option_types.hpp"
+#include "tools/cli/output_files.hpp"
 #include "tools/toio/check.hpp"
 #include "tools/toio/commands.hpp"
 #include "tools/toio/export.hpp"

@@ -1,4 +1,4 @@
-#include "tools/output_folder.hpp"
+#include "tools/cli/output_folder.hpp"
 
 #include <fmt/format.h>
 

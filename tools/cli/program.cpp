@@ -1,4 +1,4 @@
-#include "tools/program.hpp"
+#include "tools/cli/program.hpp"
 
 #include <fmt/format.h>
 
@@ -11,12 +11,12 @@
 #include <vector>
 
 #include "planner/problem/input_error.hpp"
-#include "tools/child_process.hpp"
-#include "tools/interrupt.hpp"
+#include "tools/cli/child_process.hpp"
+#include "tools/cli/interrupt.hpp"
+#include "tools/cli/sibling.hpp"
+#include "tools/cli/suggest.hpp"
+#include "tools/cli/version.hpp"
 #include "tools/manual/command_help.hpp"
-#include "tools/sibling.hpp"
-#include "tools/suggest.hpp"
-#include "tools/version.hpp"
 
 namespace mvtp {
 namespace {

@@ -1,4 +1,4 @@
-#include "tools/interrupt.hpp"
+#include "tools/cli/interrupt.hpp"
 
 #include <unistd.h>
 
@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <ctime>
 
-#include "tools/program.hpp"
+#include "tools/cli/program.hpp"
 
 namespace mvtp {
 namespace {

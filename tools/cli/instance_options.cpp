@@ -1,10 +1,10 @@
-#include "tools/instance_options.hpp"
+#include "tools/cli/instance_options.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include "planner/problem/vehicle_file.hpp"
-#include "tools/option_types.hpp"
+#include "tools/cli/option_types.hpp"
 
 namespace mvtp {
 

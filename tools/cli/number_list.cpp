@@ -1,4 +1,4 @@
-#include "tools/number_list.hpp"
+#include "tools/cli/number_list.hpp"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-#include "tools/run_folder.hpp"
+#include "tools/cli/run_folder.hpp"
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -15,7 +15,7 @@
 
 #include "planner/problem/input_error.hpp"
 #include "planner/problem/text_file.hpp"
-#include "tools/output_folder.hpp"
+#include "tools/cli/output_folder.hpp"
 
 namespace mvtp {
 namespace {

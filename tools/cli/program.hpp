@@ -30,8 +30,8 @@ struct Command {
   Action (*declare)(CLI::App& app);
 };
 
-/// Is this "PROGRAM describe"? Programs answer with all their options as JSON (tools/manual/), out of
-/// which manual pages and completion are made.
+/// Is this "PROGRAM describe"? Programs answer with all their options as JSON (tools/manual/), out
+/// of which manual pages and completion are made.
 [[nodiscard]] bool asks_for_description(int argc, char** argv);
 
 /// Parses the command line, runs the chosen command and returns its exit code.

@@ -1,4 +1,4 @@
-#include "tools/sibling.hpp"
+#include "tools/cli/sibling.hpp"
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -14,9 +14,9 @@
 #include <vector>
 
 #include "planner/problem/input_error.hpp"
-#include "tools/child_process.hpp"
-#include "tools/program.hpp"
-#include "tools/run_folder.hpp"
+#include "tools/cli/child_process.hpp"
+#include "tools/cli/program.hpp"
+#include "tools/cli/run_folder.hpp"
 
 namespace mvtp {
 namespace {

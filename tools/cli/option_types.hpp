@@ -7,8 +7,8 @@
 #include <utility>
 #include <vector>
 
-#include "tools/option_values.hpp"
-#include "tools/suggest.hpp"
+#include "tools/cli/option_values.hpp"
+#include "tools/cli/suggest.hpp"
 
 namespace mvtp {
 

@@ -1,4 +1,4 @@
-#include "tools/seed_list.hpp"
+#include "tools/cli/seed_list.hpp"
 
 #include <fmt/format.h>
 
