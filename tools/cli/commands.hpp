@@ -4,7 +4,7 @@
 
 namespace mvtp {
 
-// The sub-commands, one source file each.
+// The sub-commands, each in its room: tools/NAME/NAME_command.cpp; validate is in solve/.
 [[nodiscard]] Action declare_solve(CLI::App& app);
 [[nodiscard]] Action declare_validate(CLI::App& app);
 [[nodiscard]] Action declare_generate(CLI::App& app);

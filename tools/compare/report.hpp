@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "tools/mean.hpp"
+#include "tools/runs/mean.hpp"
 
 namespace mvtp {
 

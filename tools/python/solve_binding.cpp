@@ -15,8 +15,8 @@
 #include "tools/python/bindings.hpp"
 #include "tools/python/plan_object.hpp"
 #include "tools/python/words.hpp"
-#include "tools/solve_and_judge.hpp"
-#include "tools/solve_options.hpp"
+#include "tools/solve/solve_and_judge.hpp"
+#include "tools/solve/solve_options.hpp"
 
 namespace mvtp {
 namespace {

@@ -1,4 +1,4 @@
-#include "tools/solve_options.hpp"
+#include "tools/solve/solve_options.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

@@ -1,5 +1,3 @@
-#include "tools/bench/bench.hpp"
-
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -8,13 +6,14 @@
 #include "planner/problem/input_error.hpp"
 #include "planner/problem/text_file.hpp"
 #include "planner/problem/vehicle_file.hpp"
+#include "tools/bench/bench.hpp"
 #include "tools/bench/results.hpp"
 #include "tools/cli/commands.hpp"
 #include "tools/cli/instance_options.hpp"
 #include "tools/cli/option_types.hpp"
 #include "tools/cli/output_files.hpp"
 #include "tools/cli/seed_list.hpp"
-#include "tools/solve_options.hpp"
+#include "tools/solve/solve_options.hpp"
 
 namespace mvtp {
 namespace {

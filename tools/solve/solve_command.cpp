@@ -16,8 +16,8 @@
 #include "tools/cli/output_files.hpp"
 #include "tools/cli/progress.hpp"
 #include "tools/cli/version.hpp"
-#include "tools/solve_and_judge.hpp"
-#include "tools/solve_options.hpp"
+#include "tools/solve/solve_and_judge.hpp"
+#include "tools/solve/solve_options.hpp"
 
 namespace mvtp {
 namespace {

@@ -1,5 +1,3 @@
-#include "tools/sweep/sweep.hpp"
-
 #include <fmt/format.h>
 
 #include <memory>
@@ -13,6 +11,7 @@
 #include "tools/cli/seed_list.hpp"
 #include "tools/runs/merge_rows.hpp"
 #include "tools/sweep/rows.hpp"
+#include "tools/sweep/sweep.hpp"
 
 namespace mvtp {
 namespace {

@@ -1,5 +1,3 @@
-#include "planner/problem/validate.hpp"
-
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -10,6 +8,7 @@
 #include "planner/problem/instance_file.hpp"
 #include "planner/problem/metrics.hpp"
 #include "planner/problem/plan_file.hpp"
+#include "planner/problem/validate.hpp"
 #include "tools/cli/commands.hpp"
 #include "tools/cli/instance_options.hpp"
 

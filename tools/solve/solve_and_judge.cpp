@@ -1,4 +1,4 @@
-#include "tools/solve_and_judge.hpp"
+#include "tools/solve/solve_and_judge.hpp"
 
 #include <vector>
 
