@@ -22,7 +22,7 @@
 #include "tools/cli/run_folder.hpp"
 #include "tools/cli/version.hpp"
 #include "tools/compare/controls.hpp"
-#include "tools/compare/report.hpp"
+#include "tools/runs/comparison.hpp"
 #include "tools/view/load.hpp"
 #include "tools/view/page.hpp"
 #include "traci_bridge/configuration.hpp"

@@ -20,12 +20,12 @@
 #include "tools/cli/progress.hpp"
 #include "tools/cli/run_folder.hpp"
 #include "tools/cli/version.hpp"
-#include "tools/compare/report.hpp"
 #include "tools/coordinate/drivers.hpp"
 #include "tools/coordinate/misbehaviour.hpp"
 #include "tools/coordinate/run_recorder.hpp"
 #include "tools/coordinate/scenario.hpp"
 #include "tools/coordinate/traffic.hpp"
+#include "tools/runs/comparison.hpp"
 #include "traci_bridge/parking_file.hpp"
 #include "traci_bridge/trips.hpp"
 

@@ -1,4 +1,4 @@
-#include "tools/compare/report.hpp"
+#include "tools/runs/comparison.hpp"
 
 #include <fmt/format.h>
 

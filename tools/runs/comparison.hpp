@@ -13,7 +13,7 @@ namespace mvtp {
 
 /// One run of a comparison, and what its summary.json says.
 struct ComparedRun {
-  std::string control;  ///< the name of its row: a controller, "own light", "coordinated", ...
+  std::string control;  ///< the name of its row: a controller, "coordinated", ...
   bool drives = false;  ///< vehicles are driven by us
   std::uint32_t seed = 0;
   std::string folder;
