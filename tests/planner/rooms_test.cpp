@@ -22,7 +22,7 @@ std::filesystem::path folder_of(const std::string& floor) {
 
 /// What each room of a floor includes directly, by the sources themselves; other floors end in '/'.
 Rooms included(const std::string& floor) {
-  const std::regex include(R"re(^\s*#include "([a-z_]+)/(?:([a-z_]+)/)?[a-z0-9_]+\.hpp")re");
+  const std::regex include(R"re(^\s*#include "([a-z_]+)/(?:([a-z_/]+)/)?[a-z0-9_]+\.hpp")re");
   Rooms rooms;
   for (const auto& entry : std::filesystem::recursive_directory_iterator(folder_of(floor))) {
     const std::string extension = entry.path().extension();
@@ -114,7 +114,11 @@ TEST(Rooms, OfToolsUseOnlyThoseBelowThem) {
   tools.add("solve", {"cli"});
   tools.add("bench", {"solve", "runs"});
   tools.add("generate", {"cli", "traci_bridge/"});
-  tools.add("toio", {"cli"});
+  tools.add("toio/cube", {"cli"});
+  tools.add("toio/plan", {"toio/cube"});
+  tools.add("toio/device", {"toio/plan"});
+  tools.add("toio/emulator", {"toio/device"});
+  tools.add("toio", {"toio/emulator"});
   tools.add("coordinate", {"view", "traci_bridge/"});
   tools.add("compare", {"coordinate"});
   tools.add("sweep", {"compare"});

@@ -10,10 +10,10 @@
 #include "tools/cli/option_types.hpp"
 #include "tools/cli/output_files.hpp"
 #include "tools/cli/progress.hpp"
-#include "tools/toio/check.hpp"
 #include "tools/toio/commands.hpp"
-#include "tools/toio/emulate.hpp"
-#include "tools/toio/stalls.hpp"
+#include "tools/toio/emulator/emulate.hpp"
+#include "tools/toio/emulator/stalls.hpp"
+#include "tools/toio/plan/check.hpp"
 
 namespace mvtp {
 namespace {
