@@ -7,11 +7,11 @@
 
 #include "planner/problem/input_error.hpp"
 #include "planner/problem/text_file.hpp"
+#include "tools/cli/version.hpp"
 #include "tools/manual/command_help.hpp"
 #include "tools/manual/completion.hpp"
 #include "tools/manual/man_page.hpp"
 #include "tools/manual/markdown_page.hpp"
-#include "tools/version.hpp"
 
 // Writes the manual pages and the shells' completion from what the programs say of themselves
 // ("PROGRAM describe"). Used while building; not installed.
@@ -51,7 +51,8 @@ void write_all(const std::vector<std::string>& inputs, const fs::path& folder) {
 }
 
 int run(int argc, char** argv) {
-  CLI::App app("Writes manual pages, shell completion and the reference of the docs", "mvtp-manual");
+  CLI::App app("Writes manual pages, shell completion and the reference of the docs",
+               "mvtp-manual");
   std::vector<std::string> inputs;
   std::string folder;
   app.add_option("DESCRIPTION", inputs, "What \"PROGRAM describe\" printed")->required();

@@ -1,6 +1,6 @@
 #include <array>
 
-#include "tools/commands.hpp"
+#include "tools/cli/commands.hpp"
 
 int main(int argc, char** argv) {
   constexpr std::array kCommands = {

@@ -1,6 +1,6 @@
 #include <array>
 
-#include "tools/commands.hpp"
+#include "tools/cli/commands.hpp"
 
 /// The commands that load SUMO's libraries; `mvtp` runs this program for them.
 int main(int argc, char** argv) {

@@ -1,4 +1,5 @@
-// The rooms of a floor use only those below them: planner/README.md, coordinator/README.md.
+// The rooms of a floor use only those below them: planner/README.md, coordinator/README.md,
+// tools/README.md.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -21,7 +22,7 @@ std::filesystem::path folder_of(const std::string& floor) {
 
 /// What each room of a floor includes directly, by the sources themselves; other floors end in '/'.
 Rooms included(const std::string& floor) {
-  const std::regex include(R"re(^\s*#include "([a-z_]+)/(?:([a-z_]+)/)?[a-z_]+\.hpp")re");
+  const std::regex include(R"re(^\s*#include "([a-z_]+)/(?:([a-z_/]+)/)?[a-z0-9_]+\.hpp")re");
   Rooms rooms;
   for (const auto& entry : std::filesystem::recursive_directory_iterator(folder_of(floor))) {
     const std::string extension = entry.path().extension();
@@ -100,6 +101,31 @@ TEST(Rooms, OfTheCoordinatorUseOnlyThoseBelowThem) {
   coordinator.add("simulation", {"audit"});
   coordinator.add("report", {"measures", "junctions", "lot", "simulation"});
   coordinator.expect_its_sources_to_keep_to_it();
+}
+
+TEST(Rooms, OfToolsUseOnlyThoseBelowThem) {
+  Floor tools("tools");
+  tools.add("manual", {"planner/"});
+  tools.add("cli", {"manual"});
+  tools.add("runs", {"cli"});
+  tools.add("view", {"runs", "coordinator/"});
+  tools.add("doctor", {"view"});
+  tools.add("export", {"view", "traci_bridge/"});
+  tools.add("solve", {"cli"});
+  tools.add("bench", {"solve", "runs"});
+  tools.add("generate", {"cli", "traci_bridge/"});
+  tools.add("toio/cube", {"cli"});
+  tools.add("toio/plan", {"toio/cube"});
+  tools.add("toio/device", {"toio/plan"});
+  tools.add("toio/emulator", {"toio/device"});
+  tools.add("toio", {"toio/emulator"});
+  tools.add("coordinate", {"view", "traci_bridge/"});
+  tools.add("compare", {"coordinate"});
+  tools.add("sweep", {"compare"});
+  tools.add("report", {"bench", "sweep"});
+  tools.add("python", {"solve", "coordinate"});
+  tools.add(".", {"doctor", "export", "generate", "toio", "report", "python"});  // the programs
+  tools.expect_its_sources_to_keep_to_it();
 }
 
 TEST(Rooms, OfThePlannerSayWhatIsInThem) {

@@ -1,4 +1,4 @@
-#include "tools/child_process.hpp"
+#include "tools/cli/child_process.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "planner/problem/input_error.hpp"
-#include "tools/progress.hpp"
+#include "tools/cli/progress.hpp"
 
 namespace mvtp {
 namespace {

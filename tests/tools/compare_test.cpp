@@ -6,7 +6,7 @@
 
 #include "planner/problem/input_error.hpp"
 #include "tests/tools/program_fixture.hpp"
-#include "tools/compare/report.hpp"
+#include "tools/runs/comparison.hpp"
 
 namespace mvtp {
 namespace {

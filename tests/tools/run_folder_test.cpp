@@ -1,4 +1,4 @@
-#include "tools/run_folder.hpp"
+#include "tools/cli/run_folder.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "tools/sibling.hpp"
+#include "tools/cli/sibling.hpp"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -8,7 +8,7 @@
 #include <string>
 
 #include "planner/problem/input_error.hpp"
-#include "tools/program.hpp"
+#include "tools/cli/program.hpp"
 
 namespace mvtp {
 namespace {

@@ -1,4 +1,4 @@
-#include "tools/suggest.hpp"
+#include "tools/cli/suggest.hpp"
 
 #include <gtest/gtest.h>
 

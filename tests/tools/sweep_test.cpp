@@ -6,7 +6,7 @@
 
 #include "planner/problem/input_error.hpp"
 #include "tests/tools/program_fixture.hpp"
-#include "tools/number_list.hpp"
+#include "tools/cli/number_list.hpp"
 #include "tools/report/sweep_figures.hpp"
 #include "tools/runs/merge_rows.hpp"
 #include "tools/sweep/rows.hpp"

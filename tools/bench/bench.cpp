@@ -19,13 +19,13 @@
 #include "planner/problem/plan_file.hpp"
 #include "tools/bench/instance_paths.hpp"
 #include "tools/bench/results.hpp"
-#include "tools/child_process.hpp"
-#include "tools/output_folder.hpp"
-#include "tools/program.hpp"
-#include "tools/progress.hpp"
+#include "tools/cli/child_process.hpp"
+#include "tools/cli/output_folder.hpp"
+#include "tools/cli/program.hpp"
+#include "tools/cli/progress.hpp"
+#include "tools/cli/version.hpp"
 #include "tools/runs/same_options.hpp"
 #include "tools/runs/temporary_folder.hpp"
-#include "tools/version.hpp"
 
 namespace mvtp {
 namespace {

@@ -9,10 +9,10 @@
 #include "coordinator/drivers/human_drivers.hpp"
 #include "coordinator/junctions/tolerate.hpp"
 #include "planner/problem/input_error.hpp"
+#include "tools/cli/output_folder.hpp"
+#include "tools/cli/suggest.hpp"
 #include "tools/coordinate/fault_options.hpp"
 #include "tools/coordinate/lot_options.hpp"
-#include "tools/output_folder.hpp"
-#include "tools/suggest.hpp"
 
 namespace mvtp {
 namespace {

@@ -14,9 +14,9 @@
 #include "coordinator/report/report.hpp"
 #include "coordinator/report/trip_log.hpp"
 #include "coordinator/simulation/simulation.hpp"
+#include "tools/cli/run_folder.hpp"
 #include "tools/coordinate/lot_recorder.hpp"
 #include "tools/coordinate/options.hpp"
-#include "tools/run_folder.hpp"
 
 namespace mvtp {
 

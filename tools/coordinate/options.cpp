@@ -1,7 +1,7 @@
 #include "tools/coordinate/options.hpp"
 
 #include "planner/problem/input_error.hpp"
-#include "tools/option_types.hpp"
+#include "tools/cli/option_types.hpp"
 
 namespace mvtp {
 namespace {
@@ -40,10 +40,11 @@ void declare_share(CLI::App& app, CoordinateOptions& o) {
       ->check(one_of({"real", "instant"}))
       ->capture_default_str()
       ->group("Control");
-  app.add_option("--intent", o.intent,
-                 "What is known of where human drivers turn: their routes (known), any movement\n"
-                 "of their lane until they are behind its line (lane), or of their road until they\n"
-                 "may not change lanes any more (none)")
+  app.add_option(
+         "--intent", o.intent,
+         "What is known of where human drivers turn: their routes (known), any movement\n"
+         "of their lane until they are behind its line (lane), or of their road until they\n"
+         "may not change lanes any more (none)")
       ->type_name("known|lane|none")
       ->check(one_of({"known", "lane", "none"}))
       ->capture_default_str()

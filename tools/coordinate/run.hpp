@@ -6,8 +6,8 @@
 
 #include "coordinator/controller.hpp"
 #include "coordinator/report/report.hpp"
+#include "tools/cli/run_folder.hpp"
 #include "tools/coordinate/options.hpp"
-#include "tools/run_folder.hpp"
 #include "traci_bridge/sumo_traffic.hpp"
 
 namespace mvtp {

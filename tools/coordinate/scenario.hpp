@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "tools/cli/run_folder.hpp"
 #include "tools/coordinate/options.hpp"
-#include "tools/run_folder.hpp"
 #include "traci_bridge/configuration.hpp"
 #include "traci_bridge/sumo_traffic.hpp"
 

@@ -3,9 +3,9 @@
 #include <cmath>
 
 #include "planner/problem/input_error.hpp"
+#include "tools/cli/version.hpp"
 #include "tools/export/formats.hpp"
 #include "tools/export/xml_writer.hpp"
-#include "tools/version.hpp"
 
 namespace mvtp {
 namespace {

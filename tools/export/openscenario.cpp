@@ -2,9 +2,9 @@
 #include <cmath>
 
 #include "planner/problem/document_builder.hpp"
+#include "tools/cli/version.hpp"
 #include "tools/export/formats.hpp"
 #include "tools/export/xml_writer.hpp"
-#include "tools/version.hpp"
 
 namespace mvtp {
 namespace {

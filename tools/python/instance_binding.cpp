@@ -16,7 +16,7 @@
 #include "planner/problem/instance_file.hpp"
 #include "planner/problem/vehicle_file.hpp"
 #include "planner/problem/yaml_text.hpp"
-#include "tools/instance_options.hpp"
+#include "tools/cli/instance_options.hpp"
 #include "tools/python/bindings.hpp"
 #include "tools/python/words.hpp"
 

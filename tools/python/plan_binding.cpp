@@ -12,7 +12,7 @@
 #include "planner/problem/metrics.hpp"
 #include "planner/problem/plan_array.hpp"
 #include "planner/problem/plan_file.hpp"
-#include "tools/instance_options.hpp"
+#include "tools/cli/instance_options.hpp"
 #include "tools/python/bindings.hpp"
 #include "tools/python/plan_object.hpp"
 #include "tools/python/words.hpp"

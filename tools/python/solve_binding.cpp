@@ -10,13 +10,13 @@
 #include "planner/problem/input_error.hpp"
 #include "planner/problem/plan_file.hpp"
 #include "planner/problem/validate.hpp"
-#include "tools/instance_options.hpp"
+#include "tools/cli/instance_options.hpp"
+#include "tools/cli/version.hpp"
 #include "tools/python/bindings.hpp"
 #include "tools/python/plan_object.hpp"
 #include "tools/python/words.hpp"
-#include "tools/solve_and_judge.hpp"
-#include "tools/solve_options.hpp"
-#include "tools/version.hpp"
+#include "tools/solve/solve_and_judge.hpp"
+#include "tools/solve/solve_options.hpp"
 
 namespace mvtp {
 namespace {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "planner/problem/input_error.hpp"
-#include "tools/suggest.hpp"
+#include "tools/cli/suggest.hpp"
 
 namespace mvtp {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "tools/mean.hpp"
+#include "tools/runs/mean.hpp"
 
 namespace mvtp {
 namespace {

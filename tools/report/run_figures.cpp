@@ -6,8 +6,8 @@
 #include <cmath>
 #include <vector>
 
-#include "tools/mean.hpp"
 #include "tools/report/arrivals.hpp"
+#include "tools/runs/mean.hpp"
 
 namespace mvtp {
 namespace {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "tools/bench/results.hpp"
-#include "tools/mean.hpp"
+#include "tools/runs/mean.hpp"
 
 namespace mvtp {
 

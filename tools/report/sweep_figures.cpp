@@ -9,8 +9,8 @@
 #include <tuple>
 #include <vector>
 
-#include "tools/mean.hpp"
 #include "tools/report/arrivals.hpp"
+#include "tools/runs/mean.hpp"
 
 namespace mvtp {
 namespace {

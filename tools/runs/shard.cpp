@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "planner/problem/input_error.hpp"
-#include "tools/option_values.hpp"
+#include "tools/cli/option_values.hpp"
 
 namespace mvtp {
 

@@ -8,7 +8,7 @@
 #include <system_error>
 
 #include "planner/problem/input_error.hpp"
-#include "tools/output_folder.hpp"
+#include "tools/cli/output_folder.hpp"
 
 namespace mvtp {
 

@@ -8,7 +8,7 @@
 #include <tuple>
 #include <vector>
 
-#include "tools/compare/report.hpp"
+#include "tools/runs/comparison.hpp"
 #include "tools/runs/row_file.hpp"
 
 namespace mvtp {

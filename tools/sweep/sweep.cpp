@@ -13,15 +13,15 @@
 
 #include "planner/problem/input_error.hpp"
 #include "planner/problem/text_file.hpp"
-#include "tools/child_process.hpp"
+#include "tools/cli/child_process.hpp"
+#include "tools/cli/program.hpp"
+#include "tools/cli/progress.hpp"
+#include "tools/cli/run_folder.hpp"
+#include "tools/cli/version.hpp"
 #include "tools/compare/controls.hpp"
-#include "tools/program.hpp"
-#include "tools/progress.hpp"
-#include "tools/run_folder.hpp"
 #include "tools/runs/same_options.hpp"
 #include "tools/runs/temporary_folder.hpp"
 #include "tools/sweep/rows.hpp"
-#include "tools/version.hpp"
 
 namespace mvtp {
 namespace {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "tools/program.hpp"
+#include "tools/cli/program.hpp"
 
 namespace mvtp {
 

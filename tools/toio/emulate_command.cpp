@@ -7,13 +7,13 @@
 #include <nlohmann/json.hpp>
 
 #include "planner/problem/text_file.hpp"
-#include "tools/option_types.hpp"
-#include "tools/output_files.hpp"
-#include "tools/progress.hpp"
-#include "tools/toio/check.hpp"
+#include "tools/cli/option_types.hpp"
+#include "tools/cli/output_files.hpp"
+#include "tools/cli/progress.hpp"
 #include "tools/toio/commands.hpp"
-#include "tools/toio/emulate.hpp"
-#include "tools/toio/stalls.hpp"
+#include "tools/toio/emulator/emulate.hpp"
+#include "tools/toio/emulator/stalls.hpp"
+#include "tools/toio/plan/check.hpp"
 
 namespace mvtp {
 namespace {

@@ -6,13 +6,13 @@
 #include <functional>
 #include <memory>
 
-#include "tools/child_process.hpp"
-#include "tools/option_types.hpp"
-#include "tools/output_files.hpp"
-#include "tools/toio/check.hpp"
+#include "tools/cli/child_process.hpp"
+#include "tools/cli/option_types.hpp"
+#include "tools/cli/output_files.hpp"
 #include "tools/toio/commands.hpp"
-#include "tools/toio/live_run.hpp"
+#include "tools/toio/device/live_run.hpp"
 #include "tools/toio/options.hpp"
+#include "tools/toio/plan/check.hpp"
 
 namespace mvtp {
 namespace {

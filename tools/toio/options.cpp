@@ -5,8 +5,8 @@
 #include <algorithm>
 
 #include "planner/problem/input_error.hpp"
-#include "tools/instance_options.hpp"
-#include "tools/option_types.hpp"
+#include "tools/cli/instance_options.hpp"
+#include "tools/cli/option_types.hpp"
 
 namespace mvtp {
 namespace {

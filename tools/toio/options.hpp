@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "tools/toio/load.hpp"
+#include "tools/toio/plan/load.hpp"
 
 namespace CLI {
 class App;

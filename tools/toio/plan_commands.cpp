@@ -4,12 +4,12 @@
 #include <memory>
 
 #include "planner/problem/text_file.hpp"
-#include "tools/option_types.hpp"
-#include "tools/output_files.hpp"
-#include "tools/toio/check.hpp"
+#include "tools/cli/option_types.hpp"
+#include "tools/cli/output_files.hpp"
 #include "tools/toio/commands.hpp"
-#include "tools/toio/export.hpp"
 #include "tools/toio/options.hpp"
+#include "tools/toio/plan/check.hpp"
+#include "tools/toio/plan/export.hpp"
 
 namespace mvtp {
 namespace {

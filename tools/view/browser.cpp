@@ -16,7 +16,7 @@
 #include <vector>
 
 #include "planner/problem/input_error.hpp"
-#include "tools/child_process.hpp"
+#include "tools/cli/child_process.hpp"
 
 namespace mvtp {
 namespace {

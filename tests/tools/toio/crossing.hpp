@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "tools/toio/export.hpp"
+#include "tools/toio/plan/export.hpp"
 
 namespace mvtp {
 

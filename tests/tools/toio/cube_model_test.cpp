@@ -1,11 +1,11 @@
-#include "tools/toio/cube_model.hpp"
+#include "tools/toio/emulator/cube_model.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <numbers>
 
-#include "tools/toio/predictor.hpp"
+#include "tools/toio/cube/predictor.hpp"
 
 namespace mvtp {
 namespace {

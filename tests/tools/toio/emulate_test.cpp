@@ -1,4 +1,4 @@
-#include "tools/toio/emulate.hpp"
+#include "tools/toio/emulator/emulate.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

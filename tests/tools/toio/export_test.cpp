@@ -1,4 +1,4 @@
-#include "tools/toio/export.hpp"
+#include "tools/toio/plan/export.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,8 +9,8 @@
 #include "planner/problem/input_error.hpp"
 #include "tests/tools/program_fixture.hpp"
 #include "tests/tools/toio/crossing.hpp"
-#include "tools/toio/check.hpp"
-#include "tools/toio/release_graph.hpp"
+#include "tools/toio/plan/check.hpp"
+#include "tools/toio/plan/release_graph.hpp"
 
 namespace mvtp {
 namespace {

@@ -1,4 +1,4 @@
-#include "tools/toio/fit.hpp"
+#include "tools/toio/plan/fit.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

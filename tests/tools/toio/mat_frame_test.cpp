@@ -1,4 +1,4 @@
-#include "tools/toio/mat_frame.hpp"
+#include "tools/toio/cube/mat_frame.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -5,7 +5,7 @@
 #include <span>
 #include <string>
 
-#include "tools/toio/protocol.hpp"
+#include "tools/toio/cube/protocol.hpp"
 
 namespace mvtp {
 

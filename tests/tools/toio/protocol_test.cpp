@@ -1,4 +1,4 @@
-#include "tools/toio/protocol.hpp"
+#include "tools/toio/cube/protocol.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -6,7 +6,7 @@
 #include "planner/geometry/oriented_box.hpp"
 #include "planner/problem/validate.hpp"
 #include "planner/solve.hpp"
-#include "tools/toio/path.hpp"
+#include "tools/toio/plan/path.hpp"
 
 namespace mvtp {
 namespace {

@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "tools/toio/export.hpp"
+#include "tools/toio/plan/export.hpp"
 
 namespace mvtp {
 
