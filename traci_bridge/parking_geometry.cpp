@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "planner/geometry/polygon.hpp"
+#include "planner/geometry.hpp"
 
 namespace mvtp {
 namespace {
