@@ -1,5 +1,6 @@
 # What other projects include as <mvtp/NAME>, and where it lies here. Everything else is installed
 # only as far as these need it, and may change without notice. The comments go into the docs.
+# Those of the planner, with all of planner/problem/, are also what the other floors include of it.
 set(public_headers
   # one instance: problem, plan, solver, referee
   pose.hpp             planner/problem/pose.hpp               # points, poses, angles
@@ -13,10 +14,12 @@ set(public_headers
   deadline.hpp         planner/problem/deadline.hpp           # when a search stops
   input_error.hpp      planner/problem/input_error.hpp        # what bad input throws
   solve.hpp            planner/solve.hpp                      # all algorithms by name
+  single_agent.hpp     planner/single_agent.hpp               # can one robot get to its goal, all others absent?
   validate.hpp         planner/problem/validate.hpp           # the referee
   # roads and parking lots
-  road.hpp             planner/road/road_escot.hpp            # ESCoT for vehicles on paths of a road
-  lot.hpp              planner/lot/lot_planner.hpp            # ESCoT for vehicles on open ground
+  geometry.hpp         planner/geometry.hpp                   # arcs, bodies, polygons, paths in the plane
+  road.hpp             planner/road.hpp                       # ESCoT for vehicles on paths of a road
+  lot.hpp              planner/lot.hpp                        # ESCoT for vehicles on open ground
   # the closed loop (mvtp::coordinator)
   traffic.hpp          coordinator/traffic.hpp                # the port to the traffic, to be implemented for one of your own
   controller.hpp       coordinator/controller.hpp             # who decides in each step; derive your own

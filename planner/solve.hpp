@@ -1,5 +1,23 @@
 #pragma once
 
+/// @file
+/// Maps: one instance, its plan by an algorithm that is named.
+///
+/// What a caller does, in this order: read_instance(), or an Instance of its own; check_instance(),
+/// which says what is wrong with it; solve(); find_violations(), which judges the plan;
+/// write_plan().
+///
+/// - Units: metres, seconds, radians; times in steps of Instance::dt, or of Statistics::dt in a
+///   plan.
+/// - Frame: the map is [0, width] x [0, height]; headings are counter-clockwise from +x, and the
+///   pose of a robot is that of its rear axle.
+/// - Shapes: Plan::names, vehicles and trajectories have one entry per agent, in the order of the
+///   instance; a Trajectory has one Waypoint per step, the start first, and rests at its last pose.
+/// - Errors: InputError for a name it does not know. That there is no plan is a result, not an
+///   error: Statistics::status says so, and Statistics::reason why.
+/// - Sources: the ESCoT paper, and those of the planners it is compared with; see
+///   planner/escot/README.md and planner/anytime/README.md.
+
 #include <cstdint>
 #include <string>
 #include <vector>

@@ -15,9 +15,12 @@ folder=$(realpath -m "$2")
 export MVTP_DOCS_PAGES=$folder/pages MVTP_DOCS_SITE=$folder/site
 
 tools/docs/stage.py --reference "$1" -o "$MVTP_DOCS_PAGES"
+# What a public header of the planner gathers from its rooms is documented with it.
+headers=$(sed -n 's/^  [a-z_]*\.hpp *\([^ ]*\).*/\1/p' cmake/PublicHeaders.cmake)
+gathered=$(sed -n 's/^#include "\(planner\/[^"]*\)".*/\1/p' planner/*.hpp)
 {
   cat tools/docs/Doxyfile
-  echo "INPUT = $(sed -n 's/^  [a-z_]*\.hpp *\([^ ]*\).*/\1/p' cmake/PublicHeaders.cmake | tr '\n' ' ')"
+  echo "INPUT = $(sort -u <<<"$headers"$'\n'"$gathered" | tr '\n' ' ')"
   echo "OUTPUT_DIRECTORY = $MVTP_DOCS_PAGES/docs/reference"
 } | doxygen -
 mkdocs build --strict --clean

@@ -10,7 +10,7 @@
 #include <ranges>
 #include <utility>
 
-#include "planner/motion/obstacles.hpp"
+#include "planner/geometry.hpp"
 #include "planner/problem/input_error.hpp"
 #include "traci_bridge/parking_geometry.hpp"
 #include "traci_bridge/xml.hpp"

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "planner/motion/obstacles.hpp"
+#include "planner/geometry.hpp"
 
 namespace mvtp {
 namespace {

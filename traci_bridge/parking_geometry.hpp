@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "planner/geometry/oriented_box.hpp"
+#include "planner/geometry.hpp"
 #include "planner/problem/instance.hpp"
 #include "planner/problem/parking_lot.hpp"
 

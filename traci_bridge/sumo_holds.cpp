@@ -4,7 +4,7 @@
 #include <cstdlib>
 #include <limits>
 
-#include "planner/motion/inertial_car.hpp"
+#include "planner/road.hpp"
 
 namespace mvtp::MVTP_SUMO_NAMESPACE {
 namespace {

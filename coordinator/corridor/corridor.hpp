@@ -13,7 +13,7 @@
 #include "coordinator/corridor/path_approach.hpp"
 #include "coordinator/network/drivable_area.hpp"
 #include "coordinator/traffic.hpp"
-#include "planner/road/path_library.hpp"
+#include "planner/road.hpp"
 
 namespace mvtp {
 

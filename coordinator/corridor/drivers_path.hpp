@@ -2,7 +2,7 @@
 
 #include <span>
 
-#include "planner/motion/reference_path.hpp"
+#include "planner/geometry.hpp"
 #include "planner/problem/vehicle.hpp"
 
 namespace mvtp {

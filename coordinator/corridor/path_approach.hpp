@@ -4,7 +4,7 @@
 #include <span>
 
 #include "coordinator/network/drivable_area.hpp"
-#include "planner/motion/reference_path.hpp"
+#include "planner/geometry.hpp"
 
 namespace mvtp {
 

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "planner/motion/reference_path.hpp"
+#include "planner/geometry.hpp"
 
 namespace mvtp {
 

@@ -3,7 +3,7 @@
 #include <span>
 
 #include "coordinator/network/drivable_area.hpp"
-#include "planner/motion/reference_path.hpp"
+#include "planner/geometry.hpp"
 
 namespace mvtp {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "planner/motion/inertial_car.hpp"
+#include "planner/road.hpp"
 
 namespace mvtp {
 namespace {

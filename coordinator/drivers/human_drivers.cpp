@@ -4,7 +4,7 @@
 
 #include "coordinator/drivers/lane_keeping.hpp"
 #include "coordinator/signals/phase_choice.hpp"
-#include "planner/motion/inertial_car.hpp"
+#include "planner/road.hpp"
 
 namespace mvtp {
 namespace {

@@ -8,9 +8,7 @@
 #include "coordinator/drivers/human_drivers.hpp"
 #include "coordinator/drivers/room_behind.hpp"
 #include "coordinator/signals/phase_choice.hpp"
-#include "planner/motion/inertial_car.hpp"
-#include "planner/road/profile_planner.hpp"
-#include "planner/road/road_contact.hpp"
+#include "planner/road.hpp"
 
 namespace mvtp {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "coordinator/drivers/human_drivers.hpp"
 #include "coordinator/signals/phase_choice.hpp"
-#include "planner/road/profile_planner.hpp"
+#include "planner/road.hpp"
 
 namespace mvtp {
 namespace {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "planner/road/contact_table.hpp"
+#include "planner/road.hpp"
 
 namespace mvtp {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "planner/search/draws.hpp"
+#include "planner/problem/draws.hpp"
 
 namespace mvtp {
 

@@ -7,8 +7,8 @@
 
 #include "coordinator/drivers/human_drivers.hpp"
 #include "coordinator/network/partition.hpp"
-#include "planner/road/road_contact.hpp"
-#include "planner/search/draws.hpp"
+#include "planner/problem/draws.hpp"
+#include "planner/road.hpp"
 
 namespace mvtp {
 namespace {

@@ -28,7 +28,7 @@
 #include "coordinator/prediction/prediction.hpp"
 #include "coordinator/signals/green_lanes.hpp"
 #include "coordinator/signals/signal_heads.hpp"
-#include "planner/road/road_escot.hpp"
+#include "planner/road.hpp"
 
 namespace mvtp {
 

@@ -4,7 +4,7 @@
 #include <limits>
 
 #include "coordinator/junctions/coordinator.hpp"
-#include "planner/road/profile_planner.hpp"
+#include "planner/road.hpp"
 
 namespace mvtp {
 

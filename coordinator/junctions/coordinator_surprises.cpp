@@ -4,7 +4,7 @@
 
 #include "coordinator/drivers/human_drivers.hpp"
 #include "coordinator/junctions/coordinator.hpp"
-#include "planner/road/emergency_braking.hpp"
+#include "planner/road.hpp"
 
 namespace mvtp {
 

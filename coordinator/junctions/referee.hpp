@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "planner/road/road_scene.hpp"
+#include "planner/road.hpp"
 
 namespace mvtp {
 

@@ -4,7 +4,7 @@
 #include <iterator>
 #include <utility>
 
-#include "planner/search/draws.hpp"
+#include "planner/problem/draws.hpp"
 
 namespace mvtp {
 

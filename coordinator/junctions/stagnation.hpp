@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "planner/motion/inertial_car.hpp"
+#include "planner/road.hpp"
 
 namespace mvtp {
 

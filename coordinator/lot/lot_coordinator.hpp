@@ -10,7 +10,7 @@
 
 #include "coordinator/controller.hpp"
 #include "coordinator/lot/lot_lookout.hpp"
-#include "planner/lot/lot_planner.hpp"
+#include "planner/lot.hpp"
 #include "planner/problem/parking_lot.hpp"
 
 namespace mvtp {

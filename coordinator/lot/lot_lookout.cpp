@@ -5,7 +5,7 @@
 #include <limits>
 #include <optional>
 
-#include "planner/motion/inertial_car.hpp"
+#include "planner/lot.hpp"
 
 namespace mvtp {
 namespace {

@@ -4,8 +4,7 @@
 #include <vector>
 
 #include "coordinator/traffic.hpp"
-#include "planner/lot/lot_motion.hpp"
-#include "planner/lot/lot_planner.hpp"
+#include "planner/lot.hpp"
 
 namespace mvtp {
 

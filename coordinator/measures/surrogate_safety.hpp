@@ -13,7 +13,7 @@
 
 #include "coordinator/audit/audit.hpp"
 #include "coordinator/network/road_network.hpp"
-#include "planner/geometry/oriented_box.hpp"
+#include "planner/geometry.hpp"
 
 namespace mvtp {
 

@@ -4,7 +4,7 @@
 #include <tuple>
 
 #include "coordinator/network/lane_graph.hpp"
-#include "planner/road/path_library.hpp"
+#include "planner/road.hpp"
 
 namespace mvtp {
 

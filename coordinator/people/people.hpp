@@ -9,7 +9,7 @@
 
 #include "coordinator/network/crossing_paths.hpp"
 #include "coordinator/signals/signal_heads.hpp"
-#include "planner/road/road_scene.hpp"
+#include "planner/road.hpp"
 
 namespace mvtp {
 

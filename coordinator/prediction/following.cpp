@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstddef>
 
-#include "planner/road/road_contact.hpp"
+#include "planner/road.hpp"
 
 namespace mvtp {
 namespace {

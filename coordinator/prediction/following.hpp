@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "planner/road/road_scene.hpp"
+#include "planner/road.hpp"
 
 namespace mvtp {
 

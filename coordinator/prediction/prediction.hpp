@@ -9,7 +9,7 @@
 
 #include "coordinator/corridor/corridor.hpp"
 #include "coordinator/prediction/halted_queues.hpp"
-#include "planner/road/road_scene.hpp"
+#include "planner/road.hpp"
 
 namespace mvtp {
 

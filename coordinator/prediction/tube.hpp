@@ -3,7 +3,7 @@
 #include <optional>
 #include <vector>
 
-#include "planner/road/road_scene.hpp"
+#include "planner/road.hpp"
 
 namespace mvtp {
 

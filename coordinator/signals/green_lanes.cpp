@@ -7,7 +7,7 @@
 #include <ranges>
 
 #include "coordinator/corridor/no_waiting.hpp"
-#include "planner/road/profile_planner.hpp"
+#include "planner/road.hpp"
 
 namespace mvtp {
 namespace {

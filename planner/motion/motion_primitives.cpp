@@ -2,6 +2,8 @@
 
 #include <limits>
 
+#include "planner/geometry/polygon.hpp"
+
 namespace mvtp {
 namespace {
 

@@ -8,6 +8,8 @@
 #include <set>
 #include <span>
 
+#include "planner/geometry/polygon.hpp"
+
 namespace mvtp {
 namespace {
 
@@ -50,17 +52,6 @@ Extent extent_of(const Polygon& polygon) {
 }
 
 }  // namespace
-
-bool contains(const Polygon& polygon, const Point& point) {
-  bool inside = false;
-  for (std::size_t i = 0, j = polygon.size() - 1; i < polygon.size(); j = i++) {
-    const Point& a = polygon[i];
-    const Point& b = polygon[j];
-    if ((a.y > point.y) == (b.y > point.y)) continue;
-    if (point.x < a.x + (b.x - a.x) * (point.y - a.y) / (b.y - a.y)) inside = !inside;
-  }
-  return inside;
-}
 
 Obstacles::Obstacles(const Map& map, double reach) : circles_(map.circles), reach_(reach) {
   for (std::size_t k = 0; k < map.polygons.size(); ++k) add(map.polygons[k], int(k));

@@ -68,7 +68,4 @@ class Obstacles {
   std::vector<int> items_;
 };
 
-/// Is the point inside the polygon? Points on an edge may count either way.
-[[nodiscard]] bool contains(const Polygon& polygon, const Point& point);
-
 }  // namespace mvtp

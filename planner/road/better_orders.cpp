@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <numeric>
 
+#include "planner/problem/draws.hpp"
 #include "planner/road/neighbourhoods.hpp"
-#include "planner/search/draws.hpp"
 
 namespace mvtp {
 namespace {

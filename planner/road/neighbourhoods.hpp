@@ -3,9 +3,9 @@
 #include <cstddef>
 #include <vector>
 
+#include "planner/problem/draws.hpp"
 #include "planner/road/passing_order.hpp"
 #include "planner/road/profile_planner.hpp"
-#include "planner/search/draws.hpp"
 
 namespace mvtp {
 

@@ -18,7 +18,7 @@
 #include <numbers>
 #include <utility>
 
-#include "planner/search/draws.hpp"
+#include "planner/problem/draws.hpp"
 
 namespace mvtp {
 namespace {

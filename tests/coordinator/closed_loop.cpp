@@ -9,7 +9,7 @@
 #include <optional>
 
 #include "coordinator/network/partition.hpp"
-#include "planner/search/draws.hpp"
+#include "planner/problem/draws.hpp"
 
 namespace mvtp {
 namespace {

@@ -7,7 +7,7 @@
 #include <tuple>
 
 #include "coordinator/network/partition.hpp"
-#include "planner/search/draws.hpp"
+#include "planner/problem/draws.hpp"
 #include "tests/coordinator/closed_loop.hpp"
 
 namespace mvtp {

@@ -8,8 +8,8 @@
 #include <thread>
 
 #include "planner/motion/inertial_car.hpp"
+#include "planner/problem/draws.hpp"
 #include "planner/road/path_library.hpp"
-#include "planner/search/draws.hpp"
 
 namespace mvtp {
 namespace {

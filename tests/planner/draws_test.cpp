@@ -1,4 +1,4 @@
-#include "planner/search/draws.hpp"
+#include "planner/problem/draws.hpp"
 
 #include <gtest/gtest.h>
 

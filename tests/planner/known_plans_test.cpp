@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "planner/search/draws.hpp"
+#include "planner/problem/draws.hpp"
 #include "tests/planner/crossing_fixture.hpp"
 
 namespace mvtp {

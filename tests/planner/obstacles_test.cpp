@@ -6,6 +6,7 @@
 #include <cmath>
 #include <random>
 
+#include "planner/geometry/polygon.hpp"
 #include "planner/motion/cost_to_go.hpp"
 #include "planner/motion/grid_distance.hpp"
 #include "planner/motion/stepped_car.hpp"

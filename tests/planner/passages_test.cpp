@@ -8,6 +8,7 @@
 #include <random>
 #include <vector>
 
+#include "planner/geometry/polygon.hpp"
 #include "planner/motion/obstacles.hpp"
 
 namespace mvtp {

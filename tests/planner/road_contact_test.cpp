@@ -2,9 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include "planner/problem/draws.hpp"
 #include "planner/road/road_escot.hpp"
 #include "planner/road/road_world.hpp"
-#include "planner/search/draws.hpp"
 #include "tests/planner/crossing_fixture.hpp"
 
 namespace mvtp {

@@ -10,6 +10,8 @@
 #include <regex>
 #include <set>
 #include <string>
+#include <utility>
+#include <vector>
 
 namespace mvtp {
 namespace {
@@ -79,7 +81,7 @@ TEST(Rooms, OfThePlannerUseOnlyThoseBelowThem) {
   planner.add("anytime", {"escot"});
   planner.add("road", {"escot"});
   planner.add("lot", {"escot"});
-  planner.add(".", {"anytime"});  // solve()
+  planner.add(".", {"anytime", "road", "lot"});  // solve() and the other public headers
   planner.expect_its_sources_to_keep_to_it();
 }
 
@@ -126,6 +128,56 @@ TEST(Rooms, OfToolsUseOnlyThoseBelowThem) {
   tools.add("python", {"solve", "coordinate"});
   tools.add(".", {"doctor", "export", "generate", "toio", "report", "python"});  // the programs
   tools.expect_its_sources_to_keep_to_it();
+}
+
+/// The public headers of the planner, as cmake/PublicHeaders.cmake lists them.
+std::set<std::string> public_headers_of_the_planner() {
+  const std::regex entry(R"re(^\s*[a-z_]+\.hpp\s+(planner/[a-z_/]+\.hpp))re");
+  std::set<std::string> headers;
+  std::ifstream list(folder_of("cmake") / "PublicHeaders.cmake");
+  for (std::string line; std::getline(list, line);) {
+    std::smatch match;
+    if (std::regex_search(line, match, entry)) headers.insert(match[1]);
+  }
+  return headers;
+}
+
+/// Each line of a folder's sources that includes a header of the planner: the header, and where.
+std::vector<std::pair<std::string, std::string>> includes_of_the_planner(
+    const std::string& folder) {
+  const std::regex include(R"re(^\s*#\s*include\s*["<](planner/[^">]+)[">])re");
+  std::vector<std::pair<std::string, std::string>> found;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder_of(folder))) {
+    if (!entry.is_regular_file()) continue;
+    const std::string where = entry.path().lexically_relative(MVTP_SOURCE_DIR);
+    std::ifstream file(entry.path());
+    int number = 0;
+    for (std::string line; std::getline(file, line);) {
+      ++number;
+      std::smatch match;
+      if (!std::regex_search(line, match, include)) continue;
+      found.emplace_back(match[1], where + ":" + std::to_string(number));
+    }
+  }
+  return found;
+}
+
+TEST(Rooms, OfThePlannerAreIncludedByOtherFloorsThroughItsPublicHeaders) {
+  const std::set<std::string> headers = public_headers_of_the_planner();
+  for (const char* world : {"planner/solve.hpp", "planner/road.hpp", "planner/lot.hpp"}) {
+    EXPECT_TRUE(headers.contains(world)) << world << " is not in cmake/PublicHeaders.cmake";
+  }
+  for (const std::string& header : headers) {
+    EXPECT_TRUE(std::filesystem::exists(folder_of(header))) << header;
+  }
+  for (const char* floor : {"coordinator", "traci_bridge", "tools"}) {
+    const auto includes = includes_of_the_planner(floor);
+    EXPECT_FALSE(includes.empty()) << floor;
+    for (const auto& [header, where] : includes) {
+      EXPECT_TRUE(header.starts_with("planner/problem/") || headers.contains(header))
+          << where << " includes " << header << ", which is private to the planner";
+    }
+  }
 }
 
 TEST(Rooms, OfThePlannerSayWhatIsInThem) {

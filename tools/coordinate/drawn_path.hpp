@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "planner/motion/reference_path.hpp"
+#include "planner/geometry.hpp"
 
 namespace mvtp {
 

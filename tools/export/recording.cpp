@@ -11,7 +11,7 @@
 #include <set>
 #include <utility>
 
-#include "planner/geometry/arc.hpp"
+#include "planner/geometry.hpp"
 #include "planner/problem/input_error.hpp"
 #include "planner/problem/metrics.hpp"
 #include "planner/problem/plan_file.hpp"

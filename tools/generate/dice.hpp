@@ -4,7 +4,7 @@
 #include <initializer_list>
 #include <random>
 
-#include "planner/search/draws.hpp"
+#include "planner/problem/draws.hpp"
 
 namespace mvtp {
 

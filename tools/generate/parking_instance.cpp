@@ -9,8 +9,8 @@
 #include <span>
 #include <vector>
 
-#include "planner/escot/single_agent_path.hpp"
 #include "planner/problem/input_error.hpp"
+#include "planner/single_agent.hpp"
 #include "tools/generate/dice.hpp"
 #include "tools/generate/open_lot.hpp"
 #include "traci_bridge/sumo_frame.hpp"

@@ -11,9 +11,9 @@
 #include <utility>
 #include <vector>
 
-#include "planner/escot/single_agent_path.hpp"
-#include "planner/geometry/oriented_box.hpp"
+#include "planner/geometry.hpp"
 #include "planner/problem/input_error.hpp"
+#include "planner/single_agent.hpp"
 #include "tools/generate/dice.hpp"
 
 namespace mvtp {

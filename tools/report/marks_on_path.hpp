@@ -3,7 +3,7 @@
 #include <span>
 #include <vector>
 
-#include "planner/motion/reference_path.hpp"
+#include "planner/geometry.hpp"
 #include "tools/report/time_space.hpp"
 #include "tools/view/read_replay.hpp"
 

@@ -8,7 +8,7 @@
 #include <map>
 #include <numbers>
 
-#include "planner/motion/reference_path.hpp"
+#include "planner/geometry.hpp"
 #include "planner/problem/input_error.hpp"
 #include "tools/report/marks_on_path.hpp"
 #include "tools/view/read_replay.hpp"

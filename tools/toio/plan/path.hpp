@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "planner/geometry/arc.hpp"
+#include "planner/geometry.hpp"
 #include "planner/problem/plan.hpp"
 #include "tools/toio/cube/mat_frame.hpp"
 

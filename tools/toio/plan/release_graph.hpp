@@ -6,7 +6,7 @@
 #include <variant>
 #include <vector>
 
-#include "planner/geometry/oriented_box.hpp"
+#include "planner/geometry.hpp"
 #include "planner/problem/vehicle.hpp"
 #include "tools/toio/plan/reference.hpp"
 
