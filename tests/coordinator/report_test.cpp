@@ -47,10 +47,15 @@ TEST(Report, TheDocsNameEveryKeyOfTheSummaryAndNoOther) {
   report.humans.emplace();
   report.faults.emplace();
   report.human_faults.emplace();
+  report.vehicles = {{.id = "a", .type = "car", .departure = 0.0, .movement = "W>E"}};
   const nlohmann::json summary = nlohmann::json::parse(summary_json(report));
   EXPECT_THAT(documented("### `summary.json`"), ContainerEq(keys_of(summary)));
   EXPECT_THAT(documented("`audit`:"), ContainerEq(keys_of(summary["audit"])));
   EXPECT_THAT(documented("`parking`:"), ContainerEq(keys_of(summary["parking"])));
+  const std::set<std::string> of_a_group =
+      documented("each group of `delay_by_type_s` and `delay_by_movement_s`:");
+  EXPECT_THAT(of_a_group, ContainerEq(keys_of(summary["delay_by_type_s"]["car"])));
+  EXPECT_THAT(of_a_group, ContainerEq(keys_of(summary["delay_by_movement_s"]["W>E"])));
 }
 
 TEST(Report, DelaysAreThoseOfControlledAndOfHumanDrivenVehicles) {
