@@ -76,5 +76,26 @@ TEST(Report, DelaysAreThoseOfControlledAndOfHumanDrivenVehicles) {
   EXPECT_EQ(summary["delay_human_s"]["vehicles"], 2);
 }
 
+TEST(Report, ContactsAreTheOverlapsWithACoordinatedVehicle) {
+  RunReport report;
+  report.begin = 100.0;
+  report.end = 110.0;
+  report.faults.emplace().step_length = 0.1;
+  report.events = {
+      {.kind = AuditEventKind::kOverlap, .time = 101.0, .what = "overlap of two human drivers"},
+      {.kind = AuditEventKind::kOffRoad, .time = 102.0, .what = "overlap.3 is off the road"},
+      {.kind = AuditEventKind::kOverlap,
+       .time = 103.46,
+       .what = "overlap of a and b (human-driven)",
+       .coordinated = true},
+      {.kind = AuditEventKind::kPersonTouched, .time = 104.0, .what = "a touches p"}};
+  const nlohmann::json summary = nlohmann::json::parse(summary_json(report));
+  const nlohmann::json& contacts = summary["faults"]["contacts"];
+  ASSERT_EQ(contacts.size(), 1U);
+  EXPECT_EQ(contacts[0]["frame"], 35);
+  EXPECT_EQ(contacts[0]["time_s"], 103.46);
+  EXPECT_EQ(contacts[0]["what"], "overlap of a and b (human-driven)");
+}
+
 }  // namespace
 }  // namespace mvtp
