@@ -16,8 +16,8 @@ Usage: soak.sh [OPTION VALUE]... OUTPUT_DIR
   --mvtp PROGRAM       (default: build/release/bin/mvtp)
 
 Writes the files of the run and soak.csv (wall clock, simulated time, resident memory) into
-OUTPUT_DIR, and prints the figures. Exit code: 0 the run came to its end and no vehicle overlapped
-another but such that had stopped dead or ignored their plans; 1 otherwise; 2 bad usage.
+OUTPUT_DIR, and prints the figures. Exit code: 0 the run came to its end and no vehicle under control
+overlapped another, unless one of the two had stopped dead or ignored its plan; 1 otherwise; 2 bad usage.
 EOF
 }
 
@@ -92,8 +92,8 @@ print(f"{summary['simulated_s'] / 3600:.2f} h simulated, status {summary['status
       f"{summary['real_time_factor']:.0f} x real time")
 print(f"{summary['completed']} of {summary['vehicles']} vehicles arrived, mean delay "
       f"{summary['delay_s']['mean']:.2f} s")
-print(f"overlaps: {summary['audit']['overlap_pairs']} pairs, {len(others)} of them without a vehicle "
-      f"that did not obey")
+print(f"overlaps: {summary['audit']['overlap_pairs']} pairs, {len(contacts)} of them with a vehicle under "
+      f"control, {len(others)} of these without a vehicle that did not obey")
 print(f"{len(faults.get('events', []))} vehicles did not obey, {len(faults.get('given_up', []))} given up")
 print(f"replan: 95 % {summary['replan_ms']['p95']:.1f} ms, 99 % {summary['replan_ms']['p99']:.1f} ms, "
       f"at most {summary['replan_ms']['max']:.1f} ms")

@@ -189,7 +189,8 @@ void Audit::report_overlap(double time, const Passage& a, const Passage& b, cons
                      "overlap of " + name_of(first) + " and " + name_of(second),
                      {where.x, where.y},
                      {first.state->id, second.state->id},
-                     depth});
+                     depth,
+                     first.coordinated || second.coordinated});
 }
 
 void Audit::report(AuditEventKind kind, double time, const Observation& s,

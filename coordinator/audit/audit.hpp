@@ -67,6 +67,7 @@ struct AuditEvent {
   Point where;
   std::vector<std::string> who;  ///< ids of the vehicles, and of the person
   double depth = 0.0;            ///< [m] of an overlap or a touch
+  bool coordinated = false;      ///< an overlap with a vehicle that we placed
 };
 
 /// The footprint audit: every vehicle at every step of the traffic and between the steps,

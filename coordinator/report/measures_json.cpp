@@ -36,19 +36,41 @@ Json conflict_json(const ConflictFigures& figures) {
           {"by_half_second", figures.counts}};
 }
 
-/// Delays of the vehicles that departed, by what `name` says of each.
+Json p95_over_mean(const std::vector<double>& delays) {
+  const double all = mean(delays);
+  return all > 0.0 ? Json(quantile(delays, 0.95) / all) : Json();
+}
+
+/// Of some vehicles that departed.
+struct GroupFigures {
+  std::vector<double> delays;
+  std::vector<double> stops;
+  std::vector<double> standing;
+  std::vector<double> co2;  ///< of those of which it is known
+};
+
+/// Figures of the vehicles that departed, by what `name` says of each.
 template <class Name>
-Json delay_by(const RunReport& report, Name name) {
-  std::map<std::string, std::vector<double>> groups;
+Json figures_by(const RunReport& report, Name name) {
+  std::map<std::string, GroupFigures> groups;
   for (const VehicleRecord& v : report.vehicles) {
-    if (v.departure) groups[name(v)].push_back(delay_of(v, report.end));
+    if (!v.departure) continue;
+    GroupFigures& group = groups[name(v)];
+    group.delays.push_back(delay_of(v, report.end));
+    group.stops.push_back(v.driving.stops);
+    group.standing.push_back(v.driving.standing);
+    if (v.emissions) group.co2.push_back(v.emissions->co2);
   }
   Json result = Json::object();
-  for (const auto& [group, delays] : groups) {
-    result[group] = {{"vehicles", delays.size()},
-                     {"mean", mean(delays)},
-                     {"p95", quantile(delays, 0.95)},
-                     {"max", largest(delays)}};
+  for (const auto& [key, group] : groups) {
+    result[key] = {{"vehicles", group.delays.size()},
+                   {"mean", mean(group.delays)},
+                   {"p95", quantile(group.delays, 0.95)},
+                   {"max", largest(group.delays)},
+                   {"p95_over_mean", p95_over_mean(group.delays)},
+                   {"stops_per_vehicle", mean(group.stops)},
+                   {"longest_wait_s", largest(group.standing)},
+                   {"co2_g", group.co2.empty() ? Json() : Json(mean(group.co2))}};
   }
   return result;
 }
@@ -60,9 +82,7 @@ Json fairness_json(const RunReport& report) {
     delays.push_back(delay_of(v, report.end));
     standing.push_back(v.driving.standing);
   }
-  const double all = mean(delays);
-  return {{"p95_over_mean", all > 0.0 ? Json(quantile(delays, 0.95) / all) : Json()},
-          {"longest_wait_s", largest(standing)}};
+  return {{"p95_over_mean", p95_over_mean(delays)}, {"longest_wait_s", largest(standing)}};
 }
 
 /// How many arrived in each minute of the run, the last one begun included.
@@ -94,9 +114,9 @@ void add_measures(const RunReport& report, Json& summary) {
   summary["pet_s"] = conflict_json(report.pet);
   summary["ttc_s"] = conflict_json(report.ttc);
   summary["fairness"] = fairness_json(report);
-  summary["delay_by_type_s"] = delay_by(report, [](const VehicleRecord& v) { return v.type; });
+  summary["delay_by_type_s"] = figures_by(report, [](const VehicleRecord& v) { return v.type; });
   summary["delay_by_movement_s"] =
-      delay_by(report, [](const VehicleRecord& v) { return v.movement; });
+      figures_by(report, [](const VehicleRecord& v) { return v.movement; });
   summary["arrivals_per_minute"] = arrivals_by_minute(report);
 }
 

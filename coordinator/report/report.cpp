@@ -89,11 +89,11 @@ Json events_json(const std::vector<FaultEvent>& events) {
   return list;
 }
 
-/// The overlaps of the audit, with their frames.
+/// The overlaps with a coordinated vehicle, with their frames.
 Json contacts_json(const RunReport& report, double step_length) {
   Json list = Json::array();
   for (const AuditEvent& e : report.events) {
-    if (e.what.find("overlap") == std::string::npos) continue;
+    if (e.kind != AuditEventKind::kOverlap || !e.coordinated) continue;
     list.push_back({{"frame", std::lround((e.time - report.begin) / step_length)},
                     {"time_s", e.time},
                     {"what", e.what}});

@@ -104,9 +104,11 @@ TEST_F(AuditTest, AnOverlapIsToldOnceAndOnceMoreIfItBecomesOurs) {
   for (const double time : {0.1, 0.2}) see(time, b, false, a);
   ASSERT_EQ(audit.events().size(), 1U);
   EXPECT_EQ(audit.events()[0].what, "overlap of a (human-driven) and b (human-driven)");
+  EXPECT_FALSE(audit.events()[0].coordinated);
   for (const double time : {0.3, 0.4}) see(time, b, true, a);
   ASSERT_EQ(audit.events().size(), 2U);
   EXPECT_EQ(audit.events()[1].what, "overlap of a (human-driven) and b");
+  EXPECT_TRUE(audit.events()[1].coordinated);
   EXPECT_NEAR(audit.events()[1].time, 0.3, 0.1);
 }
 

@@ -233,5 +233,47 @@ TEST(Measures, AreWhatTheVehiclesSay) {
   EXPECT_TRUE(j["pet_s"]["min"].is_null());
 }
 
+TEST(Measures, GroupsAreOfTheirOwnVehicles) {
+  // Delays 10, 20 and 60 s; one whose emissions nobody knows, and one that never departed.
+  const auto vehicle = [](const char* id, const char* type, double arrival, DrivingFigures driving,
+                          std::optional<Emissions> emissions) {
+    return VehicleRecord{.id = id,
+                         .type = type,
+                         .departure = 0.0,
+                         .arrival = arrival,
+                         .free_flow = 20.0,
+                         .movement = "W>E",
+                         .driving = driving,
+                         .emissions = emissions};
+  };
+  RunReport report;
+  report.end = 200.0;
+  report.vehicles = {
+      vehicle("a", "car", 30.0, {.stops = 1, .standing = 4.0}, Emissions{.co2 = 100.0}),
+      vehicle("b", "car", 40.0, {.stops = 0, .standing = 0.0}, Emissions{.co2 = 140.0}),
+      vehicle("c", "car", 80.0, {.stops = 2, .standing = 9.5}, std::nullopt),
+      vehicle("d", "bus", 20.0, {.stops = 0, .standing = 0.0}, std::nullopt),
+      {.id = "e", .type = "car", .movement = "W>E", .driving = {.stops = 50, .standing = 150.0}}};
+  const json j = json::parse(summary_json(report));
+  const json& cars = j["delay_by_type_s"]["car"];
+  EXPECT_EQ(cars["vehicles"], 3);
+  EXPECT_EQ(cars["mean"], 30.0);
+  EXPECT_NEAR(cars["p95"], 56.0, 1e-9);  // nine tenths of the step from 20 to 60
+  EXPECT_EQ(cars["max"], 60.0);
+  EXPECT_NEAR(cars["p95_over_mean"], 56.0 / 30.0, 1e-9);
+  EXPECT_EQ(cars["stops_per_vehicle"], 1.0);
+  EXPECT_EQ(cars["longest_wait_s"], 9.5);
+  EXPECT_EQ(cars["co2_g"], 120.0);
+  const json& buses = j["delay_by_type_s"]["bus"];
+  EXPECT_TRUE(buses["p95_over_mean"].is_null());  // nobody lost any time
+  EXPECT_TRUE(buses["co2_g"].is_null());
+  const json& movement = j["delay_by_movement_s"]["W>E"];
+  EXPECT_EQ(movement["vehicles"], 4);
+  EXPECT_EQ(movement["mean"], 22.5);
+  EXPECT_EQ(movement["stops_per_vehicle"], 0.75);
+  EXPECT_EQ(movement["longest_wait_s"], 9.5);
+  EXPECT_EQ(movement["co2_g"], 120.0);
+}
+
 }  // namespace
 }  // namespace mvtp

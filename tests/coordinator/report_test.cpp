@@ -47,10 +47,15 @@ TEST(Report, TheDocsNameEveryKeyOfTheSummaryAndNoOther) {
   report.humans.emplace();
   report.faults.emplace();
   report.human_faults.emplace();
+  report.vehicles = {{.id = "a", .type = "car", .departure = 0.0, .movement = "W>E"}};
   const nlohmann::json summary = nlohmann::json::parse(summary_json(report));
   EXPECT_THAT(documented("### `summary.json`"), ContainerEq(keys_of(summary)));
   EXPECT_THAT(documented("`audit`:"), ContainerEq(keys_of(summary["audit"])));
   EXPECT_THAT(documented("`parking`:"), ContainerEq(keys_of(summary["parking"])));
+  const std::set<std::string> of_a_group =
+      documented("each group of `delay_by_type_s` and `delay_by_movement_s`:");
+  EXPECT_THAT(of_a_group, ContainerEq(keys_of(summary["delay_by_type_s"]["car"])));
+  EXPECT_THAT(of_a_group, ContainerEq(keys_of(summary["delay_by_movement_s"]["W>E"])));
 }
 
 TEST(Report, DelaysAreThoseOfControlledAndOfHumanDrivenVehicles) {
@@ -69,6 +74,27 @@ TEST(Report, DelaysAreThoseOfControlledAndOfHumanDrivenVehicles) {
   EXPECT_EQ(summary["delay_controlled_s"]["vehicles"], 1);
   EXPECT_EQ(summary["delay_human_s"]["mean"], 30.0);
   EXPECT_EQ(summary["delay_human_s"]["vehicles"], 2);
+}
+
+TEST(Report, ContactsAreTheOverlapsWithACoordinatedVehicle) {
+  RunReport report;
+  report.begin = 100.0;
+  report.end = 110.0;
+  report.faults.emplace().step_length = 0.1;
+  report.events = {
+      {.kind = AuditEventKind::kOverlap, .time = 101.0, .what = "overlap of two human drivers"},
+      {.kind = AuditEventKind::kOffRoad, .time = 102.0, .what = "overlap.3 is off the road"},
+      {.kind = AuditEventKind::kOverlap,
+       .time = 103.46,
+       .what = "overlap of a and b (human-driven)",
+       .coordinated = true},
+      {.kind = AuditEventKind::kPersonTouched, .time = 104.0, .what = "a touches p"}};
+  const nlohmann::json summary = nlohmann::json::parse(summary_json(report));
+  const nlohmann::json& contacts = summary["faults"]["contacts"];
+  ASSERT_EQ(contacts.size(), 1U);
+  EXPECT_EQ(contacts[0]["frame"], 35);
+  EXPECT_EQ(contacts[0]["time_s"], 103.46);
+  EXPECT_EQ(contacts[0]["what"], "overlap of a and b (human-driven)");
 }
 
 }  // namespace

@@ -58,10 +58,13 @@ std::optional<VehicleFault> vehicle_fault(VehicleFault::Kind kind, const std::st
   return VehicleFault{.kind = kind, .id = text.substr(0, at), .time = *time};
 }
 
+/// Takes what is no Key. @param where  it stands: the option, and the name with its value
+using OtherKeys = std::function<bool(const std::string& where, const std::string& name,
+                                     const std::string& value)>;
+
 /// Reads KEY=VALUE,...; `other` takes what is none of the keys.
 void read(const std::string& option, const std::string& text, const std::vector<Key>& keys,
-          const std::function<bool(const std::string&, const std::string&)>& other,
-          std::vector<std::string> names) {
+          const OtherKeys& other, std::vector<std::string> names) {
   for (const Key& key : keys) names.emplace_back(key.name);
   std::istringstream words(text);
   for (std::string word; std::getline(words, word, ',');) {
@@ -71,7 +74,7 @@ void read(const std::string& option, const std::string& text, const std::vector<
     const std::string where = option + " " + word;
     const auto key = std::ranges::find(keys, name, &Key::name);
     if (key == keys.end()) {
-      if (other(name, value)) continue;
+      if (other(where, name, value)) continue;
       throw InputError(where, "is not a fault with a value; " + suggestion(name, names));
     }
     const std::optional<double> amount = number_of(value);
@@ -93,12 +96,17 @@ FaultPlan read_faults(const std::string& text) {
   keys.push_back({"stops-for", kLongestRun, {&plan.stop_duration}});
   keys.push_back({"late", 1.0, {&plan.late_share}});
   keys.push_back({"sumo-ends", kLongestRun, {&sumo_ends}});
-  const auto vehicle = [&](const std::string& name, const std::string& value) {
+  const auto vehicle = [&](const std::string& where, const std::string& name,
+                           const std::string& value) {
     const bool stops = name == "stop";
     if (!stops && name != "ignore") return false;
     using enum VehicleFault::Kind;
     const auto fault = vehicle_fault(stops ? kStops : kIgnores, value);
-    if (!fault) return false;
+    if (!fault) {
+      throw InputError(where, fmt::format("give {} a vehicle and a time from 0 on [s], {}=VEHICLE@"
+                                          "SECONDS",
+                                          name, name));
+    }
     plan.vehicles.push_back(*fault);
     return true;
   };
@@ -110,7 +118,9 @@ FaultPlan read_faults(const std::string& text) {
 FaultModel read_assumed(const std::string& text, const FaultPlan& faults) {
   if (text == "faults") return faults.model;
   FaultModel model;
-  const auto none = [](const std::string&, const std::string&) { return false; };
+  const auto none = [](const std::string&, const std::string&, const std::string&) {
+    return false;
+  };
   if (text != "none") read("--assume-noise", text, model_keys(model), none, {});
   return model;
 }
