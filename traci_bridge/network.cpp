@@ -1,7 +1,10 @@
 #include "traci_bridge/network.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <map>
 #include <optional>
 #include <ranges>
@@ -10,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "coordinator/network/polyline.hpp"
 #include "traci_bridge/xml.hpp"
 
 namespace mvtp {
@@ -28,6 +32,12 @@ constexpr std::array kMotorClasses = {"passenger", "private", "taxi",    "bus", 
                                       "delivery",  "truck",   "trailer", "emergency", "authority",
                                       "army",      "vip",     "hov",     "evehicle",  "motorcycle",
                                       "moped",     "custom1", "custom2"};
+
+// Whatever is looked up by its place takes memory by the metre.
+constexpr double kLongestLane = 100'000.0;   // [m]
+constexpr double kWidestLane = 1'000.0;      // [m]: waterways are wide
+constexpr double kLongestBorder = 10'000.0;  // [m] of a junction
+constexpr double kFarthest = 1e8;            // [m] from the origin: any projection of the Earth
 
 /// Twice the signed area of the triangle a, b, c.
 double turn(const Point& a, const Point& b, const Point& c) {
@@ -90,6 +100,23 @@ class NetworkReader {
     end_of_edge_[id] = file_.text(element, "to");
   }
 
+  void check_size(const Element& element, const std::string& name, const char* how, double size,
+                  double most) const {
+    if (size <= most) return;
+    file_.fail(element, fmt::format("{} is {:g} m {}, more than {:g} m; correct the network", name,
+                                    size, how, most));
+  }
+
+  void check_place(const Element& element, const std::string& name,
+                   const std::vector<Point>& shape) const {
+    for (const Point& p : shape) {
+      if (std::abs(p.x) <= kFarthest && std::abs(p.y) <= kFarthest) continue;
+      file_.fail(element, fmt::format("{} lies at ({:g}, {:g}), more than {:g} m from the origin; "
+                                      "correct the network",
+                                      name, p.x, p.y, kFarthest));
+    }
+  }
+
   std::string add_lane(const Element& element, const std::string& edge, bool internal) {
     Lane lane{.id = file_.text(element, "id"),
               .edge = edge,
@@ -106,6 +133,10 @@ class NetworkReader {
     lane.footpath = lane.allowed == std::vector<std::string>{"pedestrian"};
     network_.opposite_lanes |= element.FirstChildElement("neigh") != nullptr;
     if (lane.shape.size() < 2) file_.fail(element, "lane \"" + lane.id + "\" has no shape");
+    const std::string name = "lane \"" + lane.id + "\"";
+    check_size(element, name, "long", std::max(lane.length, length_of(lane.shape)), kLongestLane);
+    check_size(element, name, "wide", lane.width, kWidestLane);
+    check_place(element, name, lane.shape);
     if (lane.index != static_cast<int>(lanes_of_edge_[edge].size())) {
       file_.fail(element, "lane \"" + lane.id + "\" is not the next of its edge");
     }
@@ -171,6 +202,9 @@ class NetworkReader {
     if (junction.shape.size() > 1 && junction.shape.front() == junction.shape.back()) {
       junction.shape.pop_back();
     }
+    const std::string name = "junction \"" + junction.id + "\"";
+    check_size(element, name, "around", length_of(junction.shape), kLongestBorder);
+    check_place(element, name, junction.shape);
     for (const std::string& lane : split(attribute(element, "incLanes"), " ")) {
       if (network_.lanes.contains(lane) && !network_.lanes.at(lane).internal) {
         junction.incoming_lanes.push_back(lane);

@@ -11,7 +11,8 @@ namespace mvtp {
 /// The lanes of the edges that vehicles use, normal and internal ones; footpaths and pedestrian
 /// crossings are left out. The connections of a junction are those between normal lanes, each with
 /// its whole chain of internal lanes (a turn that waits inside the junction has two of them).
-/// Throws InputError, naming file and line, for anything that is not a complete network.
+/// Throws InputError, naming file and line, for anything that is not a complete network, and for
+/// lanes of more than 100 km.
 [[nodiscard]] RoadNetwork read_network(const std::string& path);
 
 }  // namespace mvtp

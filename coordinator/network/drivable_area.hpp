@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <unordered_map>
@@ -31,6 +32,9 @@ class DrivableArea {
 
   /// Does the footprint touch what stands on a parking lot, or ground to keep off?
   [[nodiscard]] bool touches_solid(const Pose& rear_axle, const Vehicle& body) const;
+
+  /// What it takes of memory: cells of the look-up grid, each as often as something is near it.
+  [[nodiscard]] std::size_t entries() const;
 
  private:
   struct Strip {
