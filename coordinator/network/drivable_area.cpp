@@ -41,15 +41,19 @@ bool near_border(const Point& p, const Polygon& polygon, double tolerance) {
 
 }  // namespace
 
-DrivableArea::DrivableArea(const RoadNetwork& network, std::span<const ParkingLot> lots) {
+DrivableArea::DrivableArea(const RoadNetwork& network, std::span<const ParkingLot> lots,
+                           const std::string& vehicle_class) {
+  const auto is_open = [&](const Lane& lane) {
+    return lane.road || (!vehicle_class.empty() && lane.allows(vehicle_class));
+  };
   for (const auto& [id, lane] : network.lanes) {
-    if (lane.road) add_lane(lane);
+    if (is_open(lane)) add_lane(lane);
   }
   for (const auto& [id, lanes] : network.edges) {
     for (std::size_t i = 1; i < lanes.size(); ++i) {
       const Lane& right = network.lanes.at(lanes[i - 1]);
       const Lane& left = network.lanes.at(lanes[i]);
-      if (right.road && left.road) add_seam(right, left);
+      if (is_open(right) && is_open(left)) add_seam(right, left);
     }
   }
   for (const auto& [id, junction] : network.junctions) {

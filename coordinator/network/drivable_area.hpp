@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <string>
 #include <unordered_map>
 #include <utility>
 #include <vector>
@@ -16,7 +17,13 @@ namespace mvtp {
 /// one edge, the junctions' areas, and the ground of parking lots without what stands on it.
 class DrivableArea {
  public:
-  explicit DrivableArea(const RoadNetwork& network, std::span<const ParkingLot> lots = {});
+  /// The ground of motor vehicles: the road.
+  explicit DrivableArea(const RoadNetwork& network, std::span<const ParkingLot> lots = {})
+      : DrivableArea(network, lots, "") {}
+  /// The road, and the lanes that are open to this class without being road, e.g. bicycle lanes.
+  /// @param vehicle_class  SUMO's vClass word; empty: no lanes but the road
+  DrivableArea(const RoadNetwork& network, std::span<const ParkingLot> lots,
+               const std::string& vehicle_class);
 
   /// Bodies do not touch this ground, road or not.
   void keep_off(Polygon ground) { solid_.push_back(std::move(ground)); }

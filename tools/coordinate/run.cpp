@@ -49,7 +49,7 @@ class SumoRun::Impl {
         lots_(read_parking_lots(scenario_.configuration.additional_files, traffic_->network())),
         junctions_(coordinated_junctions(options, traffic_->network(), lots_)),
         area_(traffic_->network(), lots_),
-        audit_(area_, traffic_->step_length()),
+        audit_(area_, traffic_->step_length(), traffic_->network(), lots_),
         log_(*traffic_),
         free_flow_(traffic_->network()),
         safety_(traffic_->network(), traffic_->step_length()),
