@@ -16,8 +16,9 @@ struct Demand {
   std::optional<double> last_departure;  ///< [s]
   bool people = false;
   bool rerouters = false;
+  bool rerouting_devices = false;  ///< vehicles or types ask for one
+  bool rerouting_periods = false;  ///< and say themselves how often it looks for a new route
 };
-[[nodiscard]] Demand scan_demand(const SumoConfiguration& configuration);
 
 /// A SUMO scenario about to be run.
 struct Scenario {
