@@ -61,7 +61,8 @@ bool lines_cross(const std::vector<Point>& p, const std::vector<Point>& q) {
 
 class NetworkReader {
  public:
-  explicit NetworkReader(const std::string& path) : file_(path, "a SUMO network, *.net.xml") {}
+  NetworkReader(const std::string& path, const InterruptionPoint& point)
+      : file_(path, "a SUMO network, *.net.xml"), point_(point) {}
 
   RoadNetwork read() {
     const Element& root = file_.root();
@@ -77,6 +78,7 @@ class NetworkReader {
     add_connections(children(root, "connection"));
     place_crossings(children(root, "junction"));
     for (Junction& junction : std::views::values(network_.junctions)) {
+      point_();
       junction.has_conflicts = has_conflicts(junction);
     }
     return std::move(network_);
@@ -84,6 +86,7 @@ class NetworkReader {
 
  private:
   void add_edge(const Element& element) {
+    point_();
     const std::string function = attribute(element, "function");
     if (function == "crossing") add_crossing(element);
     if (function == "crossing" || function == "walkingarea") return;
@@ -189,6 +192,7 @@ class NetworkReader {
   }
 
   void add_junction(const Element& element) {
+    point_();
     Junction junction{.id = file_.text(element, "id"),
                       .type = file_.text(element, "type"),
                       .position = {file_.number(element, "x"), file_.number(element, "y")},
@@ -225,6 +229,7 @@ class NetworkReader {
       if (network_.lanes.at(from).internal && !via.empty()) next[{from, to}] = via;
     }
     for (const Element* element : elements) {
+      point_();
       count_light(*element);
       add_rule(*element);
       if (!between_known_edges(*element)) continue;
@@ -337,6 +342,7 @@ class NetworkReader {
   }
 
   XmlFile file_;
+  const InterruptionPoint& point_;
   RoadNetwork network_;
   std::map<std::string, std::vector<std::string>> lanes_of_edge_;  ///< internal edges too
   std::map<std::string, PedestrianCrossing> crossings_;            ///< by id
@@ -345,6 +351,8 @@ class NetworkReader {
 
 }  // namespace
 
-RoadNetwork read_network(const std::string& path) { return NetworkReader(path).read(); }
+RoadNetwork read_network(const std::string& path, const InterruptionPoint& point) {
+  return NetworkReader(path, point).read();
+}
 
 }  // namespace mvtp

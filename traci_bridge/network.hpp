@@ -3,6 +3,7 @@
 #include <string>
 
 #include "coordinator/network/road_network.hpp"
+#include "planner/problem/interruption.hpp"
 
 namespace mvtp {
 
@@ -13,6 +14,8 @@ namespace mvtp {
 /// its whole chain of internal lanes (a turn that waits inside the junction has two of them).
 /// Throws InputError, naming file and line, for anything that is not a complete network, and for
 /// lanes of more than 100 km.
-[[nodiscard]] RoadNetwork read_network(const std::string& path);
+/// @param point  called for every edge, junction and connection
+[[nodiscard]] RoadNetwork read_network(const std::string& path,
+                                       const InterruptionPoint& point = never_interrupted);
 
 }  // namespace mvtp

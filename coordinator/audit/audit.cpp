@@ -210,7 +210,9 @@ const DrivableArea& Audit::ground_of(const std::string& vehicle_class) {
     const bool has_own_lanes = std::ranges::any_of(network_->lanes, [&](const auto& entry) {
       return !entry.second.road && entry.second.allows(vehicle_class);
     });
-    if (has_own_lanes) ground->second.emplace(*network_, lots_, vehicle_class);
+    if (has_own_lanes) {
+      ground->second.emplace(*network_, lots_, vehicle_class, never_interrupted);
+    }
   }
   return ground->second ? *ground->second : area_;
 }

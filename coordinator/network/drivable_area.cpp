@@ -42,11 +42,12 @@ bool near_border(const Point& p, const Polygon& polygon, double tolerance) {
 }  // namespace
 
 DrivableArea::DrivableArea(const RoadNetwork& network, std::span<const ParkingLot> lots,
-                           const std::string& vehicle_class) {
+                           const std::string& vehicle_class, const InterruptionPoint& point) {
   const auto is_open = [&](const Lane& lane) {
     return lane.road || (!vehicle_class.empty() && lane.allows(vehicle_class));
   };
   for (const auto& [id, lane] : network.lanes) {
+    point();
     if (is_open(lane)) add_lane(lane);
   }
   for (const auto& [id, lanes] : network.edges) {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "coordinator/network/road_network.hpp"
+#include "planner/problem/interruption.hpp"
 #include "planner/problem/parking_lot.hpp"
 
 namespace mvtp {
@@ -19,11 +20,12 @@ class DrivableArea {
  public:
   /// The ground of motor vehicles: the road.
   explicit DrivableArea(const RoadNetwork& network, std::span<const ParkingLot> lots = {})
-      : DrivableArea(network, lots, "") {}
+      : DrivableArea(network, lots, "", never_interrupted) {}
   /// The road, and the lanes that are open to this class without being road, e.g. bicycle lanes.
   /// @param vehicle_class  SUMO's vClass word; empty: no lanes but the road
+  /// @param point  called for every lane
   DrivableArea(const RoadNetwork& network, std::span<const ParkingLot> lots,
-               const std::string& vehicle_class);
+               const std::string& vehicle_class, const InterruptionPoint& point);
 
   /// Bodies do not touch this ground, road or not.
   void keep_off(Polygon ground) { solid_.push_back(std::move(ground)); }

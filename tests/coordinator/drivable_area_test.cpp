@@ -7,6 +7,7 @@
 #include <random>
 
 #include "coordinator/audit/audit.hpp"
+#include "planner/problem/interruption.hpp"
 #include "tests/coordinator/fake_traffic.hpp"
 
 namespace mvtp {
@@ -98,6 +99,15 @@ TEST(DrivableArea, ALongRoadIsFoundWhereverItIs) {
     const Point p{(along - aside) / std::numbers::sqrt2, (along + aside) / std::numbers::sqrt2};
     EXPECT_EQ(area.contains(p, tolerance), beyond < 0.0) << along << ' ' << aside;
   }
+}
+
+TEST(DrivableArea, IsMadeLaneByLaneAndCanBeGivenUp) {
+  int calls = 0;
+  const auto give_up = [&] {
+    if (++calls == 2) throw Interruption();
+  };
+  EXPECT_THROW(DrivableArea(two_lanes(3.2), {}, "", give_up), Interruption);
+  EXPECT_EQ(calls, 2);
 }
 
 }  // namespace

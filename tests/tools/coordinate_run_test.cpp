@@ -179,7 +179,8 @@ TEST_F(CoordinateRun, ACrashKeepsTheLastCheckpoint) {
 TEST_F(CoordinateRun, NobodySurvivesTheProgram) {
   const std::string script =
       std::string("'") + MVTP_PROGRAM + "' coordinate -c '" + kBusy + "' --quiet & pid=$!\n" +
-      "until [ -f out/fcd.xml.part ]; do [ -d /proc/$pid ] || exit 99; sleep 0.01; done\n"
+      "until [ -n \"$(find out -name fcd.xml.part -size +100k 2>/dev/null)\" ]; do\n"
+      "  [ -d /proc/$pid ] || exit 99; sleep 0.01; done\n"
       "read -r sumo < /proc/$pid/task/$pid/children\nkill -KILL $pid\n"
       "n=0; while [ -d /proc/$sumo ] && [ $n -lt 400 ]; do sleep 0.05; n=$((n + 1)); done\n"
       "[ ! -d /proc/$sumo ]; exit $?";
@@ -187,10 +188,30 @@ TEST_F(CoordinateRun, NobodySurvivesTheProgram) {
   EXPECT_EQ(summary()["status"], "interrupted");
 }
 
+//   SUMO waits for who reads its summary, and so there is no step before that, however fast or slow
+//   the machine is.
+TEST_F(CoordinateRun, OneSignalDuringThePreparationLeavesNothingBehind) {
+  write(vehicle("a", 0, "Wi Eo"), kStep);
+  const std::string script =
+      "mkdir out; echo old >out/summary.json; mkfifo gate\n" + std::string("'") + MVTP_PROGRAM +
+      "' coordinate -c x.sumocfg -- --summary-output gate & pid=$!\n"
+      "until [ -f out/sumo.log.part ]; do [ -d /proc/$pid ] || exit 99; sleep 0.01; done\n"
+      "read -r sumo < /proc/$pid/task/$pid/children\nkill -INT $sumo\n"
+      "cat gate >/dev/null & reader=$!; wait $pid; code=$?; kill $reader 2>/dev/null\n"
+      "[ ! -d /proc/$sumo ] || exit 98; exit $code";
+  const Outcome outcome = shell(script);
+  EXPECT_EQ(outcome.exit_code, 130) << outcome.err;
+  EXPECT_THAT(outcome.err, IsEmpty());
+  EXPECT_THAT(outcome.out, IsEmpty());
+  EXPECT_EQ(content_of(directory_.path("out/summary.json")), "old\n");
+  EXPECT_EQ(shell("ls -A out").out, "summary.json\n");
+}
+
 TEST_F(CoordinateRun, AFolderInUseIsBadInput) {
   const std::string script =
       std::string("'") + MVTP_PROGRAM + "' coordinate -c '" + kBusy + "' --quiet & pid=$!\n" +
-      "until [ -f out/fcd.xml.part ]; do [ -d /proc/$pid ] || exit 99; sleep 0.01; done\n'" +
+      "until [ -n \"$(find out -name fcd.xml.part -size +100k 2>/dev/null)\" ]; do\n"
+      "  [ -d /proc/$pid ] || exit 99; sleep 0.01; done\n'" +
       MVTP_PROGRAM + "' coordinate -c '" + kBusy + "' --quiet; code=$?\n" +
       "[ -f out/fcd.xml.part ] || exit 98; kill -INT $pid; wait $pid; exit $code";
   const Outcome outcome = shell(script);

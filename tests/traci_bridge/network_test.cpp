@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "planner/problem/interruption.hpp"
 #include "tests/traci_bridge/fixtures.hpp"
 #include "traci_bridge/configuration.hpp"
 
@@ -319,6 +320,15 @@ TEST(ReadNetwork, WhatNoRoadMeasuresIsRefused) {
   huge.replace(shape, huge.find('"', shape + 7) - shape, "shape=\"0,0 1e9,0 0,1e9");
   EXPECT_THAT(error_of(huge),
               MatchesRegex(R"(.*: junction "J" is .* m around, more than 10000 m; .*)"));
+}
+
+TEST(ReadNetwork, CanBeGivenUp) {
+  int calls = 0;
+  const auto give_up = [&] {
+    if (++calls == 5) throw Interruption();
+  };
+  EXPECT_THROW((void)read_network(project_file("networks/crossroads.net.xml"), give_up),
+               Interruption);
 }
 
 TEST(ReadNetwork, ACircleOfInternalLanesIsAnErrorNotALoop) {

@@ -15,6 +15,7 @@
 #include "coordinator/report/trip_log.hpp"
 #include "coordinator/simulation/simulation.hpp"
 #include "planner/problem/input_error.hpp"
+#include "planner/problem/interruption.hpp"
 #include "tools/compare/report.hpp"
 #include "tools/coordinate/drivers.hpp"
 #include "tools/coordinate/misbehaviour.hpp"
@@ -44,17 +45,21 @@ class SumoRun::Impl {
       : options_(options),
         folder_(folder),
         host_(std::move(host)),
-        scenario_(plan_run(options, folder)),
+        point_([this] {
+          if (host_.interrupted()) throw Interruption();
+        }),
+        scenario_(plan_run(options, folder, point_)),
         traffic_(open_traffic(options, scenario_)),
-        lots_(read_parking_lots(scenario_.configuration.additional_files, traffic_->network())),
-        junctions_(coordinated_junctions(options, traffic_->network(), lots_)),
-        area_(traffic_->network(), lots_),
+        lots_((point_(),
+               read_parking_lots(scenario_.configuration.additional_files, traffic_->network()))),
+        junctions_((point_(), coordinated_junctions(options, traffic_->network(), lots_))),
+        area_(traffic_->network(), lots_, "", point_),
         audit_(area_, traffic_->step_length(), traffic_->network(), lots_),
         log_(*traffic_),
         free_flow_(traffic_->network()),
         safety_(traffic_->network(), traffic_->step_length()),
         faulty_(make_faulty(options, *traffic_)),
-        drivers_(options, seen_by_drivers(), area_, junctions_, lots_),
+        drivers_(options, seen_by_drivers(), area_, junctions_, lots_, point_),
         misbehaviour_(make_misbehaviour(options, *traffic_, junctions_)),
         simulation_(*traffic_),
         priority_{{options.priority_types.begin(), options.priority_types.end()}} {
@@ -74,10 +79,12 @@ class SumoRun::Impl {
                         .figures = {},
                         .given_up = {}};
     }
+    point_();
     if (!options_.no_view) {
       recorder_ = std::make_unique<RunRecorder>(options_, *traffic_, junctions_, lots_,
                                                 drivers_.coordinator(), report_);
     }
+    point_();
     folder_.remove_old_results();
     for (const std::string& note : scenario_.notes) say("note: " + note);
     for (const std::string& note : notes_on(*traffic_)) say("note: " + note);
@@ -340,6 +347,8 @@ class SumoRun::Impl {
   const CoordinateOptions& options_;
   RunFolder& folder_;
   RunHost host_;
+  InterruptionPoint
+      point_;  ///< of the preparation: there is no run yet whose results could be kept
   Scenario scenario_;
   std::unique_ptr<SumoTraffic> traffic_;
   std::vector<ParkingLot> lots_;
@@ -388,9 +397,13 @@ int run_coordinate(const CoordinateOptions& options, const std::string& command)
   RunFolder folder(options.output_dir, "--output-dir");
   announce_run_folder(options.output_dir);
   const auto say = [](const std::string& line) { fmt::print(stderr, "mvtp: {}\n", line); };
-  return SumoRun(options, command, folder,
-                 {.say = say, .interrupted = [&] { return interrupt.seen().load(); }})
-      .drive();
+  try {
+    return SumoRun(options, command, folder,
+                   {.say = say, .interrupted = [&] { return interrupt.seen().load(); }})
+        .drive();
+  } catch (const Interruption&) {
+    return kInterrupted;
+  }
 }
 
 }  // namespace mvtp

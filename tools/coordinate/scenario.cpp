@@ -183,14 +183,18 @@ std::vector<std::string> files_of(const CoordinateOptions& options, std::string_
   return paths;
 }
 
-Demand scan_demand(const CoordinateOptions& options, const SumoConfiguration& configuration) {
+Demand scan_demand(const CoordinateOptions& options, const SumoConfiguration& configuration,
+                   const InterruptionPoint& point) {
   Demand demand;
   for (const auto& files :
        {files_of(options, "--route-files", "-r", configuration.route_files),
         files_of(options, "--additional-files", "-a", configuration.additional_files)}) {
     for (const std::string& path : files) {
       if (!fs::is_regular_file(path)) continue;  // SUMO says so, or it can be read but once
-      for_each_tag(path, [&](std::string_view tag) { scan_tag(tag, demand); });
+      for_each_tag(path, [&](std::string_view tag) {
+        point();
+        scan_tag(tag, demand);
+      });
     }
   }
   return demand;
@@ -226,13 +230,15 @@ SumoAddress address_of(const CoordinateOptions& options) {
 
 }  // namespace
 
-Scenario plan_run(const CoordinateOptions& options, RunFolder& folder) {
+Scenario plan_run(const CoordinateOptions& options, RunFolder& folder,
+                  const InterruptionPoint& point) {
   Scenario scenario{.configuration = read_configuration(options.configuration)};
-  scenario.demand = scan_demand(options, scenario.configuration);
+  scenario.demand = scan_demand(options, scenario.configuration, point);
   SumoOptions& sumo = scenario.sumo;
   sumo.configuration = options.configuration;
   sumo.log = folder.part("sumo.log");
   sumo.extra = options.sumo;
+  sumo.point = point;
   sumo.gui = options.gui;
   sumo.separate_process = options.separate_process;
   if (!options.remote.empty()) {
