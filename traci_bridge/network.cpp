@@ -1,7 +1,10 @@
 #include "traci_bridge/network.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <map>
 #include <optional>
 #include <ranges>
@@ -10,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "coordinator/network/polyline.hpp"
 #include "traci_bridge/xml.hpp"
 
 namespace mvtp {
@@ -28,6 +32,12 @@ constexpr std::array kMotorClasses = {"passenger", "private", "taxi",    "bus", 
                                       "delivery",  "truck",   "trailer", "emergency", "authority",
                                       "army",      "vip",     "hov",     "evehicle",  "motorcycle",
                                       "moped",     "custom1", "custom2"};
+
+// Whatever is looked up by its place takes memory by the metre.
+constexpr double kLongestLane = 100'000.0;   // [m]
+constexpr double kWidestLane = 1'000.0;      // [m]: waterways are wide
+constexpr double kLongestBorder = 10'000.0;  // [m] of a junction
+constexpr double kFarthest = 1e8;            // [m] from the origin: any projection of the Earth
 
 /// Twice the signed area of the triangle a, b, c.
 double turn(const Point& a, const Point& b, const Point& c) {
@@ -51,7 +61,8 @@ bool lines_cross(const std::vector<Point>& p, const std::vector<Point>& q) {
 
 class NetworkReader {
  public:
-  explicit NetworkReader(const std::string& path) : file_(path, "a SUMO network, *.net.xml") {}
+  NetworkReader(const std::string& path, const InterruptionPoint& point)
+      : file_(path, "a SUMO network, *.net.xml"), point_(point) {}
 
   RoadNetwork read() {
     const Element& root = file_.root();
@@ -67,6 +78,7 @@ class NetworkReader {
     add_connections(children(root, "connection"));
     place_crossings(children(root, "junction"));
     for (Junction& junction : std::views::values(network_.junctions)) {
+      point_();
       junction.has_conflicts = has_conflicts(junction);
     }
     return std::move(network_);
@@ -74,6 +86,7 @@ class NetworkReader {
 
  private:
   void add_edge(const Element& element) {
+    point_();
     const std::string function = attribute(element, "function");
     if (function == "crossing") add_crossing(element);
     if (function == "crossing" || function == "walkingarea") return;
@@ -88,6 +101,23 @@ class NetworkReader {
     if (function == "internal") return;
     network_.edges[id] = lanes;
     end_of_edge_[id] = file_.text(element, "to");
+  }
+
+  void check_size(const Element& element, const std::string& name, const char* how, double size,
+                  double most) const {
+    if (size <= most) return;
+    file_.fail(element, fmt::format("{} is {:g} m {}, more than {:g} m; correct the network", name,
+                                    size, how, most));
+  }
+
+  void check_place(const Element& element, const std::string& name,
+                   const std::vector<Point>& shape) const {
+    for (const Point& p : shape) {
+      if (std::abs(p.x) <= kFarthest && std::abs(p.y) <= kFarthest) continue;
+      file_.fail(element, fmt::format("{} lies at ({:g}, {:g}), more than {:g} m from the origin; "
+                                      "correct the network",
+                                      name, p.x, p.y, kFarthest));
+    }
   }
 
   std::string add_lane(const Element& element, const std::string& edge, bool internal) {
@@ -106,6 +136,10 @@ class NetworkReader {
     lane.footpath = lane.allowed == std::vector<std::string>{"pedestrian"};
     network_.opposite_lanes |= element.FirstChildElement("neigh") != nullptr;
     if (lane.shape.size() < 2) file_.fail(element, "lane \"" + lane.id + "\" has no shape");
+    const std::string name = "lane \"" + lane.id + "\"";
+    check_size(element, name, "long", std::max(lane.length, length_of(lane.shape)), kLongestLane);
+    check_size(element, name, "wide", lane.width, kWidestLane);
+    check_place(element, name, lane.shape);
     if (lane.index != static_cast<int>(lanes_of_edge_[edge].size())) {
       file_.fail(element, "lane \"" + lane.id + "\" is not the next of its edge");
     }
@@ -158,6 +192,7 @@ class NetworkReader {
   }
 
   void add_junction(const Element& element) {
+    point_();
     Junction junction{.id = file_.text(element, "id"),
                       .type = file_.text(element, "type"),
                       .position = {file_.number(element, "x"), file_.number(element, "y")},
@@ -171,6 +206,9 @@ class NetworkReader {
     if (junction.shape.size() > 1 && junction.shape.front() == junction.shape.back()) {
       junction.shape.pop_back();
     }
+    const std::string name = "junction \"" + junction.id + "\"";
+    check_size(element, name, "around", length_of(junction.shape), kLongestBorder);
+    check_place(element, name, junction.shape);
     for (const std::string& lane : split(attribute(element, "incLanes"), " ")) {
       if (network_.lanes.contains(lane) && !network_.lanes.at(lane).internal) {
         junction.incoming_lanes.push_back(lane);
@@ -191,6 +229,7 @@ class NetworkReader {
       if (network_.lanes.at(from).internal && !via.empty()) next[{from, to}] = via;
     }
     for (const Element* element : elements) {
+      point_();
       count_light(*element);
       add_rule(*element);
       if (!between_known_edges(*element)) continue;
@@ -303,6 +342,7 @@ class NetworkReader {
   }
 
   XmlFile file_;
+  const InterruptionPoint& point_;
   RoadNetwork network_;
   std::map<std::string, std::vector<std::string>> lanes_of_edge_;  ///< internal edges too
   std::map<std::string, PedestrianCrossing> crossings_;            ///< by id
@@ -311,6 +351,8 @@ class NetworkReader {
 
 }  // namespace
 
-RoadNetwork read_network(const std::string& path) { return NetworkReader(path).read(); }
+RoadNetwork read_network(const std::string& path, const InterruptionPoint& point) {
+  return NetworkReader(path, point).read();
+}
 
 }  // namespace mvtp

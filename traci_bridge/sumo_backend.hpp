@@ -19,6 +19,7 @@ struct SumoLaunch {
   std::vector<OutputFile> outputs;
   std::string log;                    ///< as in SumoOptions
   std::optional<SumoAddress> remote;  ///< likewise; with libtraci only
+  InterruptionPoint point;            ///< likewise
 };
 
 /// The two back ends: sumo_backend.cpp, compiled against libsumo and against libtraci.

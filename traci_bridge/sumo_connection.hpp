@@ -23,7 +23,7 @@ class SumoConnection {
       join(*launch.remote);
       return;
     }
-    process_.emplace(launch.arguments, log.descriptor());
+    process_.emplace(launch.arguments, log.descriptor(), launch.point);
     connect(process_->port(), "127.0.0.1", 0);
   }
 

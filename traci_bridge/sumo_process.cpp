@@ -108,11 +108,13 @@ pid_t spawn(std::vector<std::string>& arguments, int log) {
 
 }  // namespace
 
-SumoProcess::SumoProcess(std::vector<std::string> arguments, int log) : port_(free_port()) {
+SumoProcess::SumoProcess(std::vector<std::string> arguments, int log,
+                         const InterruptionPoint& point)
+    : port_(free_port()) {
   arguments.insert(arguments.end(), {"--remote-port", std::to_string(port_)});
   pid_ = spawn(arguments, log);
   try {
-    wait_until_listening();
+    wait_until_listening(point);
   } catch (...) {
     stop();
     throw;
@@ -132,8 +134,12 @@ bool SumoProcess::wait() {
   return wait_for([this] { return ended(); }, kEndLimit) && exit_status_ == 0;
 }
 
-void SumoProcess::wait_until_listening() {
-  const bool in_time = wait_for([this] { return ended() || is_listening(port_); }, kStartLimit);
+void SumoProcess::wait_until_listening(const InterruptionPoint& point) {
+  const auto done = [&] {
+    point();
+    return ended() || is_listening(port_);
+  };
+  const bool in_time = wait_for(done, kStartLimit);
   if (ended()) throw std::runtime_error("it ended at once");
   if (!in_time) throw std::runtime_error("it did not open its port within 60 s");
 }

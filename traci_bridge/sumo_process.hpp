@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "planner/problem/interruption.hpp"
+
 namespace mvtp {
 
 /// SUMO as a program of its own, listening on a port of this machine; killed at the latest with
@@ -13,7 +15,9 @@ class SumoProcess {
  public:
   /// Starts `arguments` (the program first), its output going to the file descriptor `log`, and
   /// waits until it listens. Throws std::runtime_error if it ends before, or does not start.
-  SumoProcess(std::vector<std::string> arguments, int log);
+  /// @param point  called while it waits
+  SumoProcess(std::vector<std::string> arguments, int log,
+              const InterruptionPoint& point = never_interrupted);
   SumoProcess(const SumoProcess&) = delete;
   SumoProcess& operator=(const SumoProcess&) = delete;
   ~SumoProcess();
@@ -23,7 +27,7 @@ class SumoProcess {
   bool wait();
 
  private:
-  void wait_until_listening();
+  void wait_until_listening(const InterruptionPoint& point);
   void stop();
   /// Has it ended? Then exit_status_ is set.
   bool ended();

@@ -135,10 +135,11 @@ std::unique_ptr<SumoTraffic> open_sumo(const SumoOptions& options) {
   const SumoConfiguration configuration = read_configuration(options.configuration);
   SumoLaunch launch{.configuration = options.configuration,
                     .arguments = arguments_of(options),
-                    .network = read_network(configuration.net_file),
+                    .network = read_network(configuration.net_file, options.point),
                     .outputs = {},
                     .log = options.log,
-                    .remote = options.remote};
+                    .remote = options.remote,
+                    .point = options.point};
   if (options.remote) {
     check_remote(options);
     return launch_libtraci(std::move(launch));

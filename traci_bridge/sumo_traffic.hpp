@@ -8,6 +8,7 @@
 
 #include "coordinator/drivers/human_fault_port.hpp"
 #include "coordinator/traffic.hpp"
+#include "planner/problem/interruption.hpp"
 
 namespace mvtp {
 
@@ -32,6 +33,7 @@ struct SumoOptions {
   std::string tripinfo_output;     ///< path of one record per vehicle; empty: none
   std::string log;                 ///< path of what SUMO says on the way; empty: nowhere
   std::vector<std::string> extra;  ///< more options for SUMO, as on its command line
+  InterruptionPoint point = never_interrupted;  ///< called while SUMO is being opened
 };
 
 /// What SUMO has warned of.

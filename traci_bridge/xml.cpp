@@ -2,15 +2,14 @@
 
 #include <fmt/format.h>
 #include <unistd.h>
-#include <zlib.h>
 
-#include <array>
 #include <charconv>
 #include <cmath>
 #include <filesystem>
 #include <utility>
 
 #include "planner/problem/input_error.hpp"
+#include "traci_bridge/packed_file.hpp"
 
 namespace mvtp {
 namespace {
@@ -20,19 +19,6 @@ constexpr std::size_t kLongestQuote = 60;
 std::string quoted(const std::string& text) {
   const bool is_long = text.size() > kLongestQuote;
   return fmt::format("\"{}{}\"", text.substr(0, kLongestQuote), is_long ? "..." : "");
-}
-
-std::string unpacked(const std::string& path) {
-  const gzFile file = gzopen(path.c_str(), "rb");
-  std::string text;
-  std::array<char, 1 << 16> block;
-  int count = 0;
-  while (file != nullptr && (count = gzread(file, block.data(), block.size())) > 0) {
-    text.append(block.data(), std::size_t(count));
-  }
-  const bool good = file != nullptr && gzclose(file) == Z_OK && count == 0;
-  if (!good) throw InputError(path, "cannot be unpacked; make it anew with gzip");
-  return text;
 }
 
 }  // namespace

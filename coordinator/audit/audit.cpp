@@ -40,6 +40,10 @@ double reach(const Vehicle& body) {
 
 }  // namespace
 
+Audit::Audit(const DrivableArea& area, double step_length, const RoadNetwork& network,
+             std::span<const ParkingLot> lots)
+    : area_(area), dt_(step_length), network_(&network), lots_(lots) {}
+
 void Audit::observe(double time, std::span<const Observation> observations,
                     std::span<const Pedestrian> people) {
   const std::vector<Passage> moved = passages(observations);
@@ -199,13 +203,29 @@ void Audit::report(AuditEventKind kind, double time, const Observation& s,
   events_.push_back({kind, time, v.id + ' ' + what, {v.pose.x, v.pose.y}, {v.id}});
 }
 
+/// Where vehicles of this class may be.
+const DrivableArea& Audit::ground_of(const std::string& vehicle_class) {
+  if (network_ == nullptr) return area_;
+  const auto [ground, is_new] = grounds_.try_emplace(vehicle_class);
+  if (is_new) {
+    const bool has_own_lanes = std::ranges::any_of(network_->lanes, [&](const auto& entry) {
+      return !entry.second.road && entry.second.allows(vehicle_class);
+    });
+    if (has_own_lanes) {
+      ground->second.emplace(*network_, lots_, vehicle_class, never_interrupted);
+    }
+  }
+  return ground->second ? *ground->second : area_;
+}
+
 void Audit::follow(double time, const Observation& s) {
   Track now{.pose = s.state->pose,
             .speed = s.state->speed,
             .along = {},
             .recent = {},
             .coordinated = s.coordinated,
-            .off_road = area_.share_outside(s.state->pose, s.type->body, kRoadTolerance) > 0.0,
+            .off_road = ground_of(s.type->vehicle_class)
+                            .share_outside(s.state->pose, s.type->body, kRoadTolerance) > 0.0,
             .handed_back = -1e9};
   const auto found = tracks_.find(s.state->id);
   if (now.off_road) {

@@ -90,7 +90,12 @@ class Audit {
   /// Sideways at the rear axle, or along beyond what its speed explains [m].
   static constexpr double kLeap = 1.0;
 
+  /// All vehicles belong on `area`, the ground of motor vehicles. @param area  outlives the audit
   Audit(const DrivableArea& area, double step_length) : area_(area), dt_(step_length) {}
+  /// Vehicles of a class with lanes of its own, e.g. bicycles, may be on these as well.
+  /// @param area, network, lots  outlive the audit
+  Audit(const DrivableArea& area, double step_length, const RoadNetwork& network,
+        std::span<const ParkingLot> lots);
 
   /// @param sightings ordered by id.
   void observe(double time, std::span<const Observation> observations,
@@ -142,12 +147,17 @@ class Audit {
                       double depth);
   void report(AuditEventKind kind, double time, const Observation& s, const std::string& what);
   void follow(double time, const Observation& observation);
+  [[nodiscard]] const DrivableArea& ground_of(const std::string& vehicle_class);
   void judge_motion(double time, const Observation& s, const Track& before, Track& now);
   void judge_acceleration(double time, const Observation& s, double before, double now);
   [[nodiscard]] double jump(const Track& before, const Track& now, const Vehicle& body) const;
 
   const DrivableArea& area_;
   double dt_;
+  const RoadNetwork* network_ = nullptr;  ///< none: no class has lanes of its own
+  std::span<const ParkingLot> lots_;
+  /// Of each class that was seen; none: `area_`.
+  std::map<std::string, std::optional<DrivableArea>> grounds_;
   AuditFigures figures_;
   std::optional<double> latest_clearance_;
   std::vector<AuditEvent> events_;

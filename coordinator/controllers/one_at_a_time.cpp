@@ -7,7 +7,7 @@ ControllerKind one_at_a_time_controller() {
   return {.name = "one-at-a-time",
           .meaning = "on parking lots: one vehicle drives, the others wait",
           .drives = true,
-          .on_lots = true};
+          .on_lots = LotController::kOneAtATime};
 }
 
 }  // namespace mvtp

@@ -12,7 +12,7 @@ ControllerKind pbcr_controller() {
             return std::make_unique<Coordinator>(setup.traffic, setup.area, options);
           },
           .drives = true,
-          .on_lots = true};
+          .on_lots = LotController::kPbcr};
 }
 
 }  // namespace mvtp

@@ -12,7 +12,7 @@ ControllerKind prioritized_controller() {
             return std::make_unique<Coordinator>(setup.traffic, setup.area, options);
           },
           .drives = true,
-          .on_lots = true};
+          .on_lots = LotController::kPrioritized};
 }
 
 }  // namespace mvtp

@@ -1,6 +1,7 @@
 #include "coordinator/controllers/registry.hpp"
 
 #include <algorithm>
+#include <stdexcept>
 #include <vector>
 
 // One line per controller: the function of its name says what it is, in a file of its own.
@@ -38,6 +39,13 @@ const ControllerKind* find_controller(const std::string& name) {
   const std::span<const ControllerKind> kinds = controller_kinds();
   const auto found = std::ranges::find(kinds, name, &ControllerKind::name);
   return found == kinds.end() ? nullptr : &*found;
+}
+
+const ControllerKind& controller_of_lots(LotController controller) {
+  const std::span<const ControllerKind> kinds = controller_kinds();
+  const auto found = std::ranges::find(kinds, controller, &ControllerKind::on_lots);
+  if (found == kinds.end()) throw std::logic_error("a controller of parking lots has no name");
+  return *found;
 }
 
 }  // namespace mvtp

@@ -12,4 +12,7 @@ namespace mvtp {
 /// nullptr if there is none with this name.
 [[nodiscard]] const ControllerKind* find_controller(const std::string& name);
 
+/// The one that drives on parking lots in this way.
+[[nodiscard]] const ControllerKind& controller_of_lots(LotController controller);
+
 }  // namespace mvtp

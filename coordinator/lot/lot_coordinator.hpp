@@ -9,19 +9,12 @@
 #include <vector>
 
 #include "coordinator/controller.hpp"
+#include "coordinator/lot/lot_controller.hpp"
 #include "coordinator/lot/lot_lookout.hpp"
 #include "planner/lot.hpp"
 #include "planner/problem/parking_lot.hpp"
 
 namespace mvtp {
-
-/// Who drives when, on a lot.
-enum class LotController {
-  kEscot,        ///< everyone at once; groups are planned anew where that pays
-  kPrioritized,  ///< everyone at once; each plans once, against all earlier ones
-  kPbcr,         ///< everyone at once, every step by priorities; nobody plans ahead
-  kOneAtATime,   ///< one vehicle drives, the others wait
-};
 
 /// How vehicles stand in their slots.
 enum class ParkingDirection { kForward, kReverse, kAny };

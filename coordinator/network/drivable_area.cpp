@@ -41,15 +41,20 @@ bool near_border(const Point& p, const Polygon& polygon, double tolerance) {
 
 }  // namespace
 
-DrivableArea::DrivableArea(const RoadNetwork& network, std::span<const ParkingLot> lots) {
+DrivableArea::DrivableArea(const RoadNetwork& network, std::span<const ParkingLot> lots,
+                           const std::string& vehicle_class, const InterruptionPoint& point) {
+  const auto is_open = [&](const Lane& lane) {
+    return lane.road || (!vehicle_class.empty() && lane.allows(vehicle_class));
+  };
   for (const auto& [id, lane] : network.lanes) {
-    if (lane.road) add_lane(lane);
+    point();
+    if (is_open(lane)) add_lane(lane);
   }
   for (const auto& [id, lanes] : network.edges) {
     for (std::size_t i = 1; i < lanes.size(); ++i) {
       const Lane& right = network.lanes.at(lanes[i - 1]);
       const Lane& left = network.lanes.at(lanes[i]);
-      if (right.road && left.road) add_seam(right, left);
+      if (is_open(right) && is_open(left)) add_seam(right, left);
     }
   }
   for (const auto& [id, junction] : network.junctions) {
@@ -61,11 +66,23 @@ DrivableArea::DrivableArea(const RoadNetwork& network, std::span<const ParkingLo
   }
 }
 
+/// Cell by cell along it: the box around a long strip is mostly empty, and grows with its square.
 void DrivableArea::add_strip(const Strip& strip) {
   const auto& [a, b, r] = strip;
   strips_.push_back(strip);
-  register_box({std::min(a.x, b.x) - r, std::min(a.y, b.y) - r},
-               {std::max(a.x, b.x) + r, std::max(a.y, b.y) + r}, std::int32_t(strips_.size()) - 1);
+  const auto pieces = std::max<std::int64_t>(1, std::int64_t(std::ceil(distance(a, b) / kCell)));
+  const auto point = [&](std::int64_t i) {
+    if (i == pieces) return b;
+    const double share = double(i) / double(pieces);
+    return Point{a.x + share * (b.x - a.x), a.y + share * (b.y - a.y)};
+  };
+  for (std::int64_t i = 0; i < pieces; ++i) {
+    const Point p = point(i);
+    const Point q = point(i + 1);
+    register_box({std::min(p.x, q.x) - r, std::min(p.y, q.y) - r},
+                 {std::max(p.x, q.x) + r, std::max(p.y, q.y) + r},
+                 std::int32_t(strips_.size()) - 1);
+  }
 }
 
 void DrivableArea::add_lane(const Lane& lane) {
@@ -107,11 +124,19 @@ std::int64_t DrivableArea::cell_key(std::int64_t column, std::int64_t row) {
   return column * (std::int64_t{1} << 31) + row;
 }
 
+std::size_t DrivableArea::entries() const {
+  std::size_t count = 0;
+  for (const auto& [key, items] : cells_) count += items.size();
+  return count;
+}
+
+/// Boxes of one item come one after the other.
 void DrivableArea::register_box(Point low, Point high, std::int32_t item) {
   const auto index = [](double x) { return std::int64_t(std::floor(x / kCell)); };
   for (auto c = index(low.x - kMaxTolerance); c <= index(high.x + kMaxTolerance); ++c) {
     for (auto r = index(low.y - kMaxTolerance); r <= index(high.y + kMaxTolerance); ++r) {
-      cells_[cell_key(c, r)].push_back(item);
+      std::vector<std::int32_t>& items = cells_[cell_key(c, r)];
+      if (items.empty() || items.back() != item) items.push_back(item);
     }
   }
 }

@@ -1,12 +1,15 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
+#include <string>
 #include <unordered_map>
 #include <utility>
 #include <vector>
 
 #include "coordinator/network/road_network.hpp"
+#include "planner/problem/interruption.hpp"
 #include "planner/problem/parking_lot.hpp"
 
 namespace mvtp {
@@ -15,7 +18,14 @@ namespace mvtp {
 /// one edge, the junctions' areas, and the ground of parking lots without what stands on it.
 class DrivableArea {
  public:
-  explicit DrivableArea(const RoadNetwork& network, std::span<const ParkingLot> lots = {});
+  /// The ground of motor vehicles: the road.
+  explicit DrivableArea(const RoadNetwork& network, std::span<const ParkingLot> lots = {})
+      : DrivableArea(network, lots, "", never_interrupted) {}
+  /// The road, and the lanes that are open to this class without being road, e.g. bicycle lanes.
+  /// @param vehicle_class  SUMO's vClass word; empty: no lanes but the road
+  /// @param point  called for every lane
+  DrivableArea(const RoadNetwork& network, std::span<const ParkingLot> lots,
+               const std::string& vehicle_class, const InterruptionPoint& point);
 
   /// Bodies do not touch this ground, road or not.
   void keep_off(Polygon ground) { solid_.push_back(std::move(ground)); }
@@ -31,6 +41,9 @@ class DrivableArea {
 
   /// Does the footprint touch what stands on a parking lot, or ground to keep off?
   [[nodiscard]] bool touches_solid(const Pose& rear_axle, const Vehicle& body) const;
+
+  /// What it takes of memory: cells of the look-up grid, each as often as something is near it.
+  [[nodiscard]] std::size_t entries() const;
 
  private:
   struct Strip {

@@ -4,6 +4,7 @@
 
 #include <numbers>
 #include <random>
+#include <tuple>
 
 #include "coordinator/measures/statistics.hpp"
 #include "coordinator/report/free_flow.hpp"
@@ -125,6 +126,40 @@ TEST_F(AuditTest, SeesABodyThatLeavesTheRoad) {
   see(0.2, {.id = "a", .pose = {-100, -2.4, 0}}, true,
       far);  // its side is at -3.3, the road's -3.2
   EXPECT_EQ(audit.figures().off_road_steps, 1);
+}
+
+//   a sidewalk, y from 3.4 to 5.4 m
+//   a bicycle lane, y from 1.7 to 3.3 m
+//   a lane of cars, y from -1.6 to 1.6 m
+TEST(AuditOnLanesOfOneClass, JudgesVehiclesByTheLanesThatAreOpenToThem) {
+  RoadNetwork network;
+  for (const auto& [id, y, width, allowed] : {std::tuple{"e_0", 4.4, 2.0, "pedestrian"},
+                                              {"e_1", 2.5, 1.6, "bicycle"},
+                                              {"e_2", 0.0, 3.2, ""}}) {
+    Lane lane{.id = id, .edge = "e", .index = int(network.lanes.size()), .width = width};
+    lane.shape = {{0.0, y}, {100.0, y}};
+    lane.road = lane.drivable = *allowed == '\0';
+    if (!lane.road) lane.allowed = {allowed};
+    network.edges["e"].push_back(id);
+    network.lanes.emplace(id, lane);
+  }
+  const VehicleType car{.id = "car", .body = {.front = 3.6, .rear = 0.9, .width = 1.2}};
+  const VehicleType bike{
+      .id = "bike", .body = {.front = 1.4, .rear = 0.2, .width = 0.65}, .vehicle_class = "bicycle"};
+  const DrivableArea road(network);
+  const auto off_road = [&](const VehicleType& type, double y) {
+    Audit audit(road, 0.1, network, {});
+    const VehicleState v{.id = "v", .type = type.id, .pose = {20.0, y, 0.0}};
+    const std::vector<Observation> observations = {{&v, &type, false}};
+    audit.observe(0.1, observations);
+    return audit.figures().off_road_steps;
+  };
+  EXPECT_EQ(off_road(bike, 0.0), 0);
+  EXPECT_EQ(off_road(bike, 2.5), 0);
+  EXPECT_EQ(off_road(bike, 1.7), 0) << "between the two";
+  EXPECT_EQ(off_road(bike, 4.4), 1) << "on the sidewalk";
+  EXPECT_EQ(off_road(car, 0.0), 0);
+  EXPECT_EQ(off_road(car, 2.5), 1);
 }
 
 TEST_F(AuditTest, SeesAJumpAtTheTakeover) {

@@ -1,12 +1,10 @@
 // What a run makes of scenarios that are unusual, and of ends that come early.
-#include <tinyxml2.h>
-
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
-#include "tests/tools/program_fixture.hpp"
+#include "tests/tools/coordinate_run_fixture.hpp"
 
 namespace mvtp {
 namespace {
@@ -18,46 +16,6 @@ using testing::ContainsRegex;
 using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::Not;
-
-const std::string kNet = std::string(MVTP_NETWORKS) + "/crossroads.net.xml";
-const std::string kBusy = std::string(MVTP_SCENARIOS) + "/crossroads/crossroads-400.sumocfg";
-
-std::string vehicle(const std::string& id, double depart, const std::string& edges,
-                    const std::string& more = "") {
-  return "<vehicle id=\"" + id + "\" type=\"car\" depart=\"" + std::to_string(depart) +
-         "\"><route edges=\"" + edges + "\"/>" + more + "</vehicle>";
-}
-
-class CoordinateRun : public Program {
- protected:
-  /// Writes a scenario on the crossroads; `more` goes into its configuration.
-  void write(const std::string& demand, const std::string& more = "",
-             const std::string& net = kNet) const {
-    (void)directory_.file("x.rou.xml",
-                          "<routes><vType id=\"car\" length=\"4.5\"/>" + demand + "</routes>");
-    (void)directory_.file("x.sumocfg", "<configuration><net-file value=\"" + net +
-                                           "\"/><route-files value=\"x.rou.xml\"/>" + more +
-                                           "</configuration>");
-  }
-
-  [[nodiscard]] Outcome coordinate(const std::string& more = "") const {
-    return run("coordinate -c x.sumocfg --no-view " + more);
-  }
-
-  [[nodiscard]] json summary() const {
-    const json result = json::parse(content_of(directory_.path("out/summary.json")), nullptr,
-                                    /*allow_exceptions=*/false);
-    EXPECT_TRUE(result.is_object());
-    return result;
-  }
-
-  [[nodiscard]] bool is_xml(const std::string& file) const {
-    tinyxml2::XMLDocument document;
-    return document.LoadFile(directory_.path(file).c_str()) == tinyxml2::XML_SUCCESS;
-  }
-};
-
-const std::string kStep = "<step-length value=\"0.1\"/>";
 
 TEST_F(CoordinateRun, ALongStepIsReplacedAndSaid) {
   write(vehicle("a", 0, "Wi Eo"));  // SUMO's own default: 1 s
@@ -178,7 +136,8 @@ TEST_F(CoordinateRun, ACrashKeepsTheLastCheckpoint) {
 TEST_F(CoordinateRun, NobodySurvivesTheProgram) {
   const std::string script =
       std::string("'") + MVTP_PROGRAM + "' coordinate -c '" + kBusy + "' --quiet & pid=$!\n" +
-      "until [ -f out/fcd.xml.part ]; do [ -d /proc/$pid ] || exit 99; sleep 0.01; done\n"
+      "until [ -n \"$(find out -name fcd.xml.part -size +100k 2>/dev/null)\" ]; do\n"
+      "  [ -d /proc/$pid ] || exit 99; sleep 0.01; done\n"
       "read -r sumo < /proc/$pid/task/$pid/children\nkill -KILL $pid\n"
       "n=0; while [ -d /proc/$sumo ] && [ $n -lt 400 ]; do sleep 0.05; n=$((n + 1)); done\n"
       "[ ! -d /proc/$sumo ]; exit $?";
@@ -186,10 +145,30 @@ TEST_F(CoordinateRun, NobodySurvivesTheProgram) {
   EXPECT_EQ(summary()["status"], "interrupted");
 }
 
+//   SUMO waits for who reads its summary, and so there is no step before that, however fast or slow
+//   the machine is.
+TEST_F(CoordinateRun, OneSignalDuringThePreparationLeavesNothingBehind) {
+  write(vehicle("a", 0, "Wi Eo"), kStep);
+  const std::string script =
+      "mkdir out; echo old >out/summary.json; mkfifo gate\n" + std::string("'") + MVTP_PROGRAM +
+      "' coordinate -c x.sumocfg -- --summary-output gate & pid=$!\n"
+      "until [ -f out/sumo.log.part ]; do [ -d /proc/$pid ] || exit 99; sleep 0.01; done\n"
+      "read -r sumo < /proc/$pid/task/$pid/children\nkill -INT $sumo\n"
+      "cat gate >/dev/null & reader=$!; wait $pid; code=$?; kill $reader 2>/dev/null\n"
+      "[ ! -d /proc/$sumo ] || exit 98; exit $code";
+  const Outcome outcome = shell(script);
+  EXPECT_EQ(outcome.exit_code, 130) << outcome.err;
+  EXPECT_THAT(outcome.err, IsEmpty());
+  EXPECT_THAT(outcome.out, IsEmpty());
+  EXPECT_EQ(content_of(directory_.path("out/summary.json")), "old\n");
+  EXPECT_EQ(shell("ls -A out").out, "summary.json\n");
+}
+
 TEST_F(CoordinateRun, AFolderInUseIsBadInput) {
   const std::string script =
       std::string("'") + MVTP_PROGRAM + "' coordinate -c '" + kBusy + "' --quiet & pid=$!\n" +
-      "until [ -f out/fcd.xml.part ]; do [ -d /proc/$pid ] || exit 99; sleep 0.01; done\n'" +
+      "until [ -n \"$(find out -name fcd.xml.part -size +100k 2>/dev/null)\" ]; do\n"
+      "  [ -d /proc/$pid ] || exit 99; sleep 0.01; done\n'" +
       MVTP_PROGRAM + "' coordinate -c '" + kBusy + "' --quiet; code=$?\n" +
       "[ -f out/fcd.xml.part ] || exit 98; kill -INT $pid; wait $pid; exit $code";
   const Outcome outcome = shell(script);
@@ -283,19 +262,6 @@ TEST_F(CoordinateRun, ScenariosForOtherClientsAreRefused) {
     const std::string name(option, std::string(option).find(' '));
     expect_refused("coordinate -c x.sumocfg", "x.sumocfg: " + name + " [^\n]*; leave it out");
   }
-}
-
-TEST_F(CoordinateRun, WhatIsNotCoordinatedIsSaidBefore) {
-  write(
-      "<vType id=\"bike\" vClass=\"bicycle\"/><person id=\"p\" depart=\"900\"><walk "
-      "edges=\"Wi\"/></person>" +
-          vehicle("a", 0, "Wi Eo"),
-      kStep + "<time-to-teleport value=\"300\"/>");
-  const Outcome outcome = coordinate("--end 100");
-  EXPECT_THAT(outcome.err, HasSubstr("mvtp: note: time-to-teleport 300: nobody is teleported"));
-  EXPECT_THAT(outcome.err, HasSubstr("mvtp: note: people on foot:"));
-  EXPECT_THAT(outcome.err, HasSubstr("mvtp: note: vehicles of type bike (bicycle) are left to "
-                                     "SUMO\n"));
 }
 
 TEST_F(CoordinateRun, ListsOfJunctionsMayBeFollowedByOptions) {

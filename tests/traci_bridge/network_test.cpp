@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "planner/problem/interruption.hpp"
 #include "tests/traci_bridge/fixtures.hpp"
 #include "traci_bridge/configuration.hpp"
 
@@ -294,6 +295,40 @@ TEST(ReadNetwork, ErrorsNameTheLineAndTheValue) {
   EXPECT_THAT(error_of(crossing(
                   kOpenLane, R"(<connection from="sJ" to="Jn" fromLane="0" toLane="0" via="?"/>)")),
               MatchesRegex(R"(.*:11: the internal lanes from "sJ_0" to "Jn_0" do not end: "\?")"));
+}
+
+TEST(ReadNetwork, WhatNoRoadMeasuresIsRefused) {
+  const auto lane = [](const std::string& width, const std::string& length,
+                       const std::string& shape) {
+    return "<lane id=\"sJ_0\" index=\"0\" speed=\"1\" width=\"" + width + "\" length=\"" + length +
+           "\" shape=\"" + shape + "\"/>";
+  };
+  const std::string line = "0,-100 0,-5";
+  for (const auto& [text, message] :
+       {std::pair{lane("3", "1e9", line), R"(long, more than 100000 m; correct the network)"},
+        {lane("3", "95", "0,-1e9 0,-5"), R"(long, more than 100000 m; correct the network)"},
+        {lane("1e9", "95", line), R"(wide, more than 1000 m; correct the network)"}}) {
+    EXPECT_THAT(
+        error_of(crossing(text, "")),
+        MatchesRegex(std::string(R"(.*/test\.net\.xml:6: lane "sJ_0" is 1e\+09 m )") + message));
+  }
+  EXPECT_THAT(error_of(crossing(lane("3", "95", "1e300,0 1e300,1"), "")),
+              MatchesRegex(R"(.*:6: lane "sJ_0" lies at \(1e\+300, 0\), more than 1e\+08 m .*)"));
+  EXPECT_EQ(error_of(crossing(lane("3", "99000", "0,-99000 0,-5"), "")), "");
+  std::string huge = crossing(kOpenLane, "");
+  const std::size_t shape = huge.find("shape=", huge.find("<junction id=\"J\""));
+  huge.replace(shape, huge.find('"', shape + 7) - shape, "shape=\"0,0 1e9,0 0,1e9");
+  EXPECT_THAT(error_of(huge),
+              MatchesRegex(R"(.*: junction "J" is .* m around, more than 10000 m; .*)"));
+}
+
+TEST(ReadNetwork, CanBeGivenUp) {
+  int calls = 0;
+  const auto give_up = [&] {
+    if (++calls == 5) throw Interruption();
+  };
+  EXPECT_THROW((void)read_network(project_file("networks/crossroads.net.xml"), give_up),
+               Interruption);
 }
 
 TEST(ReadNetwork, ACircleOfInternalLanesIsAnErrorNotALoop) {

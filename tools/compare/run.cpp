@@ -11,6 +11,7 @@
 #include <fstream>
 #include <set>
 
+#include "coordinator/controllers/registry.hpp"
 #include "coordinator/simulation/simulation.hpp"
 #include "planner/problem/input_error.hpp"
 #include "planner/problem/text_file.hpp"
@@ -69,17 +70,22 @@ std::vector<Control> controls_of(const CompareOptions& options) {
     return named_controls(options.run.configuration, options.controllers);
   const std::string& scenario = options.run.configuration;
   if (has_parking_lot(options)) {
-    return {{"one-at-a-time", scenario, "one-at-a-time", true},
-            {"prioritized", scenario, "prioritized", true},
-            {kCoordinated, scenario, "escot", true}};
+    const auto by = [&](LotController simpler) -> Control {
+      const ControllerKind& kind = controller_of_lots(simpler);
+      return {kind.name, scenario, kind.name, kind.drives};
+    };
+    return {by(LotController::kOneAtATime),
+            by(LotController::kPrioritized),
+            {kCoordinated, scenario, kUsualController, true}};
   }
   const std::string own = own_control(options);
   std::vector<Control> controls;
   for (const char* kind : {"static", "actuated"}) {
-    if (const auto twin = twin_of(scenario, kind)) controls.push_back({kind, *twin, "sumo"});
+    if (const auto twin = twin_of(scenario, kind))
+      controls.push_back({kind, *twin, kSumosController});
   }
-  controls.push_back({own, options.run.configuration, "sumo"});
-  controls.push_back({kCoordinated, options.run.configuration, "escot", true});
+  controls.push_back({own, options.run.configuration, kSumosController});
+  controls.push_back({kCoordinated, options.run.configuration, kUsualController, true});
   return controls;
 }
 

@@ -178,7 +178,8 @@ std::set<std::string> coordinated_junctions(const CoordinateOptions& options,
 }
 
 Drivers::Drivers(const CoordinateOptions& options, Traffic& traffic, const DrivableArea& area,
-                 const std::set<std::string>& junctions, std::span<const ParkingLot> lots) {
+                 const std::set<std::string>& junctions, std::span<const ParkingLot> lots,
+                 const InterruptionPoint& point) {
   const ControllerKind& kind = controller_named("--controller", options.controller);
   if (kind.make == nullptr && lots.empty()) {
     throw InputError("--controller " + options.controller,
@@ -198,11 +199,13 @@ Drivers::Drivers(const CoordinateOptions& options, Traffic& traffic, const Driva
   }
   for (const ParkingLot& lot : lots) {
     if (!kind.on_lots) break;
+    point();
     auto controller = std::make_unique<LotCoordinator>(traffic, lot, lot_options(options));
     lots_.push_back(std::make_unique<LotRecorder>(*controller));
     controllers_.push_back(std::move(controller));
   }
   if (kind.make == nullptr || junctions.empty()) return;
+  point();
   std::unique_ptr<Controller> controller =
       kind.make({traffic, area, coordinator_options(options, junctions, traffic)});
   coordinator_ = dynamic_cast<const Coordinator*>(controller.get());

@@ -14,6 +14,7 @@
 #include "coordinator/report/report.hpp"
 #include "coordinator/report/trip_log.hpp"
 #include "coordinator/simulation/simulation.hpp"
+#include "planner/problem/interruption.hpp"
 #include "tools/cli/run_folder.hpp"
 #include "tools/coordinate/lot_recorder.hpp"
 #include "tools/coordinate/options.hpp"
@@ -46,9 +47,10 @@ namespace mvtp {
 /// or nobody but SUMO.
 class Drivers {
  public:
-  /// @throws InputError
+  /// @param point  called before each of them @throws InputError
   Drivers(const CoordinateOptions& options, Traffic& traffic, const DrivableArea& area,
-          const std::set<std::string>& junctions, std::span<const ParkingLot> lots);
+          const std::set<std::string>& junctions, std::span<const ParkingLot> lots,
+          const InterruptionPoint& point);
 
   /// One more, from outside; it outlives the drivers.
   void plug_in(Controller& controller) { guests_.push_back(&controller); }

@@ -1,17 +1,25 @@
 #include "tools/coordinate/lot_options.hpp"
 
+#include <fmt/format.h>
+
 #include <charconv>
 #include <cmath>
+#include <optional>
 
 #include "planner/problem/input_error.hpp"
 
 namespace mvtp {
 namespace {
 
+/// @throws InputError if it does not drive on parking lots
 LotController controller_of(const std::string& name) {
-  if (name == "one-at-a-time") return LotController::kOneAtATime;
-  if (name == "pbcr") return LotController::kPbcr;
-  return name == "prioritized" ? LotController::kPrioritized : LotController::kEscot;
+  const char* option = "--controller";
+  const std::optional<LotController> controller = controller_named(option, name).on_lots;
+  if (!controller) {
+    throw InputError(fmt::format("{} {}", option, name),
+                     fmt::format("does not drive on parking lots; choose {}", kUsualController));
+  }
+  return *controller;
 }
 
 ParkingDirection direction_of(const std::string& name) {

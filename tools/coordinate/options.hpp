@@ -24,7 +24,7 @@ struct CoordinateOptions {
   std::string signal_timing = "real";         ///< or "instant"
   std::string intent = "known";               ///< or "lane", "none"
   double human_faults = 0.0;                  ///< share of human drivers who misbehave
-  std::string controller = "escot";           ///< one of controller_kinds()
+  std::string controller = kUsualController;  ///< one of controller_kinds()
   std::string parking = "any";                ///< or "forward", "reverse"
   std::vector<std::string> breakdowns;        ///< VEHICLE@SECONDS
   std::string output_dir = "out";

@@ -15,17 +15,18 @@
 #include "coordinator/report/trip_log.hpp"
 #include "coordinator/simulation/simulation.hpp"
 #include "planner/problem/input_error.hpp"
+#include "planner/problem/interruption.hpp"
 #include "tools/cli/interrupt.hpp"
 #include "tools/cli/program.hpp"
 #include "tools/cli/progress.hpp"
 #include "tools/cli/run_folder.hpp"
 #include "tools/cli/version.hpp"
+#include "tools/coordinate/closing.hpp"
 #include "tools/coordinate/drivers.hpp"
 #include "tools/coordinate/misbehaviour.hpp"
 #include "tools/coordinate/run_recorder.hpp"
 #include "tools/coordinate/scenario.hpp"
 #include "tools/coordinate/traffic.hpp"
-#include "tools/runs/comparison.hpp"
 #include "traci_bridge/parking_file.hpp"
 #include "traci_bridge/trips.hpp"
 
@@ -44,17 +45,21 @@ class SumoRun::Impl {
       : options_(options),
         folder_(folder),
         host_(std::move(host)),
-        scenario_(plan_run(options, folder)),
+        point_([this] {
+          if (host_.interrupted()) throw Interruption();
+        }),
+        scenario_(plan_run(options, folder, point_)),
         traffic_(open_traffic(options, scenario_)),
-        lots_(read_parking_lots(scenario_.configuration.additional_files, traffic_->network())),
-        junctions_(coordinated_junctions(options, traffic_->network(), lots_)),
-        area_(traffic_->network(), lots_),
-        audit_(area_, traffic_->step_length()),
+        lots_((point_(),
+               read_parking_lots(scenario_.configuration.additional_files, traffic_->network()))),
+        junctions_((point_(), coordinated_junctions(options, traffic_->network(), lots_))),
+        area_(traffic_->network(), lots_, "", point_),
+        audit_(area_, traffic_->step_length(), traffic_->network(), lots_),
         log_(*traffic_),
         free_flow_(traffic_->network()),
         safety_(traffic_->network(), traffic_->step_length()),
         faulty_(make_faulty(options, *traffic_)),
-        drivers_(options, seen_by_drivers(), area_, junctions_, lots_),
+        drivers_(options, seen_by_drivers(), area_, junctions_, lots_, point_),
         misbehaviour_(make_misbehaviour(options, *traffic_, junctions_)),
         simulation_(*traffic_),
         priority_{{options.priority_types.begin(), options.priority_types.end()}} {
@@ -74,10 +79,12 @@ class SumoRun::Impl {
                         .figures = {},
                         .given_up = {}};
     }
+    point_();
     if (!options_.no_view) {
       recorder_ = std::make_unique<RunRecorder>(options_, *traffic_, junctions_, lots_,
                                                 drivers_.coordinator(), report_);
     }
+    point_();
     folder_.remove_old_results();
     for (const std::string& note : scenario_.notes) say("note: " + note);
     for (const std::string& note : notes_on(*traffic_)) say("note: " + note);
@@ -297,49 +304,21 @@ class SumoRun::Impl {
   }
 
   [[nodiscard]] int conclude() {
-    if (!options_.quiet) fmt::print("{}", table());
+    if (!options_.quiet) fmt::print("{}", closing_table(report_, options_.output_dir));
     if (report_.status == to_string(RunStatus::kInterrupted)) return kInterrupted;
     if (succeeded(report_)) return page_is_missing_ ? kNotAchieved : kDone;
-    complain();
+    for (const std::string& line :
+         complaints(report_, options_.configuration, folder_.path("events.csv"))) {
+      say(line);
+    }
     return kNotAchieved;
-  }
-
-  /// The closing table, as of `mvtp compare`.
-  [[nodiscard]] std::string table() const {
-    ComparedRun run{.control = report_.controller,
-                    .seed = std::uint32_t(report_.seed),
-                    .folder = options_.output_dir};
-    read_summary(summary_json(report_), "summary.json", run);
-    return comparison_table({&run, 1});
-  }
-
-  void complain() const {
-    const auto missing = std::ranges::count_if(
-        report_.vehicles, [](const VehicleRecord& v) { return !v.arrival.has_value(); });
-    if (!report_.message.empty()) {
-      say(report_.message);
-    } else if (report_.vehicles.empty()) {
-      say(fmt::format(
-          "no vehicle departed until t = {:.2f} s; is the demand of {} empty, or later?",
-          report_.end, options_.configuration));
-    }
-    if (report_.audit.overlap_pairs_coordinated > 0) {
-      say(fmt::format("{} pairs with a coordinated vehicle overlapped; see {}",
-                      report_.audit.overlap_pairs_coordinated, folder_.path("events.csv")));
-    }
-    if (report_.audit.people_touched > 0) {
-      say(fmt::format("coordinated vehicles touched people {} times; see {}",
-                      report_.audit.people_touched, folder_.path("events.csv")));
-    }
-    if (missing > 0 && report_.message.empty()) {
-      say(fmt::format("{} of {} vehicles had not arrived at t = {:.2f} s ({})", missing,
-                      report_.vehicles.size(), report_.end, report_.status));
-    }
   }
 
   const CoordinateOptions& options_;
   RunFolder& folder_;
   RunHost host_;
+  InterruptionPoint
+      point_;  ///< of the preparation: there is no run yet whose results could be kept
   Scenario scenario_;
   std::unique_ptr<SumoTraffic> traffic_;
   std::vector<ParkingLot> lots_;
@@ -388,9 +367,13 @@ int run_coordinate(const CoordinateOptions& options, const std::string& command)
   RunFolder folder(options.output_dir, "--output-dir");
   announce_run_folder(options.output_dir);
   const auto say = [](const std::string& line) { fmt::print(stderr, "mvtp: {}\n", line); };
-  return SumoRun(options, command, folder,
-                 {.say = say, .interrupted = [&] { return interrupt.seen().load(); }})
-      .drive();
+  try {
+    return SumoRun(options, command, folder,
+                   {.say = say, .interrupted = [&] { return interrupt.seen().load(); }})
+        .drive();
+  } catch (const Interruption&) {
+    return kInterrupted;
+  }
 }
 
 }  // namespace mvtp

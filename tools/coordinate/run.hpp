@@ -26,7 +26,8 @@ struct RunHost {
 /// Such a run step by step: SUMO, the road, who drives, and who watches.
 class SumoRun {
  public:
-  /// Opens the scenario. @param options, folder  outlive it @throws InputError
+  /// Opens the scenario. @param options, folder  outlive it
+  /// @throws InputError, and Interruption if the host is interrupted meanwhile
   SumoRun(const CoordinateOptions& options, const std::string& command, RunFolder& folder,
           RunHost host);
   SumoRun(const SumoRun&) = delete;

@@ -5,10 +5,11 @@
 #include <algorithm>
 #include <charconv>
 #include <filesystem>
-#include <fstream>
+#include <sstream>
 #include <string_view>
 
 #include "planner/problem/input_error.hpp"
+#include "traci_bridge/packed_file.hpp"
 
 namespace mvtp {
 namespace {
@@ -42,6 +43,19 @@ std::optional<std::string> given(const CoordinateOptions& options, std::string_v
 std::string setting(const SumoConfiguration& configuration, const char* name) {
   const auto found = configuration.others.find(name);
   return found == configuration.others.end() ? "" : found->second;
+}
+
+/// The value that SUMO has of an option: as it is given behind "--", else as the scenario says.
+std::string chosen(const CoordinateOptions& options, const SumoConfiguration& configuration,
+                   const std::string& name) {
+  const std::string option = "--" + name;
+  const auto value = given(options, option, option);
+  return value ? *value : setting(configuration, name.c_str());
+}
+
+bool is_positive(const std::string& text) {
+  const auto value = number(text);
+  return value && *value > 0.0;
 }
 
 void choose_step_length(const CoordinateOptions& options, Scenario& scenario) {
@@ -88,18 +102,31 @@ void choose_end(const CoordinateOptions& options, Scenario& scenario) {
   }
 }
 
-void note_settings(Scenario& scenario) {
+/// Do vehicles look for new routes on their way?
+bool reroutes(const CoordinateOptions& options, const Scenario& scenario) {
+  const auto value = [&](const char* name) {
+    return chosen(options, scenario.configuration, std::string("device.rerouting.") + name);
+  };
+  const bool equipped = is_positive(value("probability")) || !value("explicit").empty() ||
+                        scenario.demand.rerouting_devices;
+  return equipped && (is_positive(value("period")) || scenario.demand.rerouting_periods);
+}
+
+void note_settings(const CoordinateOptions& options, Scenario& scenario) {
   const SumoConfiguration& c = scenario.configuration;
   const auto note = [&](const std::string& text) { scenario.notes.push_back(text); };
-  if (const auto after = number(setting(c, "time-to-teleport")); after && *after > 0.0) {
+  if (const std::string after = setting(c, "time-to-teleport"); is_positive(after)) {
     note(fmt::format("time-to-teleport {}: nobody is teleported here; a jam shows in the delays",
-                     setting(c, "time-to-teleport")));
+                     after));
   }
-  if (const auto width = number(setting(c, "lateral-resolution")); width && *width > 0.0) {
+  if (is_positive(chosen(options, c, "lateral-resolution"))) {
     note("lateral-resolution: SUMO's sublane model moves only vehicles that are not coordinated");
   }
   if (scenario.demand.rerouters) {
     note("rerouters: a coordinated vehicle takes its new route once it is handed back");
+  }
+  if (reroutes(options, scenario)) {
+    note("device.rerouting: a coordinated vehicle takes its new route once it is handed back");
   }
   if (scenario.demand.people) {
     note(
@@ -118,16 +145,59 @@ std::optional<std::string_view> attribute_of(std::string_view tag, std::string_v
   return std::nullopt;
 }
 
+void scan_parameter(std::string_view tag, Demand& demand) {
+  const auto key = attribute_of(tag, "key");
+  const std::string value(attribute_of(tag, "value").value_or(""));
+  if (key == "has.rerouting.device") {
+    const bool has = value == "true" || value == "1" || value == "yes" || value == "on";
+    demand.rerouting_devices = demand.rerouting_devices || has;
+  } else if (key == "device.rerouting.probability") {
+    demand.rerouting_devices = demand.rerouting_devices || is_positive(value);
+  } else if (key == "device.rerouting.period") {
+    demand.rerouting_periods = demand.rerouting_periods || is_positive(value);
+  }
+}
+
 void scan_tag(std::string_view tag, Demand& demand) {
   tag.remove_prefix(std::min(tag.find('<'), tag.size()));
   const std::string_view name = tag.substr(0, tag.find_first_of(" \n\t/"));
   demand.people = demand.people || name == "<person" || name == "<personFlow";
   demand.rerouters = demand.rerouters || name == "<rerouter";
+  if (name == "<param") scan_parameter(tag, demand);
   const bool single = name == "<vehicle" || name == "<trip";
   if (!single && name != "<flow") return;
   const auto text = attribute_of(tag, single ? "depart" : "end");
   const auto time = text ? number(*text) : std::nullopt;
   if (time) demand.last_departure = std::max(demand.last_departure.value_or(*time), *time);
+}
+
+/// The files of an option that are given behind "--" instead of those of the scenario.
+std::vector<std::string> files_of(const CoordinateOptions& options, std::string_view name,
+                                  std::string_view short_name,
+                                  const std::vector<std::string>& files) {
+  const auto list = given(options, name, short_name);
+  if (!list) return files;
+  std::vector<std::string> paths;
+  std::stringstream words(*list);
+  for (std::string path; std::getline(words, path, ',');) paths.push_back(path);
+  return paths;
+}
+
+Demand scan_demand(const CoordinateOptions& options, const SumoConfiguration& configuration,
+                   const InterruptionPoint& point) {
+  Demand demand;
+  for (const auto& files :
+       {files_of(options, "--route-files", "-r", configuration.route_files),
+        files_of(options, "--additional-files", "-a", configuration.additional_files)}) {
+    for (const std::string& path : files) {
+      if (!fs::is_regular_file(path)) continue;  // SUMO says so, or it can be read but once
+      for_each_tag(path, [&](std::string_view tag) {
+        point();
+        scan_tag(tag, demand);
+      });
+    }
+  }
+  return demand;
 }
 
 fs::path their_path(const Scenario& scenario, const std::string& configuration,
@@ -160,31 +230,21 @@ SumoAddress address_of(const CoordinateOptions& options) {
 
 }  // namespace
 
-Demand scan_demand(const SumoConfiguration& configuration) {
-  Demand demand;
-  for (const auto* files : {&configuration.route_files, &configuration.additional_files}) {
-    for (const std::string& path : *files) {
-      if (path.ends_with(".gz")) continue;  // what is in there is a guess for the progress bar
-      std::ifstream file(path);
-      for (std::string tag; std::getline(file, tag, '>');) scan_tag(tag, demand);
-    }
-  }
-  return demand;
-}
-
-Scenario plan_run(const CoordinateOptions& options, RunFolder& folder) {
+Scenario plan_run(const CoordinateOptions& options, RunFolder& folder,
+                  const InterruptionPoint& point) {
   Scenario scenario{.configuration = read_configuration(options.configuration)};
-  scenario.demand = scan_demand(scenario.configuration);
+  scenario.demand = scan_demand(options, scenario.configuration, point);
   SumoOptions& sumo = scenario.sumo;
   sumo.configuration = options.configuration;
   sumo.log = folder.part("sumo.log");
   sumo.extra = options.sumo;
+  sumo.point = point;
   sumo.gui = options.gui;
   sumo.separate_process = options.separate_process;
   if (!options.remote.empty()) {
     sumo.remote = address_of(options);
     choose_end(options, scenario);
-    note_settings(scenario);
+    note_settings(options, scenario);
     return scenario;
   }
   sumo.seed = options.seed;
@@ -193,7 +253,7 @@ Scenario plan_run(const CoordinateOptions& options, RunFolder& folder) {
   choose_step_length(options, scenario);
   equip_with_emissions(options, scenario);
   choose_end(options, scenario);
-  note_settings(scenario);
+  note_settings(options, scenario);
   return scenario;
 }
 

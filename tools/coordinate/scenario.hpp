@@ -16,8 +16,9 @@ struct Demand {
   std::optional<double> last_departure;  ///< [s]
   bool people = false;
   bool rerouters = false;
+  bool rerouting_devices = false;  ///< vehicles or types ask for one
+  bool rerouting_periods = false;  ///< and say themselves how often it looks for a new route
 };
-[[nodiscard]] Demand scan_demand(const SumoConfiguration& configuration);
 
 /// A SUMO scenario about to be run.
 struct Scenario {
@@ -35,8 +36,10 @@ constexpr double kLongestStep = 0.25;
 constexpr double kStepLength = 0.1;
 
 /// Reads the scenario and decides how SUMO is run on it, its outputs going to the folder.
+/// @param point  called while files are read, and while SUMO is opened
 /// @throws InputError
-[[nodiscard]] Scenario plan_run(const CoordinateOptions& options, RunFolder& folder);
+[[nodiscard]] Scenario plan_run(const CoordinateOptions& options, RunFolder& folder,
+                                const InterruptionPoint& point = never_interrupted);
 
 /// More notes, about what the network and the vehicle types hold.
 [[nodiscard]] std::vector<std::string> notes_on(const Traffic& traffic);

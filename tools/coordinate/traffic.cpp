@@ -22,6 +22,7 @@ std::unique_ptr<SumoTraffic> open_traffic(const CoordinateOptions& options,
   if (options.max_lateral_accel > 0.0) {
     for (const auto& [lane, speed] :
          bend_speed_limits(traffic->network(), options.max_lateral_accel)) {
+      scenario.sumo.point();
       traffic->limit_speed(lane, speed);
     }
   }

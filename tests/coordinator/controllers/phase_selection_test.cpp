@@ -188,6 +188,20 @@ TEST(Registry, NamesAreUnique) {
     EXPECT_TRUE(kind.make != nullptr || kind.on_lots) << kind.name;
   }
   EXPECT_EQ(find_controller("magic"), nullptr);
+  for (const char* name : {kUsualController, kSumosController}) {
+    EXPECT_NE(find_controller(name), nullptr) << name;
+  }
+}
+
+TEST(Registry, EveryControllerOfLotsHasOneName) {
+  std::map<LotController, std::string> names;
+  for (const ControllerKind& kind : controller_kinds()) {
+    if (!kind.on_lots) continue;
+    EXPECT_TRUE(kind.drives) << kind.name;
+    EXPECT_TRUE(names.emplace(*kind.on_lots, kind.name).second) << kind.name;
+    EXPECT_EQ(&controller_of_lots(*kind.on_lots), &kind);
+  }
+  EXPECT_EQ(names.size(), 4U);
 }
 
 }  // namespace
