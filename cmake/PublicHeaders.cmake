@@ -14,7 +14,6 @@ set(public_headers
   deadline.hpp         planner/problem/deadline.hpp           # when a search stops
   input_error.hpp      planner/problem/input_error.hpp        # what bad input throws
   solve.hpp            planner/solve.hpp                      # all algorithms by name
-  single_agent.hpp     planner/single_agent.hpp               # can one robot get to its goal, all others absent?
   validate.hpp         planner/problem/validate.hpp           # the referee
   # roads and parking lots
   geometry.hpp         planner/geometry.hpp                   # arcs, bodies, polygons, paths in the plane

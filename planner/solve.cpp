@@ -11,6 +11,7 @@
 #include "planner/escot/escot.hpp"
 #include "planner/escot/planning_problem.hpp"
 #include "planner/escot/prioritized.hpp"
+#include "planner/escot/single_agent_path.hpp"
 #include "planner/problem/initial_overlap.hpp"
 #include "planner/problem/input_error.hpp"
 #include "planner/problem/metrics.hpp"
@@ -179,6 +180,15 @@ Plan solve(const Instance& instance, const SolveOptions& options, const Deadline
   fill_in_durations(plan);
   plan.statistics.runtime = seconds_since(begin);
   return plan;
+}
+
+std::vector<std::size_t> robots_without_single_agent_path(const Instance& instance) {
+  const PlanningProblem problem(instance, CollisionRule::kContinuous);
+  std::vector<std::size_t> robots;
+  for (int i = 0; i < problem.size(); ++i) {
+    if (!find_single_agent_path(problem, i, Deadline::never())) robots.push_back(std::size_t(i));
+  }
+  return robots;
 }
 
 }  // namespace mvtp

@@ -5,7 +5,7 @@
 ///
 /// What a caller does, in this order: read_instance(), or an Instance of its own; check_instance(),
 /// which says what is wrong with it; solve(); find_violations(), which judges the plan;
-/// write_plan().
+/// write_plan(). Who makes instances asks robots_without_single_agent_path() before.
 ///
 /// - Units: metres, seconds, radians; times in steps of Instance::dt, or of Statistics::dt in a
 ///   plan.
@@ -18,6 +18,7 @@
 /// - Sources: the ESCoT paper, and those of the planners it is compared with; see
 ///   planner/escot/README.md and planner/anytime/README.md.
 
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -52,5 +53,13 @@ struct SolveOptions {
 /// @throws InputError for an unknown algorithm.
 [[nodiscard]] Plan solve(const Instance& instance, const SolveOptions& options,
                          const Deadline& deadline);
+
+/// The robots for which no path was found, all others absent: places in Instance::agents,
+/// ascending.
+///
+/// If there are none, each robot can get to its goal alone: that is proven. A robot that is among
+/// them may be able to all the same: its search ends after a number of expansions. The clock plays
+/// no part, so the same instance gives the same robots on every machine.
+[[nodiscard]] std::vector<std::size_t> robots_without_single_agent_path(const Instance& instance);
 
 }  // namespace mvtp

@@ -22,8 +22,4 @@ std::optional<std::vector<Arc>> find_single_agent_path(const PlanningProblem& pl
   return std::move(path->steps);
 }
 
-bool solvable_alone(const PlanningProblem& planning_problem, int i) {
-  return find_single_agent_path(planning_problem, i, Deadline::never()).has_value();
-}
-
 }  // namespace mvtp

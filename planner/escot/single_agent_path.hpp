@@ -16,7 +16,4 @@ namespace mvtp {
                                                                      int i,
                                                                      const Deadline& deadline);
 
-/// Was one found? True is a proof; false is none. The clock plays no part.
-[[nodiscard]] bool solvable_alone(const PlanningProblem& problem, int i);
-
 }  // namespace mvtp

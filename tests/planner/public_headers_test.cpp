@@ -12,7 +12,6 @@
 #include "planner/problem/check_instance.hpp"
 #include "planner/problem/validate.hpp"
 #include "planner/road.hpp"
-#include "planner/single_agent.hpp"
 #include "planner/solve.hpp"
 
 namespace mvtp {
@@ -100,8 +99,7 @@ TEST(PublicHeaders, OfMapsGiveAPlanThatTheRefereeAccepts) {
       {.name = "low", .vehicle = {}, .start = {5, 4, 0}, .goal = {35, 4, 0}},
   };
   ASSERT_THAT(check_instance(instance, "two robots"), IsEmpty());
-  const PlanningProblem problem(instance, CollisionRule::kContinuous);
-  for (int robot = 0; robot < problem.size(); ++robot) EXPECT_TRUE(solvable_alone(problem, robot));
+  EXPECT_THAT(robots_without_single_agent_path(instance), IsEmpty());
   const Plan plan = solve(instance, {}, Deadline::never());
   EXPECT_EQ(plan.statistics.status, to_string(Status::kSolved));
   EXPECT_THAT(find_violations(instance, plan, CollisionRule::kContinuous), IsEmpty());

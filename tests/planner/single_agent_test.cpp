@@ -30,7 +30,7 @@ TEST(SingleAgentTrajectories, LeadOutOfPlacesThatAreTooTightForSteps) {
   tight.map.polygons = {{{13, 13}, {14, 13}, {14, 17}, {13, 17}},
                         {{18.4, 13}, {19.4, 13}, {19.4, 17}, {18.4, 17}}};
   const JointScene scene(tight);
-  ASSERT_FALSE(solvable_alone(scene.planning_problem, 0));
+  ASSERT_FALSE(find_single_agent_path(scene.planning_problem, 0, Deadline::never()));
   ASSERT_EQ(scene.alone.size(), 1U);
   const ArcTrajectory& path = scene.alone.front();
   EXPECT_LT(distance(path.pose(path.arrival()), tight.agents[0].goal), 1e-6);

@@ -8,11 +8,11 @@
 #include <numeric>
 #include <set>
 
-#include "planner/escot/single_agent_path.hpp"
 #include "planner/problem/check_instance.hpp"
 #include "planner/problem/input_error.hpp"
 #include "planner/problem/instance_file.hpp"
 #include "planner/problem/referee_geometry.hpp"
+#include "planner/solve.hpp"
 #include "tests/tools/program_fixture.hpp"
 #include "tools/generate/open_lot.hpp"
 #include "tools/generate/parking_instance.hpp"
@@ -132,13 +132,12 @@ TEST(GeneratedInstance, LetsEachRobotFindASingleAgentPath) {
   const Cell crammed{Suite::kCrowd, Layout::kRandom, 16, 25, 2, 10};
   for (int index = 0; index < crammed.instances; ++index) {
     const GeneratedInstance made = generate_instance(crammed, {}, index);
-    const PlanningProblem problem(made.instance, CollisionRule::kContinuous);
-    for (int i = 0; i < problem.size(); ++i) EXPECT_TRUE(solvable_alone(problem, i)) << index;
+    EXPECT_THAT(robots_without_single_agent_path(made.instance), IsEmpty()) << index;
   }
 }
 
 //   agent0 wants to get into a closed room, agent1 past it.
-TEST(SolvableAlone, TellsAWalledGoalFromAFreeOne) {
+TEST(RobotsWithoutSingleAgentPath, AreThoseWithAWalledGoal) {
   Instance instance;
   instance.map = {.width = 30, .height = 30};
   const auto wall = [](double x0, double y0, double x1, double y1) {
@@ -148,9 +147,7 @@ TEST(SolvableAlone, TellsAWalledGoalFromAFreeOne) {
                            wall(21, 9, 22, 21)};
   instance.agents = {{"agent0", {}, {5, 15, 0}, {18, 15, 0}},
                      {"agent1", {}, {5, 5, 0}, {25, 15, 1}}};
-  const PlanningProblem problem(instance, CollisionRule::kContinuous);
-  EXPECT_FALSE(solvable_alone(problem, 0));
-  EXPECT_TRUE(solvable_alone(problem, 1));
+  EXPECT_THAT(robots_without_single_agent_path(instance), ElementsAre(0U));
 }
 
 TEST(GeneratedInstance, OnACircleEachGoalIsStraightAhead) {
@@ -252,8 +249,7 @@ TEST(GeneratedParking, HasAllSizesAndBothWaysRound) {
 
 TEST(GeneratedParking, EachFindsASingleAgentPath) {
   const Instance instance = generate_parking({6, 6, 1}, 1, 0).instance;
-  const PlanningProblem problem(instance, CollisionRule::kContinuous);
-  for (int i = 0; i < problem.size(); ++i) EXPECT_TRUE(solvable_alone(problem, i)) << i;
+  EXPECT_THAT(robots_without_single_agent_path(instance), IsEmpty());
 }
 
 //   Cars queue two abreast, in and out by one road each: nobody gets anywhere but in turn.

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "planner/problem/input_error.hpp"
-#include "planner/single_agent.hpp"
+#include "planner/solve.hpp"
 #include "tools/generate/dice.hpp"
 #include "tools/generate/open_lot.hpp"
 #include "traci_bridge/sumo_frame.hpp"
@@ -154,14 +154,6 @@ class ParkingScene {
   double road_ = 0.0;  ///< length of either road [m]
 };
 
-bool all_are_solvable_alone(const Instance& instance) {
-  const PlanningProblem problem(instance, CollisionRule::kContinuous);
-  for (int i = 0; i < problem.size(); ++i) {
-    if (!solvable_alone(problem, i)) return false;
-  }
-  return true;
-}
-
 }  // namespace
 
 void check_parking_cell(const ParkingCell& cell) {
@@ -180,7 +172,7 @@ GeneratedInstance generate_parking(const ParkingCell& cell, std::uint64_t seed, 
   const std::string origin = fmt::format("parking, seed {}, instance {} of its cell", seed, index);
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
     Instance instance = ParkingScene(cell, dice).draw();
-    if (all_are_solvable_alone(instance)) return {std::move(instance), origin};
+    if (robots_without_single_agent_path(instance).empty()) return {std::move(instance), origin};
   }
   throw InputError(origin,
                    "no instance was found in which each car has a single-agent path; give "

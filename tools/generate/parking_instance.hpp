@@ -24,7 +24,7 @@ void check_parking_cell(const ParkingCell& cell);
 /// farther away the nearer it stands. All other slots are taken by cars that stay, as polygons.
 /// Cars of 4.3 to 5.2 m and vans of 5.9 m, each in a slot that it fits; half of them stand, or will
 /// stand, the wrong way round. All may drive 10 km/h; a step is about half a car. Each has a motion
-/// to its goal if the others are absent: solvable_alone().
+/// to its goal if the others are absent: robots_without_single_agent_path().
 /// @throws InputError as check_parking_cell().
 [[nodiscard]] GeneratedInstance generate_parking(const ParkingCell& cell, std::uint64_t seed,
                                                  int index);

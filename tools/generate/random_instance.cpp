@@ -13,7 +13,7 @@
 
 #include "planner/geometry.hpp"
 #include "planner/problem/input_error.hpp"
-#include "planner/single_agent.hpp"
+#include "planner/solve.hpp"
 #include "tools/generate/dice.hpp"
 
 namespace mvtp {
@@ -168,11 +168,8 @@ class Scene {
       std::span<const std::size_t> robots) const {
     Instance part{.agents = {}, .map = map_, .dt = preset_.dt};
     for (const std::size_t i : robots) part.agents.push_back(agent(i));
-    const PlanningProblem problem(part, CollisionRule::kContinuous);
     std::vector<std::size_t> result;
-    for (int k = 0; k < problem.size(); ++k) {
-      if (!solvable_alone(problem, k)) result.push_back(robots[std::size_t(k)]);
-    }
+    for (const std::size_t k : robots_without_single_agent_path(part)) result.push_back(robots[k]);
     return result;
   }
 

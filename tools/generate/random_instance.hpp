@@ -25,8 +25,8 @@ struct GeneratedInstance {
 /// starts and goals from goals: reference points at least sqrt(20) m (the rule of the public sets)
 /// and bodies 0.5 m apart where that fits, else the bodies only. Bodies keep 0.5 m from obstacles
 /// and lie inside the map. A start may lie on another robot's goal. Each robot has a motion to its
-/// goal if the others are absent: solvable_alone(). In Layout::kCircle number 0 is exact, the
-/// others are shifted by up to 1 m and turned by up to 0.2 rad.
+/// goal if the others are absent: robots_without_single_agent_path(). In Layout::kCircle number 0
+/// is exact, the others are shifted by up to 1 m and turned by up to 0.2 rad.
 /// @throws InputError if so many robots do not fit, or too many of them find no path.
 [[nodiscard]] GeneratedInstance generate_instance(const Cell& cell, const GenerateOptions& options,
                                                   int index);
