@@ -99,7 +99,7 @@ TEST(Rooms, OfTheCoordinatorUseOnlyThoseBelowThem) {
   coordinator.add("faults", {"drivers"});
   coordinator.add("junctions", {"drivers", "people", "faults"});
   coordinator.add("lot", {"measures"});
-  coordinator.add("controllers", {"junctions"});
+  coordinator.add("controllers", {"junctions", "lot"});
   coordinator.add("simulation", {"audit"});
   coordinator.add("report", {"measures", "junctions", "lot", "simulation"});
   coordinator.expect_its_sources_to_keep_to_it();
