@@ -4,12 +4,12 @@
 #   tools/results.sh [FOLDER]      out/results if not given; takes hours, on one core; started again
 #                                  it goes on where it was interrupted
 #   tools/results.sh --short DIR   a moment of everything
-#   tools/results.sh --only roads,maps DIR     some of: roads mixed lots maps cubes; two of these
+#   tools/results.sh --only roads,maps DIR     some of: roads saturation mixed lots maps cubes; two of these
 #                                  may run at a time into the same folder
 # MVTP=PROGRAM takes that program in place of a release build.
 set -euo pipefail
 
-short= products=roads,mixed,lots,maps,cubes
+short= products=roads,saturation,mixed,lots,maps,cubes
 while [[ "${1:-}" == --* ]]; do
   case $1 in
     --short) short=1 ;;
@@ -20,8 +20,8 @@ while [[ "${1:-}" == --* ]]; do
 done
 for product in ${products//,/ }; do
   case $product in
-    roads | mixed | lots | maps | cubes) ;;
-    *) echo "results.sh: --only: $product: not one of roads, mixed, lots, maps, cubes" >&2; exit 2 ;;
+    roads | saturation | mixed | lots | maps | cubes) ;;
+    *) echo "results.sh: --only: $product: not one of roads, saturation, mixed, lots, maps, cubes" >&2; exit 2 ;;
   esac
 done
 folder=$(realpath -m "${1:-"$(dirname "$0")/../out/results"}")
@@ -69,12 +69,16 @@ if [ -n "$short" ]; then
   seeds=1 end=(--end 60) roads=(crossroads) jamming=(crossroads) mixed=(crossroads.static) shares=0.5 lots=(parking-120)
   rival_seeds=1 signals=static sparse=(--count 1 --robots 2) dense=(--count 1 --robots 5) crowds=(--count 1 --size 50 --robots 12)
   lot_count=(--count 1 --in 1 --out 1) limit=3 times=1
+  busy=(crossroads-800) busy_end=(--end 60) busy_seeds=1 busy_controllers=max-wave,escot
 else
   seeds=1-5 end=() roads=(crossroads crossroads-400 crossroads-600 crossroads2-400 crossroads2-800)
   jamming=(crossroads crossroads-400)
   mixed=(crossroads-400.static crossroads2-800.static crossroads-people.static) shares=0,0.05,0.2,0.4,0.6,0.8,1
   lots=(parking-120 parking-240 angled)
-  rival_seeds=1-2 signals=static,actuated,max-pressure
+  rival_seeds=1-2 signals=static,actuated,max-pressure,max-wave
+  # Until the last departure: what is left then waits for many times as long at some of them.
+  busy=(crossroads-{800,1000,1200,1400} crossroads2-{1000,1500,2000,2500}) busy_end=(--end 1800) busy_seeds=1-3
+  busy_controllers=static,actuated,max-pressure,max-wave,aim,conflict-zone,prioritized,escot
   sparse=(--count 10) dense=(--count 10) crowds=(--count 2) lot_count=(--count 10) limit=30 times=20
 fi
 
@@ -103,6 +107,14 @@ measure_roads() {
   done
 }
 
+measure_saturation() {
+  local name
+  for name in "${busy[@]}"; do
+    row "saturation-$name" resumed "$folder/saturation-$name.csv" sweep -c "scenarios/crossroads/$name.sumocfg" \
+      --seeds "$busy_seeds" --controllers "$busy_controllers" "${busy_end[@]}"
+  done
+}
+
 # Among human drivers, with real signal timing: on the twins with lights, which the coordinator shows.
 measure_mixed() {
   local name
@@ -113,7 +125,7 @@ measure_mixed() {
 
 measure_lot() {  # NAME SEED
   "$MVTP" compare -c "scenarios/parking/$1.sumocfg" --seeds "$2" --jobs 1 --output-dir "$folder/lot" \
-    "${end[@]}" || [ $? = 1 ]
+    --controllers one-at-a-time,pbcr,prioritized,escot "${end[@]}" || [ $? = 1 ]
   mv "$folder/lot/compare.csv" "$folder/lots-$1-$2.csv"
 }
 

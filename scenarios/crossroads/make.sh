@@ -7,7 +7,8 @@
 #   people-300.rou.xml                     300 people/h on foot over the crossings
 #   crossroads-people.sumocfg, .static., .actuated.  they beside 200 veh/h per approach
 #
-# NAME is crossroads (1 lane per arm) or crossroads2 (2 lanes). The demand is a Poisson process for
+# NAME is crossroads (1 lane per arm) or crossroads2 (2 lanes). Lights carry 500 and 900, all lanes
+# without conflicts about 1400 and 2700. The demand is a Poisson process for
 # half an hour, another one for each seed; the run ends when the last vehicle has arrived.
 set -euo pipefail
 cd "$(dirname "$0")"
@@ -107,6 +108,8 @@ scenario crossroads-400 crossroads 400
 scenario crossroads-600 crossroads 600
 scenario crossroads2-400 crossroads2 400
 scenario crossroads2-800 crossroads2 800
+for demand in 800 1000 1200 1400; do scenario "crossroads-$demand" crossroads "$demand"; done
+for demand in 1000 1500 2000 2500; do scenario "crossroads2-$demand" crossroads2 "$demand"; done
 
 walkers > people-300.rou.xml
 configurations crossroads-people crossings demand-200.rou.xml,people-300.rou.xml

@@ -15,8 +15,8 @@ import unittest
 ROOT, PROGRAM, WORK = (pathlib.Path(argument).resolve() for argument in sys.argv[1:4])
 
 
-PRODUCTS = ("Roads", "Roads, lateral acceleration at most 3 m/s²", "How coordinated vehicles drive",
-            "Among human drivers", "Parking lots", "Benchmark maps", "Emulated cubes")
+PRODUCTS = ("Roads", "Roads, lateral acceleration at most 3 m/s²",
+            "Roads, beyond what a light carries", "How coordinated vehicles drive", "Among human drivers", "Parking lots", "Benchmark maps", "Emulated cubes")
 
 
 def measure(*arguments, program=PROGRAM):
@@ -40,7 +40,8 @@ class Results(unittest.TestCase):
             self.assertIn(f"\n## {heading}\n", text)
         for row in ("| crossroads | escot | 1 |", "| crossroads | static | 1 |", "| rilsa | escot | 1 |",
                     "| crossroads.static | escot | 0.5 | 1 |", "| crossroads | 3 m/s² | 1 |",
-                    "| parking-120 | `coordinated` | 1 |", "| typical_", "| calm | 1 |",
+                    "| crossroads-800 | max-wave | 1 |",
+                    "| parking-120 | `escot` | 1 |", "| parking-120 | `pbcr` | 1 |", "| typical_", "| calm | 1 |",
                     "| cubes that stop, no release graph | 1 |"):
             self.assertIn(row, text)
 
@@ -81,7 +82,7 @@ class Results(unittest.TestCase):
         self.assertEqual([line for line in text.splitlines() if line.startswith("## ")], ["## Emulated cubes"])
         outcome = measure("--only", "cubes,moon", WORK / "moon")
         self.assertEqual((outcome.returncode, outcome.stderr),
-                         (2, "results.sh: --only: moon: not one of roads, mixed, lots, maps, cubes\n"))
+                         (2, "results.sh: --only: moon: not one of roads, saturation, mixed, lots, maps, cubes\n"))
         self.assertFalse((WORK / "moon").exists())
 
 

@@ -206,6 +206,7 @@ def main():
     folder = pathlib.Path(sys.argv[1])
     tables = [road_table(folder, "Roads", "roads-*.csv", "rivals-*.csv"),
               road_table(folder, "Roads, lateral acceleration at most 3 m/s²", "lateral-*.csv"),
+              road_table(folder, "Roads, beyond what a light carries", "saturation-*.csv"),
               motion_table(folder), mixed_table(folder), lot_table(folder), map_table(folder), cube_table(folder)]
     version = (folder / "version").read_text(encoding="utf-8").strip()
     text = f"# Figures\nAll by one build: {version}. `tools/results.sh` measured them; n runs each, ± one standard deviation.\n"
