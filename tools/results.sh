@@ -4,12 +4,12 @@
 #   tools/results.sh [FOLDER]      out/results if not given; takes hours, on one core; started again
 #                                  it goes on where it was interrupted
 #   tools/results.sh --short DIR   a moment of everything
-#   tools/results.sh --only roads,maps DIR     some of: roads saturation mixed lots maps cubes; two of these
+#   tools/results.sh --only roads,maps DIR     some of: roads saturation mixed faults lots maps cubes; two of these
 #                                  may run at a time into the same folder
 # MVTP=PROGRAM takes that program in place of a release build.
 set -euo pipefail
 
-short= products=roads,saturation,mixed,lots,maps,cubes
+short= products=roads,saturation,mixed,faults,lots,maps,cubes
 while [[ "${1:-}" == --* ]]; do
   case $1 in
     --short) short=1 ;;
@@ -20,8 +20,8 @@ while [[ "${1:-}" == --* ]]; do
 done
 for product in ${products//,/ }; do
   case $product in
-    roads | saturation | mixed | lots | maps | cubes) ;;
-    *) echo "results.sh: --only: $product: not one of roads, saturation, mixed, lots, maps, cubes" >&2; exit 2 ;;
+    roads | saturation | mixed | faults | lots | maps | cubes) ;;
+    *) echo "results.sh: --only: $product: not one of roads, saturation, mixed, faults, lots, maps, cubes" >&2; exit 2 ;;
   esac
 done
 folder=$(realpath -m "${1:-"$(dirname "$0")/../out/results"}")
@@ -69,6 +69,7 @@ if [ -n "$short" ]; then
   seeds=1 end=(--end 60) roads=(crossroads) jamming=(crossroads) mixed=(crossroads.static) shares=0.5 lots=(parking-120)
   rival_seeds=1 signals=static sparse=(--count 1 --robots 2) dense=(--count 1 --robots 5) crowds=(--count 1 --size 50 --robots 12)
   lot_count=(--count 1 --in 1 --out 1) limit=3 times=1
+  faulty=(crossroads-400) faults=(none loss=0.3) faults_end=(--end 60)
   busy=(crossroads-800) busy_end=(--end 60) busy_seeds=1 busy_controllers=max-wave,escot
 else
   seeds=1-5 end=() roads=(crossroads crossroads-400 crossroads-600 crossroads2-400 crossroads2-800)
@@ -76,6 +77,9 @@ else
   mixed=(crossroads-400.static crossroads2-800.static crossroads-people.static) shares=0,0.05,0.2,0.4,0.6,0.8,1
   lots=(parking-120 parking-240 angled)
   rival_seeds=1-2 signals=static,actuated,max-pressure,max-wave
+  faulty=(crossroads-400 crossroads-600) faults_end=(--end 900)
+  faults=(none delay=0.2 delay=0.5 delay=1 loss=0.05 loss=0.1 loss=0.2 loss=0.3
+    delay=0.5,loss=0.1,position=0.2,heading=1,actuation=0.1)
   # Until the last departure: what is left then waits for many times as long at some of them.
   busy=(crossroads-{800,1000,1200,1400} crossroads2-{1000,1500,2000,2500}) busy_end=(--end 1800) busy_seeds=1-3
   busy_controllers=static,actuated,max-pressure,max-wave,aim,conflict-zone,prioritized,escot
@@ -120,6 +124,19 @@ measure_mixed() {
   local name
   for name in "${mixed[@]}"; do
     roads_row "mixed-$name" "crossroads/$name" "$seeds" actuated,escot --penetration "$shares"
+  done
+}
+
+# Faults of V2X that are declared: nobody may touch anybody.
+measure_faults() {
+  local name fault options
+  for name in "${faulty[@]}"; do
+    for fault in "${faults[@]}"; do
+      options=()
+      [ "$fault" = none ] || options=(--faults "$fault" --assume-noise faults)
+      row "faults-$name-$fault" resumed "$folder/faults@$name@$fault.csv" sweep -c "scenarios/crossroads/$name.sumocfg" \
+        --seeds "$seeds" --controllers escot "${faults_end[@]}" "${options[@]}"
+    done
   done
 }
 

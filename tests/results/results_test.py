@@ -16,7 +16,8 @@ ROOT, PROGRAM, WORK = (pathlib.Path(argument).resolve() for argument in sys.argv
 
 
 PRODUCTS = ("Roads", "Roads, lateral acceleration at most 3 m/s²",
-            "Roads, beyond what a light carries", "How coordinated vehicles drive", "Among human drivers", "Parking lots", "Benchmark maps", "Emulated cubes")
+            "Roads, beyond what a light carries", "How coordinated vehicles drive", "Among human drivers",
+            "Faults of V2X, declared and simulated", "Parking lots", "Benchmark maps", "Emulated cubes")
 
 
 def measure(*arguments, program=PROGRAM):
@@ -40,7 +41,7 @@ class Results(unittest.TestCase):
             self.assertIn(f"\n## {heading}\n", text)
         for row in ("| crossroads | escot | 1 |", "| crossroads | static | 1 |", "| rilsa | escot | 1 |",
                     "| crossroads.static | escot | 0.5 | 1 |", "| crossroads | 3 m/s² | 1 |",
-                    "| crossroads-800 | max-wave | 1 |",
+                    "| crossroads-800 | max-wave | 1 |", "| crossroads-400 | loss=0.3 | 1 |",
                     "| parking-120 | `escot` | 1 |", "| parking-120 | `pbcr` | 1 |", "| typical_", "| calm | 1 |",
                     "| cubes that stop, no release graph | 1 |"):
             self.assertIn(row, text)
@@ -82,7 +83,7 @@ class Results(unittest.TestCase):
         self.assertEqual([line for line in text.splitlines() if line.startswith("## ")], ["## Emulated cubes"])
         outcome = measure("--only", "cubes,moon", WORK / "moon")
         self.assertEqual((outcome.returncode, outcome.stderr),
-                         (2, "results.sh: --only: moon: not one of roads, saturation, mixed, lots, maps, cubes\n"))
+                         (2, "results.sh: --only: moon: not one of roads, saturation, mixed, faults, lots, maps, cubes\n"))
         self.assertFalse((WORK / "moon").exists())
 
 

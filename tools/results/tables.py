@@ -64,6 +64,10 @@ def most(digits):
     return lambda values: f"{max(values):.{digits}f}"
 
 
+def least(digits):
+    return lambda values: f"{min(values):.{digits}f}"
+
+
 def total(values):
     return f"{sum(values):.0f}"
 
@@ -153,6 +157,15 @@ def mixed_table(folder):
     return table
 
 
+def fault_table(folder):
+    table = Table("Faults of V2X, declared and simulated", ["scenario", "faults"])
+    for name, runs in read_all(folder, "faults@*.csv"):
+        table.add(name.split("@")[1:], runs, [
+            *delay_cells(runs), ("least clearance [m]", (numbers(runs, "min_clearance_m"), least(2))),
+            ("jerk [m/s³]", (numbers(runs, "jerk_m_s3"), mean(2))), *audit_cells(runs)])
+    return table
+
+
 def lot_table(folder):
     table = Table("Parking lots", ["scenario", "controller"])
     runs = [{**row, "scenario": re.sub(r"^lots-(.*)-\d+$", r"\1", name)}
@@ -207,7 +220,7 @@ def main():
     tables = [road_table(folder, "Roads", "roads-*.csv", "rivals-*.csv"),
               road_table(folder, "Roads, lateral acceleration at most 3 m/s²", "lateral-*.csv"),
               road_table(folder, "Roads, beyond what a light carries", "saturation-*.csv"),
-              motion_table(folder), mixed_table(folder), lot_table(folder), map_table(folder), cube_table(folder)]
+              motion_table(folder), mixed_table(folder), fault_table(folder), lot_table(folder), map_table(folder), cube_table(folder)]
     version = (folder / "version").read_text(encoding="utf-8").strip()
     text = f"# Figures\nAll by one build: {version}. `tools/results.sh` measured them; n runs each, ± one standard deviation.\n"
     (folder / "results.md").write_text("\n".join([text, *(t.markdown() for t in tables if t.rows)]), encoding="utf-8")
