@@ -1,7 +1,6 @@
 #include "planner/search/soft_hybrid_astar.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <functional>
 #include <numbers>
@@ -15,7 +14,6 @@ namespace {
 constexpr int kLookAtClock = 256;  ///< expansions between two looks at the clock
 /// The cost-to-go is no bound: so much of it may be wrong before the deadline cuts [radii].
 constexpr double kSlack = 0.1;
-constexpr int kRoomFor = 1 << 12;  ///< expansions, before the table of cells has to grow
 
 }  // namespace
 
@@ -44,7 +42,7 @@ std::optional<SoftResult> SoftHybridAstar::search(const SoftProblem& problem,
     const int node = -minus_node;
     const Node& top = nodes_[std::size_t(node)];
     const Pose at = pose(top);
-    if (!waits_in_its_cell(top) && cell_of(at.x, at.y, at.theta, top.macro_step).f < top.f)
+    if (!waits_in_its_cell(top) && least_f_at(at.x, at.y, at.theta, top.macro_step) < top.f)
       continue;
     ++expansions_;
     if (tries_analytic_expansion(n, top)) try_analytic_expansion(node);
@@ -66,10 +64,7 @@ void SoftHybridAstar::start_search() {
   nodes_.clear();
   open_.clear();
   best_ = AnalyticExpansion{};
-  // Room for what the expansions of most searches can make; small searches stay in the cache.
-  const std::size_t room = std::bit_ceil(
-      std::size_t(std::min(options_.max_expansions, kRoomFor)) * (options_.slowly ? 20 : 10) + 64);
-  clear_cells(room);
+  cells_.clear();
   boxes_.resize(std::size_t(car.time().macro_step) + 1);
   soft_cost_of_resting();
 }
@@ -173,40 +168,7 @@ float SoftHybridAstar::estimate(double soft_cost, int macro_step, double to_go) 
                (options_.weight - 1.0) * to_go);
 }
 
-/// Makes the table empty, with room for so many cells. @param room  a power of two
-void SoftHybridAstar::clear_cells(std::size_t room) {
-  if (cells_.size() < room) {
-    cells_.assign(room, {0, 0.0F, 0});
-    stamp_ = 0;
-  }
-  cell_mask_ = room - 1;
-  used_cells_ = 0;
-  ++stamp_;
-}
-
-void SoftHybridAstar::grow_cells() {
-  std::vector<Cell> kept;
-  for (std::size_t i = 0; i <= cell_mask_; ++i) {
-    if (cells_[i].stamp == stamp_) kept.push_back(cells_[i]);
-  }
-  clear_cells(2 * (cell_mask_ + 1));
-  for (const Cell& cell : kept) cell_with(cell.key).f = cell.f;
-}
-
-/// The cell with this key, made if need be: linear probing in a table that is never full.
-SoftHybridAstar::Cell& SoftHybridAstar::cell_with(std::uint64_t key) {
-  std::size_t i = std::size_t(key * 0x9e3779b97f4a7c15U >> 24U) & cell_mask_;
-  while (cells_[i].stamp == stamp_ && cells_[i].key != key) i = (i + 1) & cell_mask_;
-  if (cells_[i].stamp == stamp_) return cells_[i];
-  if (4 * used_cells_ > 3 * cell_mask_) {
-    grow_cells();
-    return cell_with(key);
-  }
-  ++used_cells_;
-  return cells_[i] = {key, std::numeric_limits<float>::infinity(), stamp_};
-}
-
-SoftHybridAstar::Cell& SoftHybridAstar::cell_of(double x, double y, double theta, int macro_step) {
+float& SoftHybridAstar::least_f_at(double x, double y, double theta, int macro_step) {
   const double turns = theta / (2.0 * std::numbers::pi);
   const auto heading =
       std::uint64_t((turns - std::floor(turns)) * (2.0 * std::numbers::pi / options_.cell_heading));
@@ -214,7 +176,7 @@ SoftHybridAstar::Cell& SoftHybridAstar::cell_of(double x, double y, double theta
   const auto row = std::uint64_t(std::int64_t(std::floor(y / options_.cell)) + (1 << 18));
   const std::uint64_t key = ((column << 20U | row) << 8U | heading) << 16U |
                             (std::uint64_t(macro_step / options_.cell_macro_steps) & 0xffffU);
-  return cell_with(key);
+  return cells_.try_emplace(key, std::numeric_limits<float>::infinity()).first->second;
 }
 
 /// Has the robot got there by waiting in the cell of its parent? The parent was there earlier, but
@@ -258,9 +220,9 @@ void SoftHybridAstar::try_primitive(int parent, int a) {
     return;
   child.f = estimate(double(child.soft_cost), child.macro_step, h);
   if (double(child.f) >= best_.cost) return;
-  Cell& cell = cell_of(child.at.x, child.at.y, theta, child.macro_step);
+  float& least_f = least_f_at(child.at.x, child.at.y, theta, child.macro_step);
   const bool waits = waits_in_its_cell(child);
-  if (cell.f <= child.f && !waits) return;
+  if (least_f <= child.f && !waits) return;
 
   const BoxPose halfway = moved(primitive.boxes[std::size_t(car.time().macro_step / 2)], from.at);
   if (a != MotionPrimitives::kWait && !car.is_free(pose(from), primitive.arc, halfway)) return;
@@ -268,8 +230,8 @@ void SoftHybridAstar::try_primitive(int parent, int a) {
   if (options_.hard && more > 0.0F) return;
   child.soft_cost += more;
   child.f += more;
-  if ((cell.f <= child.f && !waits) || double(child.f) >= best_.cost) return;
-  cell.f = std::min(cell.f, child.f);
+  if ((least_f <= child.f && !waits) || double(child.f) >= best_.cost) return;
+  least_f = std::min(least_f, child.f);
   push(child);
 }
 

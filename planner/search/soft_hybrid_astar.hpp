@@ -4,6 +4,7 @@
 #include <limits>
 #include <optional>
 #include <span>
+#include <unordered_map>
 #include <vector>
 
 #include "planner/motion/cost_to_go.hpp"
@@ -88,7 +89,7 @@ class SoftHybridAstar {
 
   /// Expansions of all searches so far.
   [[nodiscard]] std::int64_t expansions() const { return expansions_; }
-  /// Cells in memory, for one who looks after it.
+  /// Cells of the last search, for one who looks after the memory.
   [[nodiscard]] std::size_t cells() const { return cells_.size(); }
 
  private:
@@ -101,11 +102,6 @@ class SoftHybridAstar {
     int turns;
     std::int8_t primitive;
     std::int8_t direction;  ///< of the last drive: 1, -1, or 0 if there was none
-  };
-  struct Cell {
-    std::uint64_t key;
-    float f;
-    unsigned stamp;
   };
   /// How far an analytic expansion has been propagated.
   struct PropagatedState {
@@ -141,11 +137,8 @@ class SoftHybridAstar {
   }
   [[nodiscard]] double to_go(double x, double y, double theta) const;
   [[nodiscard]] float estimate(double soft_cost, int macro_step, double to_go) const;
-  void clear_cells(std::size_t room);
-  void grow_cells();
-  [[nodiscard]] Cell& cell_with(std::uint64_t key);
-  /// Valid until the next call. @return where the best node of a place and time is kept
-  [[nodiscard]] Cell& cell_of(double x, double y, double theta, int macro_step);
+  /// The least f of the nodes at a place and time so far; infinity if there was none.
+  [[nodiscard]] float& least_f_at(double x, double y, double theta, int macro_step);
   [[nodiscard]] double cost_of_reversals(int direction, std::span<const Arc> arcs) const;
   [[nodiscard]] bool tries_analytic_expansion(int expansion, const Node& node) const;
   void expand(int node);
@@ -169,11 +162,8 @@ class SoftHybridAstar {
   int around_ = 0;
   std::vector<Node> nodes_;
   std::vector<std::pair<float, int>> open_;
-  std::vector<Cell> cells_;    ///< by open addressing; valid are those with the search's stamp
-  std::size_t cell_mask_ = 0;  ///< so many cells, less one, are in use by the search under way
-  std::size_t used_cells_ = 0;
-  unsigned stamp_ = 0;
-  std::vector<float> rest_soft_cost_;  ///< of resting on the goal from macro step k on
+  std::unordered_map<std::uint64_t, float> cells_;  ///< see least_f_at(), of the last search
+  std::vector<float> rest_soft_cost_;               ///< of resting on the goal from macro step k on
   std::vector<float>
       rest_cost_;  ///< least arrival time plus rest soft-collision cost from macro step k on
   std::vector<BoxPose> boxes_;

@@ -6,8 +6,8 @@
 #include <limits>
 #include <numbers>
 #include <tuple>
+#include <unordered_set>
 
-#include "planner/search/cell_set.hpp"
 #include "planner/search/focal_queue.hpp"
 
 namespace mvtp {
@@ -97,7 +97,8 @@ class Search {
       if (expansions % kClockEvery == 0 && deadline_.expired()) return std::nullopt;
       const int n = open_.pop();
       if (nodes_[std::size_t(n)].at_goal) return path_to(n);
-      if (nodes_[std::size_t(n)].f >= clear_goal_ || !closed_.insert(key(nodes_[std::size_t(n)]))) {
+      if (nodes_[std::size_t(n)].f >= clear_goal_ ||
+          !closed_.insert(key(nodes_[std::size_t(n)])).second) {
         continue;
       }
       if (expansions % kExpansionEvery == 0 || nodes_[std::size_t(n)].h < kExpansionRange)
@@ -308,7 +309,7 @@ class Search {
   double clear_goal_ =
       std::numeric_limits<double>::infinity();  ///< least f of one without conflicts
   FocalQueue<FocalKey> open_;
-  CellSet closed_;
+  std::unordered_set<std::uint64_t> closed_;
 };
 
 }  // namespace

@@ -6,8 +6,6 @@
 #include <random>
 #include <set>
 
-#include "planner/search/cell_set.hpp"
-
 namespace mvtp {
 namespace {
 
@@ -70,17 +68,6 @@ TEST(FocalQueue, AlwaysPopsWithinTheBoundAndAtTheLeastKey) {
       }
     }
     EXPECT_EQ(open.erase(popped), 1U);
-  }
-}
-
-TEST(CellSet, IsASet) {
-  std::mt19937_64 rng(6);
-  CellSet cells;
-  std::set<std::uint64_t> expected;
-  for (int k = 0; k < 20000; ++k) {
-    const std::uint64_t key = rng() % 9000;
-    EXPECT_EQ(cells.contains(key), expected.contains(key));
-    EXPECT_EQ(cells.insert(key), expected.insert(key).second);
   }
 }
 
