@@ -184,7 +184,7 @@ void Coordinator::replan() {
     trial.decision.late.resize(trial.decision.members.size());
     std::iota(trial.decision.late.begin(), trial.decision.late.end(), std::size_t{0});
   }
-  record.fallback = !trial.decision.late.empty() || !trial.refused.empty();
+  record.fallback = !trial.decision.late.empty() || !trial.as_before.empty();
   replans_.push_back(record);
   accept(trial, arrivals);
 }
@@ -200,14 +200,15 @@ RoadEscotOptions Coordinator::escot() const {
   return options;
 }
 
-/// Makes a trial's plan what is executed, but for groups that are late or that the referee refuses:
-/// those go on as before, and the newcomers among them are not taken over.
+/// Makes a trial's plan what is executed, but for groups that are late, or whose vehicles would
+/// touch and do better with their old plans: those go on as before, and the newcomers among them
+/// are not taken over.
 void Coordinator::accept(const Trial& trial, const std::map<std::string, Driven>& arrivals) {
   std::set<std::int64_t> keep;  // keys
   std::map<std::int64_t, int> refusals;
   for (std::size_t g = 0; g < trial.decision.members.size(); ++g) {
     const auto& members = trial.decision.members[g];
-    const bool refused = std::ranges::binary_search(trial.refused, g);
+    const bool refused = std::ranges::binary_search(trial.as_before, g);
     int before = 0;
     for (const std::int64_t key : members) {
       const auto known = refusals_.find(key);

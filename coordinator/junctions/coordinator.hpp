@@ -136,11 +136,12 @@ class Coordinator : public Controller {
     RoadDecision decision;
     std::vector<Forecast> forecasts;
     std::vector<PlannedContact> contacts;
-    std::vector<std::size_t> refused;   ///< groups, ascending
-    std::vector<std::string> guests;    ///< human-driven vehicles that go over junctions
-    std::set<std::string> excluded;     ///< arrivals that stay as they are
-    std::map<std::int64_t, int> paths;  ///< of the vehicles planned, by key
-    std::map<std::int64_t, int> zones;  ///< the same: where they are, or come to
+    std::vector<std::size_t> refused;    ///< groups whose vehicles would touch, ascending, and
+    std::vector<std::size_t> as_before;  ///< those of them that do better with their old plans
+    std::vector<std::string> guests;     ///< human-driven vehicles that go over junctions
+    std::set<std::string> excluded;      ///< arrivals that stay as they are
+    std::map<std::int64_t, int> paths;   ///< of the vehicles planned, by key
+    std::map<std::int64_t, int> zones;   ///< the same: where they are, or come to
   };
   /// Sets of guests that may be let over the junctions of a control zone, in the order of trial.
   struct ZoneOffers {

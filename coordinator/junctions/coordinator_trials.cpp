@@ -182,6 +182,11 @@ Coordinator::Trial Coordinator::plan_trial(const std::map<std::string, Driven>& 
   left_without_plan_ = trial.decision.stepped > 0;
   trial.contacts = find_planned_contacts(now, trial.decision.plan, plan_);
   trial.refused = groups_in_contact(trial.decision.members, trial.contacts);
+  JointPlan before = plan_;
+  std::erase_if(before.entries, [&](const auto& e) {
+    return arriving.contains(e.key) || !trial.paths.contains(e.key);
+  });
+  trial.as_before = better_as_before(now, trial.decision.members, trial.contacts, before);
   return trial;
 }
 
