@@ -34,6 +34,7 @@ void SumoControlled::take_over(const std::string& id, double front) {
 void SumoControlled::hand_back(const std::string& id) {
   const Controlled& vehicle = vehicles_.at(id);
   settle(id, 0.0);
+  widths_.restore(id);
   if (!routes_.restore(id, clock_.now)) unrestored_.insert(id);
   if (api::Vehicle::getLaneID(id).empty()) put_onto_route(id, vehicle);
   // SUMO only knows a speed it has measured itself, cut off at the limit of the lane.
@@ -84,6 +85,7 @@ void SumoControlled::send(const std::set<std::string>& waiting) {
       routes_.cut(id, next, clock_.now);
     }
     const SumoPosition& p = vehicle.position;
+    if (vehicle.rest_of_route.empty()) widths_.widen(id, p);
     api::Vehicle::moveToXY(id, vehicle.enters ? vehicle.rest_of_route.front() : "",
                            vehicle.enters ? vehicle.lane_index : -1, p.x_m, p.y_m, p.angle_deg,
                            vehicle.enters ? kNewRoute : kKeepRoute, kAnyDistance);
@@ -106,6 +108,7 @@ void SumoControlled::forget_if(const std::function<bool(const std::string&)>& ha
     return true;
   });
   std::erase_if(unrestored_, has_left);
+  widths_.forget_if(has_left);
 }
 
 void SumoControlled::settle(const std::string& id, double speed) {

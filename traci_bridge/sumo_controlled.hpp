@@ -14,6 +14,7 @@
 #include "traci_bridge/sumo_frame.hpp"
 #include "traci_bridge/sumo_lanes.hpp"
 #include "traci_bridge/sumo_routes.hpp"
+#include "traci_bridge/sumo_widths.hpp"
 
 namespace mvtp::MVTP_SUMO_NAMESPACE {
 
@@ -23,7 +24,12 @@ class SumoControlled {
   /// All of these must outlive it.
   SumoControlled(const RoadNetwork& network, SumoLanes& lanes, SumoRoutes& routes,
                  SumoDrivers& drivers, const SumoClock& clock)
-      : network_(network), lanes_(lanes), routes_(routes), drivers_(drivers), clock_(clock) {}
+      : network_(network),
+        lanes_(lanes),
+        routes_(routes),
+        drivers_(drivers),
+        clock_(clock),
+        widths_(network) {}
 
   [[nodiscard]] bool contains(const std::string& id) const { return vehicles_.contains(id); }
   /// What it was told to drive [m/s]; nothing where somebody else drives it.
@@ -71,6 +77,7 @@ class SumoControlled {
   SumoRoutes& routes_;
   SumoDrivers& drivers_;
   const SumoClock& clock_;
+  SumoWidths widths_;
   std::map<std::string, Controlled> vehicles_;
   std::set<std::string> unrestored_;  ///< handed back, but SUMO does not know the whole route yet
 };

@@ -138,6 +138,31 @@ TEST_F(SumoTrafficTest, AVehicleMayLeaveTheRoadAndKeepsItsRoute) {
   EXPECT_THAT(traffic->route("a"), ElementsAre("Wi", "Eo"));
 }
 
+// A lorry's nose may be further aside than SUMO takes for its lane; nobody must depart before it.
+// The lane of the turn from Wi to So has a radius of 5.6 m around (-7.2, -7.2).
+TEST_F(SumoTrafficTest, WhoSwingsWideStaysOnItsLaneForAllOthers) {
+  const auto traffic = open(R"(<vType id="lorry" length="10" width="2.4"/>
+      <vehicle id="a" type="lorry" depart="0" departPos="250"><route edges="Wi So"/></vehicle>
+      <vehicle id="b" type="car" depart="5.2"><route edges="So"/></vehicle>)");
+  run_until(*traffic, 1.0);
+  traffic->take_over("a");
+  const double front = traffic->type("lorry").body.front;
+  const auto place = [&](const Pose& nose) {
+    traffic->place("a", compose(nose, {-front, 0.0, 0.0}), 6.0);
+    traffic->step();
+  };
+  for (double x = -40.0; x < -5.5; x += 1.0) place({x, -1.6, 0.0});
+  ASSERT_EQ(at(*traffic, "a").lane, ":C_9_0");
+  constexpr double kRadius = 5.6 + 3.2;
+  for (double turned = 0.4; turned < 1.5; turned += 0.6 / kRadius) {
+    place({-7.2 + kRadius * std::sin(turned), -7.2 + kRadius * std::cos(turned), -turned});
+    EXPECT_EQ(at(*traffic, "a").lane, ":C_9_0") << turned;
+    EXPECT_EQ(at(*traffic, "a").type, "lorry");
+    EXPECT_EQ(find(*traffic, "b"), nullptr) << traffic->time();
+  }
+  EXPECT_GT(traffic->time(), 5.5) << "it would have departed by now";
+}
+
 TEST_F(SumoTrafficTest, AVehicleThatIsNotPlacedAgainStays) {
   const auto traffic = open(vehicle("a", 0, "Wi Eo", "departPos=\"100\""));
   run_until(*traffic, 1.0);

@@ -1,0 +1,45 @@
+#include "traci_bridge/sumo_widths.hpp"
+
+#include "coordinator/network/polyline.hpp"
+
+namespace mvtp::MVTP_SUMO_NAMESPACE {
+namespace {
+
+constexpr double kSpare = 0.3;  ///< [m] that it may be further aside before it is widened, and then
+constexpr double kMost = 4.0;   ///< [m] that it is widened: beyond, it has left the road
+
+}  // namespace
+
+void SumoWidths::widen(const std::string& id, const SumoPosition& front) {
+  const auto lane = network_.lanes.find(api::Vehicle::getLaneID(id));
+  if (lane == network_.lanes.end()) return;
+  const auto [known, is_new] = widths_.try_emplace(id);
+  Width& width = known->second;
+  if (is_new) width.own = width.shown = api::Vehicle::getWidth(id);
+  const double aside = distance_to(lane->second.shape, {front.x_m, front.y_m, 0.0});
+  const double needed = 2.0 * (aside + kSpare) - lane->second.width;
+  if (needed <= width.own) {
+    show(id, width, width.own);
+  } else if (needed > width.shown && needed <= width.own + kMost) {
+    show(id, width, needed + kSpare);
+  }
+}
+
+void SumoWidths::restore(const std::string& id) {
+  const auto known = widths_.find(id);
+  if (known == widths_.end()) return;
+  show(id, known->second, known->second.own);
+  widths_.erase(known);
+}
+
+void SumoWidths::forget_if(const std::function<bool(const std::string&)>& has_left) {
+  std::erase_if(widths_, [&](const auto& entry) { return has_left(entry.first); });
+}
+
+void SumoWidths::show(const std::string& id, Width& width, double shown) {
+  if (shown == width.shown) return;
+  width.shown = shown;
+  api::Vehicle::setWidth(id, shown);
+}
+
+}  // namespace mvtp::MVTP_SUMO_NAMESPACE
