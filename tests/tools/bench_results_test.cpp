@@ -36,6 +36,7 @@ ResultRow solved_row(const std::string& instance) {
   result.makespan = 13.0;
   result.flowtime = 20.0625;
   result.first_solution = 0.125;
+  result.solved_seed = 4;
   return result;
 }
 
@@ -54,11 +55,11 @@ std::string message(const F& f) {
 TEST(Results, HaveTheColumnsThatScriptsRelyOn) {
   EXPECT_EQ(results_header(),
             "instance,algorithm,seed,status,valid,makespan_steps,makespan_s,flowtime_s,"
-            "lower_bound_s,first_solution_s,runtime_s,peak_rss_mb,version\n");
+            "lower_bound_s,first_solution_s,runtime_s,peak_rss_mb,solved_seed,version\n");
   EXPECT_EQ(to_csv(solved_row("a.yaml")),
-            "a.yaml,escot,0,solved,true,13,13.0000,20.0625,12.5000,0.1250,60.2500,10.5,0.1.0\n");
+            "a.yaml,escot,0,solved,true,13,13.0000,20.0625,12.5000,0.1250,60.2500,10.5,4,0.1.0\n");
   EXPECT_EQ(to_csv(row("a.yaml", 7)),
-            "a.yaml,escot,7,timeout,false,,,,12.5000,,60.2500,10.5,0.1.0\n");
+            "a.yaml,escot,7,timeout,false,,,,12.5000,,60.2500,10.5,,0.1.0\n");
 }
 
 TEST(Results, FieldsAreQuotedAsRfc4180Wants) {
@@ -84,18 +85,18 @@ TEST(Results, BadLinesAreNamed) {
       (void)parse_results(results_header() + to_csv(row("a\nb")) + line + "\n", "r.csv");
     });
   };
-  EXPECT_EQ(refusal("a"), "r.csv:4: has 1 fields in place of 13; is it a results.csv?");
-  EXPECT_EQ(refusal("a,escot,x,solved,true,1,1,1,1,1,1,1,v"),
+  EXPECT_EQ(refusal("a"), "r.csv:4: has 1 fields in place of 14; is it a results.csv?");
+  EXPECT_EQ(refusal("a,escot,x,solved,true,1,1,1,1,1,1,1,,v"),
             "r.csv:4: seed: is \"x\"; give a whole number");
-  EXPECT_EQ(refusal("a,escot,1,solved,yes,1,1,1,1,1,1,1,v"),
+  EXPECT_EQ(refusal("a,escot,1,solved,yes,1,1,1,1,1,1,1,,v"),
             "r.csv:4: valid: is \"yes\"; give true or false");
-  EXPECT_EQ(refusal("a,escot,1,solved,true,1.5,1,1,1,1,1,1,v"),
+  EXPECT_EQ(refusal("a,escot,1,solved,true,1.5,1,1,1,1,1,1,,v"),
             "r.csv:4: makespan_steps: is \"1.5\"; give a whole number");
-  EXPECT_EQ(refusal("a,escot,1,solved,true,1,nan,1,1,1,1,1,v"),
+  EXPECT_EQ(refusal("a,escot,1,solved,true,1,nan,1,1,1,1,1,,v"),
             "r.csv:4: makespan_s: is \"nan\"; give a finite number >= 0");
-  EXPECT_EQ(refusal("a,escot,1,solved,true,1,1,1,1,1,,1,v"),
+  EXPECT_EQ(refusal("a,escot,1,solved,true,1,1,1,1,1,,1,,v"),
             "r.csv:4: runtime_s: is \"\"; give a number");
-  EXPECT_EQ(refusal(",escot,1,solved,true,1,1,1,1,1,1,1,v"),
+  EXPECT_EQ(refusal(",escot,1,solved,true,1,1,1,1,1,1,1,,v"),
             "r.csv:4: instance: is \"\"; give text");
   EXPECT_EQ(refusal("\"a"), "r.csv: has an incomplete last line; continue the run with --resume");
 }

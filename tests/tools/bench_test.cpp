@@ -73,6 +73,7 @@ TEST_F(BenchCommand, RunsEachAlgorithmWithEachSeedOnEachInstance) {
     EXPECT_GE(*row.flowtime, *row.makespan);
     EXPECT_LE(*row.first_solution, row.runtime);
     EXPECT_GT(row.peak_rss, 1.0);
+    EXPECT_EQ(row.solved_seed, row.seed);
   }
   EXPECT_THAT(results().front().lower_bound, testing::Optional(15.0));
 }

@@ -194,6 +194,7 @@ class Bench : public JobSource {
     if (!statistics.initial_overlaps.empty()) ++with_overlaps_;
     if (row.status != "solved") return;
     const double dt = read_instance(runs_[i].instance.file, options_.reading).dt;
+    row.solved_seed = statistics.seed;
     row.makespan = statistics.makespan;
     row.makespan_steps = std::uint64_t(std::ceil(statistics.makespan / dt - 1e-9));
     row.flowtime = statistics.flowtime;

@@ -19,10 +19,10 @@ namespace {
 
 constexpr std::size_t kMaxBytes = 1'000'000'000;
 
-constexpr std::array<std::string_view, 13> kColumns = {
-    "instance",       "algorithm",   "seed",       "status",        "valid",
-    "makespan_steps", "makespan_s",  "flowtime_s", "lower_bound_s", "first_solution_s",
-    "runtime_s",      "peak_rss_mb", "version"};
+constexpr std::array<std::string_view, 14> kColumns = {
+    "instance",       "algorithm",   "seed",        "status",        "valid",
+    "makespan_steps", "makespan_s",  "flowtime_s",  "lower_bound_s", "first_solution_s",
+    "runtime_s",      "peak_rss_mb", "solved_seed", "version"};
 
 // ---- writing
 
@@ -117,6 +117,7 @@ ResultRow to_row(const CsvRecord& record, const std::string& where) {
   row.first_solution = fields.optional_number();
   row.runtime = fields.number();
   row.peak_rss = fields.number();
+  row.solved_seed = fields.optional_count();
   row.version = fields.text();
   return row;
 }
@@ -143,11 +144,12 @@ std::pair<std::vector<ResultRow>, std::size_t> parse(std::string_view content,
 std::string results_header() { return fmt::format("{}\n", fmt::join(kColumns, ",")); }
 
 std::string to_csv(const ResultRow& row) {
-  return fmt::format("{},{},{},{},{},{},{},{},{},{},{},{:.1f},{}\n", csv_field(row.instance),
+  return fmt::format("{},{},{},{},{},{},{},{},{},{},{},{:.1f},{},{}\n", csv_field(row.instance),
                      csv_field(row.algorithm), row.seed, csv_field(row.status), row.valid,
                      row.makespan_steps ? fmt::to_string(*row.makespan_steps) : "",
                      seconds(row.makespan), seconds(row.flowtime), seconds(row.lower_bound),
                      seconds(row.first_solution), seconds(row.runtime), row.peak_rss,
+                     row.solved_seed ? fmt::to_string(*row.solved_seed) : "",
                      csv_field(row.version));
 }
 

@@ -28,6 +28,7 @@ struct ResultRow {
   std::optional<double> first_solution;         ///< [s]
   double runtime = 0.0;                         ///< [s]
   double peak_rss = 0.0;                        ///< of the solver's process [MiB]
+  std::optional<std::uint64_t> solved_seed;     ///< of the run that solved, of several
   std::string version;
 
   friend bool operator==(const ResultRow&, const ResultRow&) = default;
