@@ -32,6 +32,7 @@ void expect_laws(ClosedLoop& run) {
   EXPECT_EQ(run.audit.figures().accel_violations, 0);
   EXPECT_LE(run.audit.figures().max_jump, 0.05);
   EXPECT_EQ(run.audit.figures().hard_brakings_after_handback, 0);
+  EXPECT_EQ(run.audit.figures().hard_brakings_after_handback, 0);
   if (!testing::Test::HasFailure()) return;
   for (const AuditEvent& e : run.audit.events()) ADD_FAILURE() << e.time << " s: " << e.what;
 }
