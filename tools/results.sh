@@ -70,7 +70,7 @@ if [ -n "$short" ]; then
   rival_seeds=1 signals=static sparse=(--count 1 --robots 2) dense=(--count 1 --robots 5) crowds=(--count 1 --size 50 --robots 12)
   lot_count=(--count 1 --in 1 --out 1) limit=3 times=1
   faulty=(crossroads-400) faults=(none loss=0.3) faults_end=(--end 60)
-  busy=(crossroads-800) busy_end=(--end 60) busy_seeds=1 busy_controllers=max-wave,escot
+  busy=(crossroads-800) busy_end=(--end 60) busy_seeds=1 busy_signals=max-wave busy_rivals=(crossroads-800)
 else
   seeds=1-5 end=() roads=(crossroads crossroads-400 crossroads-600 crossroads2-400 crossroads2-800)
   jamming=(crossroads crossroads-400)
@@ -82,7 +82,7 @@ else
     delay=0.5,loss=0.1,position=0.2,heading=1,actuation=0.1)
   # Until the last departure: what is left then waits for many times as long at some of them.
   busy=(crossroads-{800,1000,1200,1400} crossroads2-{1000,1500,2000,2500}) busy_end=(--end 1800) busy_seeds=1-3
-  busy_controllers=static,actuated,max-pressure,max-wave,aim,conflict-zone,prioritized,escot
+  busy_signals=$signals busy_rivals=(crossroads-800 crossroads2-1000)
   sparse=(--count 10) dense=(--count 10) crowds=(--count 2) lot_count=(--count 10) limit=30 times=20
 fi
 
@@ -111,11 +111,17 @@ measure_roads() {
   done
 }
 
+# Reservations jam beyond the first demands.
 measure_saturation() {
   local name
+  local sweep=(sweep --seeds "$busy_seeds" "${busy_end[@]}")
   for name in "${busy[@]}"; do
-    row "saturation-$name" resumed "$folder/saturation-$name.csv" sweep -c "scenarios/crossroads/$name.sumocfg" \
-      --seeds "$busy_seeds" --controllers "$busy_controllers" "${busy_end[@]}"
+    row "saturation-$name" resumed "$folder/saturation-$name.csv" "${sweep[@]}" \
+      -c "scenarios/crossroads/$name.sumocfg" --controllers "$busy_signals,prioritized,escot"
+  done
+  for name in "${busy_rivals[@]}"; do
+    row "saturation-rivals-$name" resumed "$folder/saturation-rivals-$name.csv" "${sweep[@]}" \
+      -c "scenarios/crossroads/$name.sumocfg" --controllers aim,conflict-zone
   done
 }
 

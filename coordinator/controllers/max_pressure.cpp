@@ -4,6 +4,8 @@
 namespace mvtp {
 namespace {
 
+constexpr double kPressureReach = 200.0;  ///< [m] [Ault, Sharon 2021]
+
 /// The sum of its movements' pressures: those who want to go there, less those who are there
 /// already and want to go on, shared out evenly among the paths on. A road that leaves the network
 /// takes all. [Varaiya, Max pressure control of a network of signalized intersections, 2013]
@@ -24,7 +26,7 @@ ControllerKind max_pressure_controller() {
           .meaning = "of the network's phases the one with the largest pressure (Varaiya)",
           .make = [](const ControllerSetup& setup) -> std::unique_ptr<Controller> {
             return std::make_unique<PhaseSelection>(
-                setup.traffic, signals_needed(setup, "max-pressure"), pressure);
+                setup.traffic, signals_needed(setup, "max-pressure"), kPressureReach, pressure);
           },
           .needs_signals = true};
 }

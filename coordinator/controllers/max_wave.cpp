@@ -6,6 +6,8 @@
 namespace mvtp {
 namespace {
 
+constexpr double kWaveReach = 50.0;  ///< [m], as in its authors' code
+
 /// Vehicles on the lanes that have green. [Ault, Sharon, Reinforcement Learning Benchmarks for
 /// Traffic Signal Control, 2021: MaxWave]
 double wave(const std::vector<const SignalLink*>& green, const LaneCounts& counts) {
@@ -23,8 +25,8 @@ ControllerKind max_wave_controller() {
   return {.name = "max-wave",
           .meaning = "of the network's phases the one with most vehicles before it",
           .make = [](const ControllerSetup& setup) -> std::unique_ptr<Controller> {
-            return std::make_unique<PhaseSelection>(setup.traffic,
-                                                    signals_needed(setup, "max-wave"), wave);
+            return std::make_unique<PhaseSelection>(
+                setup.traffic, signals_needed(setup, "max-wave"), kWaveReach, wave);
           },
           .needs_signals = true};
 }

@@ -24,8 +24,8 @@ void LaneCounts::count(const Traffic& traffic) {
     const auto found = traffic.network().lanes.find(v.lane);
     if (found == traffic.network().lanes.end() || found->second.internal) continue;
     const Lane& lane = found->second;
-    if (v.lane_position <= kReach) ++on_edge_[lane.edge];
-    if (lane.length - v.lane_position > kReach) continue;
+    if (v.lane_position <= reach_) ++on_edge_[lane.edge];
+    if (lane.length - v.lane_position > reach_) continue;
     ++on_lane_[v.lane];
     const std::span<const std::string> route = traffic.route_edges(v.id);
     if (route.size() > 1) ++heading_[{v.lane, route[1]}];
@@ -38,8 +38,8 @@ int LaneCounts::heading(const std::string& lane, const std::string& edge) const 
 }
 
 PhaseSelection::PhaseSelection(Traffic& traffic, const std::vector<std::string>& signals,
-                               Worth worth)
-    : traffic_(traffic), worth_(std::move(worth)) {
+                               double reach, Worth worth)
+    : traffic_(traffic), worth_(std::move(worth)), counts_(reach) {
   const RoadNetwork& network = traffic.network();
   std::map<std::string, std::vector<SignalLink>> links;
   std::map<std::string, int> movements_on;

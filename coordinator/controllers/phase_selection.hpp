@@ -12,8 +12,8 @@ namespace mvtp {
 /// How many vehicles are where, as detectors over the lanes would tell.
 class LaneCounts {
  public:
-  /// [m] before a stop line, and behind the junction, that detectors reach.
-  static constexpr double kReach = 200.0;
+  /// @param reach  of the detectors, before a stop line and behind the junction [m]
+  explicit LaneCounts(double reach) : reach_(reach) {}
 
   void count(const Traffic& traffic);
 
@@ -31,6 +31,7 @@ class LaneCounts {
     return found == counts.end() ? 0 : found->second;
   }
 
+  double reach_;
   Counts on_lane_;
   Counts on_edge_;
   std::map<std::pair<std::string, std::string>, int> heading_;
@@ -56,7 +57,9 @@ class PhaseSelection : public Controller {
 
   static constexpr double kDecision = 10.0;  ///< [s] from one decision to the next
 
-  PhaseSelection(Traffic& traffic, const std::vector<std::string>& signals, Worth worth);
+  /// @param reach  of its detectors [m], see LaneCounts
+  PhaseSelection(Traffic& traffic, const std::vector<std::string>& signals, double reach,
+                 Worth worth);
 
   void decide() override;
   void act() override {}

@@ -139,13 +139,22 @@ TEST_F(PhaseSelectionTest, PressureCountsTheLanesBehindAndAWaveDoesNot) {
   EXPECT_EQ(traffic.shown, "Grr");
 }
 
-TEST_F(PhaseSelectionTest, WhoIsOutOfReachIsNotSeen) {
-  const auto controller = make("max-wave");
-  traffic.put(9, "a", "out", 99.0);  // 201 m before the line
-  traffic.put(1, "b", "out", 101.0);
+class OutOfReach : public PhaseSelectionTest,
+                   public testing::WithParamInterface<std::pair<const char*, double>> {};
+
+TEST_P(OutOfReach, NobodyIsSeen) {
+  const auto [name, reach] = GetParam();
+  const auto controller = make(name);
+  traffic.put(9, "a", "out", 300.0 - reach - 1.0);
+  traffic.put(1, "b", "out", 300.0 - reach + 1.0);
   (void)watch(*controller, 20.0);
   EXPECT_EQ(traffic.shown, "rGG");
 }
+
+INSTANTIATE_TEST_SUITE_P(Detectors, OutOfReach,
+                         testing::Values(std::pair("max-wave", 50.0),
+                                         std::pair("max-pressure", 200.0)),
+                         [](const auto& test) { return test.index == 0 ? "wave" : "pressure"; });
 
 TEST_F(PhaseSelectionTest, NobodyIsDriven) {
   traffic.put(3, "a", "out");
