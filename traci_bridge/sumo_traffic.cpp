@@ -44,9 +44,14 @@ std::string_view name_of(std::string_view argument) {
   return argument.substr(0, argument.find('='));
 }
 
+/// An option, or a value, which may be a negative number?
+bool is_option(std::string_view argument) {
+  return argument.starts_with('-') && argument.find_first_of("0123456789.") != 1;
+}
+
 void check_extra(const SumoOptions& options, const std::vector<std::string>& ours) {
   for (const std::string& argument : options.extra) {
-    if (!argument.starts_with('-')) continue;  // a value
+    if (!is_option(argument)) continue;
     const std::string_view name = name_of(argument);
     const bool refused = std::ranges::find(kRefused, name) != kRefused.end() ||
                          std::ranges::find(ours, name) != ours.end();

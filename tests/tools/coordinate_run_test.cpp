@@ -45,6 +45,16 @@ TEST_F(CoordinateRun, TheEndOfTheScenarioHoldsUnlessAnotherIsGiven) {
   EXPECT_EQ(summary()["status"], "finished");
 }
 
+// SUMO's own word for "until everybody has arrived", which looks like an option.
+TEST_F(CoordinateRun, ANegativeEndIsNone) {
+  write(vehicle("a", 0, "Wi Eo"), kStep + "<end value=\"5\"/>");
+  for (const char* end : {"--end -1", "--end=-1", "-e -1"}) {
+    const Outcome outcome = coordinate(std::string("-- ") + end);
+    EXPECT_EQ(outcome.exit_code, 0) << end << ": " << outcome.err;
+    EXPECT_EQ(summary()["completed"], 1) << end;
+  }
+}
+
 TEST_F(CoordinateRun, ARunWithoutAVehicleIsNoSuccess) {
   write("", kStep);
   Outcome outcome = coordinate("--quiet");
