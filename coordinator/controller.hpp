@@ -17,7 +17,7 @@ struct Replan {
   int forecasts = 0;
   int groups = 0;
   int stepped = 0;        ///< vehicles without a complete plan, moved by PBCR
-  bool fallback = false;  ///< late, or refused by the referee: the previous plan was kept
+  bool fallback = false;  ///< some kept the previous plan: this one was late, or led to contacts
   double cost = 0.0;      ///< [s]
   double ms = 0.0;        ///< wall clock
 };

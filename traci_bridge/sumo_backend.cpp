@@ -64,7 +64,12 @@ class Backend final : public SumoTraffic {
 
   std::vector<std::string> types() const override {
     std::vector<std::string> ids = ask([] { return api::VehicleType::getIDList(); });
-    std::erase_if(ids, [](const std::string& id) { return id.starts_with("DEFAULT_"); });
+    std::erase_if(ids, [&](const std::string& id) {
+      // TYPE@ID is that of one vehicle, whose parameters were changed.
+      const std::string declared = id.substr(0, id.find('@'));
+      return id.starts_with("DEFAULT_") ||
+             (declared != id && std::ranges::count(ids, declared) > 0);
+    });
     std::ranges::sort(ids);
     return ids;
   }

@@ -3,6 +3,7 @@
 #include <optional>
 #include <string>
 
+#include "traci_bridge/declared_type.hpp"
 #include "traci_bridge/xml.hpp"
 
 namespace mvtp {
@@ -22,12 +23,6 @@ std::optional<Emissions> read_emissions(const XmlFile& file, const tinyxml2::XML
   return Emissions{.fuel = file.number(*element, "fuel_abs") * kMilligram / kPetrol,
                    .co2 = file.number(*element, "CO2_abs") * kMilligram,
                    .nox = file.number(*element, "NOx_abs") * kMilligram};
-}
-
-/// SUMO gives a vehicle whose parameters were changed a type of its own, TYPE@VEHICLE.
-std::string declared_type(std::string type, const std::string& vehicle) {
-  if (type.ends_with('@' + vehicle)) type.resize(type.size() - vehicle.size() - 1);
-  return type;
 }
 
 Trip read_trip(const XmlFile& file, const tinyxml2::XMLElement& element) {

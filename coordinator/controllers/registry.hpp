@@ -1,6 +1,7 @@
 #pragma once
 
 #include <span>
+#include <string>
 
 #include "coordinator/controllers/controller_kind.hpp"
 

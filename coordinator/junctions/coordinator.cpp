@@ -184,6 +184,7 @@ void Coordinator::replan() {
     trial.decision.late.resize(trial.decision.members.size());
     std::iota(trial.decision.late.begin(), trial.decision.late.end(), std::size_t{0});
   }
+  trial.as_before = better_with_old_plans(trial, arrivals);
   record.fallback = !trial.decision.late.empty() || !trial.as_before.empty();
   replans_.push_back(record);
   accept(trial, arrivals);
@@ -228,6 +229,7 @@ void Coordinator::accept(const Trial& trial, const std::map<std::string, Driven>
     if (keep.contains(e.key)) plan.entries.push_back(e);
   }
   plan_ = std::move(plan);
+  plan_touches_ = !trial.refused.empty();
   groups_ = trial.decision.members;
   forecasts_ = trial.forecasts;
   // A guest goes by the plans of all.

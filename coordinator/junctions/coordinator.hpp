@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 #include <set>
+#include <span>
 #include <string>
 #include <unordered_map>
 #include <vector>
@@ -244,6 +245,8 @@ class Coordinator : public Controller {
   [[nodiscard]] std::set<std::string> better_later(const Trial& trial,
                                                    const std::map<std::string, Driven>& arrivals,
                                                    bool whole_groups) const;
+  [[nodiscard]] std::vector<std::size_t> better_with_old_plans(
+      const Trial& trial, const std::map<std::string, Driven>& arrivals) const;
   [[nodiscard]] std::set<std::string> too_late(const std::map<std::string, Driven>& arrivals);
   [[nodiscard]] bool may_come_later(const std::string& id, const Driven& arrival) const;
   [[nodiscard]] Trial plan_trial(const std::map<std::string, Driven>& arrivals,
@@ -344,6 +347,7 @@ class Coordinator : public Controller {
   std::int64_t next_key_ = 0;
   std::map<std::string, Driven> driven_;
   JointPlan plan_;
+  bool plan_touches_ = false;  ///< some of them would touch; else it was judged to be clear
   std::vector<Forecast> forecasts_;
   std::unordered_map<std::string, Trail> trails_;
   std::map<std::string, VehicleType> types_;

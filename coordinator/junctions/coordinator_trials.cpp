@@ -180,14 +180,38 @@ Coordinator::Trial Coordinator::plan_trial(const std::map<std::string, Driven>& 
   });
   trial.decision = decide_on_road(now, incumbent, without_plan(now, incumbent, upset), escot());
   left_without_plan_ = trial.decision.stepped > 0;
-  trial.contacts = find_planned_contacts(now, trial.decision.plan, plan_);
+  trial.contacts =
+      find_planned_contacts(now, trial.decision.plan, plan_touches_ ? JointPlan() : plan_);
   trial.refused = groups_in_contact(trial.decision.members, trial.contacts);
-  JointPlan before = plan_;
-  std::erase_if(before.entries, [&](const auto& e) {
-    return arriving.contains(e.key) || !trial.paths.contains(e.key);
-  });
-  trial.as_before = better_as_before(now, trial.decision.members, trial.contacts, before);
   return trial;
+}
+
+/// Groups whose vehicles would touch, and do better with their old plans, on their old corridors.
+std::vector<std::size_t> Coordinator::better_with_old_plans(
+    const Trial& trial, const std::map<std::string, Driven>& arrivals) const {
+  if (trial.refused.empty()) return {};
+  RoadScene now = empty_scene();
+  RoadScene before = empty_scene();
+  JointPlan old_plan;
+  for (const auto& [id, driven] : driven_) {
+    if (!trial.paths.contains(driven.key)) continue;
+    if (const JointPlan::Entry* entry = plan_.entry(driven.key)) {
+      before.vehicles.push_back(driven.road);
+      old_plan.entries.push_back(*entry);
+    }
+    const auto arrival = arrivals.find(id);
+    const bool goes_on = arrival != arrivals.end() && !trial.excluded.contains(id);
+    now.vehicles.push_back(goes_on ? arrival->second.road : driven.road);
+  }
+  for (const auto& [id, arrival] : arrivals) {
+    if (driven_.contains(id) || trial.excluded.contains(id)) continue;
+    now.vehicles.push_back(arrival.road);
+  }
+  for (RoadScene* scene : {&now, &before}) {
+    std::ranges::sort(scene->vehicles, {}, &RoadVehicle::key);
+  }
+  return better_as_before(trial.decision.members, find_planned_contacts(now, trial.decision.plan),
+                          find_planned_contacts(before, old_plan));
 }
 
 /// Contact tables of all paths in use, before threads look into them.

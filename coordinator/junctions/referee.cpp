@@ -220,34 +220,28 @@ bool touches_passage(const PathLibrary& library, int path, const SpeedProfile& p
 
 namespace {
 
-/// How many pairs touch of which one is in the group, and when first; more is worse.
-std::pair<std::size_t, std::int64_t> harm_to(std::span<const std::int64_t> group,
+/// When a pair touches first of which one is in the group, and how many pairs do; more is worse.
+std::pair<std::int64_t, std::size_t> harm_to(std::span<const std::int64_t> group,
                                              std::span<const PlannedContact> contacts) {
-  std::size_t pairs = 0;
   std::int64_t first = std::numeric_limits<std::int64_t>::max();
+  std::size_t pairs = 0;
   for (const PlannedContact& c : contacts) {
-    const bool is_in =
-        std::ranges::count(group, c.first) > 0 || std::ranges::count(group, c.second);
-    if (!is_in) continue;
+    if (std::ranges::count(group, c.first) + std::ranges::count(group, c.second) == 0) continue;
     ++pairs;
     first = std::min(first, c.step);
   }
-  return {pairs, -first};
+  return {-first, pairs};
 }
 
 }  // namespace
 
-std::vector<std::size_t> better_as_before(const RoadScene& scene,
-                                          std::span<const std::vector<std::int64_t>> groups,
+std::vector<std::size_t> better_as_before(std::span<const std::vector<std::int64_t>> groups,
                                           std::span<const PlannedContact> contacts,
-                                          const JointPlan& before) {
+                                          std::span<const PlannedContact> before) {
   std::vector<std::size_t> better;
-  const std::vector<std::size_t> touched = groups_in_contact(groups, contacts);
-  if (touched.empty()) return better;
-  const std::vector<PlannedContact> then = find_planned_contacts(scene, before);
-  std::ranges::copy_if(touched, std::back_inserter(better), [&](std::size_t g) {
-    return harm_to(groups[g], then) < harm_to(groups[g], contacts);
-  });
+  std::ranges::copy_if(
+      groups_in_contact(groups, contacts), std::back_inserter(better),
+      [&](std::size_t g) { return harm_to(groups[g], before) < harm_to(groups[g], contacts); });
   return better;
 }
 

@@ -38,13 +38,13 @@ struct PlannedContact {
 [[nodiscard]] std::vector<std::size_t> groups_in_contact(
     std::span<const std::vector<std::int64_t>> groups, std::span<const PlannedContact> contacts);
 
-/// Of the groups with contacts, those that do better with the plans they had before: fewer pairs
-/// of them touch, or as many and later. Where a vehicle broke down old plans lead into it.
-/// @param contacts  of the new plan
-/// @param before  the old plan, of vehicles of the scene
+/// Of the groups with contacts, those that do better with the plans they had before: the first
+/// contact comes later, or as soon and with fewer pairs. Where a vehicle broke down old plans lead
+/// into it.
+/// @param contacts, before  of the new plan and of the old one, both of all pairs
 /// @return their numbers, ascending
 [[nodiscard]] std::vector<std::size_t> better_as_before(
-    const RoadScene& scene, std::span<const std::vector<std::int64_t>> groups,
-    std::span<const PlannedContact> contacts, const JointPlan& before);
+    std::span<const std::vector<std::int64_t>> groups, std::span<const PlannedContact> contacts,
+    std::span<const PlannedContact> before);
 
 }  // namespace mvtp

@@ -129,26 +129,22 @@ TEST_F(RefereeTest, OneWhoStandsForGoodBlocksToTheEnd) {
   EXPECT_EQ(find_planned_contacts(scene, plan).size(), 1U);
 }
 
-// Two on crossing paths, and one far away that is a group of its own. A plan that is refused is
-// still better than an old one that leads to the same contact sooner, or to one more.
-TEST_F(RefereeTest, AnOldPlanStandsOnlyIfItIsBetter) {
-  add(0, 0.0, 1.0, 120);
-  add(1, 0.0, 1.0, 120);
-  add(3, 0.0, 1.0, 120);
-  const std::vector<std::vector<std::int64_t>> groups = {{0, 1}, {2}};
-  const auto contacts = find_planned_contacts(scene, plan);
-  ASSERT_EQ(contacts.size(), 1U);
-  JointPlan before = plan;
-  const auto better = [&] { return better_as_before(scene, groups, contacts, before); };
-  EXPECT_THAT(better(), IsEmpty()) << "both are the same";
-  before.entries[1].profile = even(-20.0, 1.0, 120);
-  EXPECT_THAT(better(), ElementsAre(0)) << "the old one is free of contacts";
-  before.entries[1].profile = even(-1.0, 1.0, 120);
-  EXPECT_THAT(better(), ElementsAre(0)) << "it leads to the contact later";
-  before.entries[1].profile = even(1.0, 1.0, 120);
-  before.entries[0].profile = even(1.0, 1.0, 120);
-  EXPECT_THAT(better(), IsEmpty()) << "and here sooner";
-  EXPECT_THAT(better_as_before(scene, groups, {}, before), IsEmpty()) << "nobody is refused";
+// A plan that is refused is still better than an old one that leads to contact sooner, or as soon
+// and to more.
+TEST(BetterAsBefore, AreGroupsWhoseOldPlansTouchLaterOrLess) {
+  const std::vector<std::vector<std::int64_t>> groups = {{0, 1, 2}, {3, 4}};
+  const std::vector<PlannedContact> contacts = {{0, 1, 46}};
+  const auto better = [&](const std::vector<PlannedContact>& before) {
+    return better_as_before(groups, contacts, before);
+  };
+  EXPECT_THAT(better({}), ElementsAre(0)) << "the old one is free of contacts";
+  EXPECT_THAT(better({{3, 4, 10}}), ElementsAre(0)) << "and those of others do not count";
+  EXPECT_THAT(better({{0, 1, 46}}), IsEmpty()) << "both are the same";
+  EXPECT_THAT(better({{1, 2, 47}}), ElementsAre(0)) << "later";
+  EXPECT_THAT(better({{0, 1, 60}, {1, 2, 80}}), ElementsAre(0)) << "more, but later";
+  EXPECT_THAT(better({{0, 1, 46}, {0, 2, 46}}), IsEmpty()) << "as soon, and more";
+  EXPECT_THAT(better({{0, 1, 45}}), IsEmpty()) << "sooner";
+  EXPECT_THAT(better_as_before(groups, {}, contacts), IsEmpty()) << "nobody is refused";
 }
 
 TEST(GroupsInContact, AreThoseWithAVehicleThatTouches) {

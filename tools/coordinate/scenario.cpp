@@ -190,7 +190,8 @@ Demand scan_demand(const CoordinateOptions& options, const SumoConfiguration& co
        {files_of(options, "--route-files", "-r", configuration.route_files),
         files_of(options, "--additional-files", "-a", configuration.additional_files)}) {
     for (const std::string& path : files) {
-      if (!fs::is_regular_file(path)) continue;  // SUMO says so, or it can be read but once
+      std::error_code unreadable;
+      if (!fs::is_regular_file(path, unreadable)) continue;  // SUMO says so, or it is read but once
       for_each_tag(path, [&](std::string_view tag) {
         point();
         scan_tag(tag, demand);

@@ -9,6 +9,7 @@
 #include "tools/export/recording.hpp"
 #include "tools/view/page.hpp"
 #include "tools/view/read_replay.hpp"
+#include "traci_bridge/declared_type.hpp"
 #include "traci_bridge/sumo_frame.hpp"
 
 namespace mvtp {
@@ -89,7 +90,7 @@ class FcdReader {
     const auto [known, is_new] = index_of_.try_emplace(id, recording_->vehicles.size());
     if (is_new) recording_->vehicles.push_back({id, "", body_of(id), {}});
     RecordedVehicle& vehicle = recording_->vehicles[known->second];
-    if (const char* type = element.Attribute("type")) vehicle.kind = type;
+    if (const char* type = element.Attribute("type")) vehicle.kind = declared_type(type, id);
     const SumoPosition place{number(element, "x", path_), number(element, "y", path_),
                              number(element, "angle", path_)};
     vehicle.states.push_back(

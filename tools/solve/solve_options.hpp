@@ -1,5 +1,7 @@
 #pragma once
 
+#include <string>
+
 #include "planner/solve.hpp"
 
 namespace CLI {
@@ -11,7 +13,8 @@ namespace mvtp {
 /// The options that `solve` takes and `bench` hands on to it, in this group.
 inline constexpr const char* kSearchGroup = "Search";
 
-/// --time-limit, --runs, --run-time-limit, --gap, --threads and --pbcr. The targets must outlive the parsing.
+/// --time-limit, --runs, --run-time-limit, --gap, --threads and --pbcr. The targets must outlive
+/// the parsing.
 void add_limit_options(CLI::App& app, SolveOptions& options, double& time_limit);
 
 /// These, --algorithm and --seed.

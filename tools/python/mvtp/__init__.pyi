@@ -157,6 +157,7 @@ def solve(
     run_time_limit: float | None = None,
     gap: float = 0.01,
     threads: int = 1,
+    pbcr: str = "strengthened",
     progress: _Progress | None = None,
 ) -> Plan: ...
 def validate(

@@ -16,14 +16,16 @@ def solve(
     run_time_limit=None,
     gap=0.01,
     threads=1,
+    pbcr="strengthened",
     progress=None,
 ):
     """Plans for all robots of an Instance; the same bytes as `mvtp solve` for the same options.
 
-    algorithm: one of ALGORITHMS. time_limit: for all runs together [s]. seed: of the random choices.
-    collision: "continuous" or "steps", see validate(). runs: tries with the seeds seed, seed + 1, ...;
-    the first success counts. run_time_limit: of each [s]. gap: where "escot-star" stops, as part of
-    the lower bound. threads: of "escot-star". progress: called some 20 times a second with the share
+    algorithm: one of ALGORITHMS. time_limit: for all runs together [s]. seed: of the random
+    choices. collision: "continuous" or "steps", see validate(). runs: tries with the seeds seed,
+    seed + 1, ...; the first success counts. run_time_limit: of each [s]. gap: where "escot-star"
+    stops, as part of the lower bound. threads: of "escot-star". pbcr: "strengthened" or "paper",
+    what PBCR ranks by, alone and in "escot". progress: called some 20 times a second with the share
     of the time limit that is over, in [0, 1], and a note; what it raises ends the search.
 
     Returns a Plan, solved or not: look at `plan.solved` and `plan.statistics`. The GIL is released.
@@ -39,6 +41,7 @@ def solve(
         "run_time_limit": run_time_limit,
         "gap": gap,
         "threads": threads,
+        "pbcr": pbcr,
     }
     if not isinstance(instance, _planner.Instance):
         raise TypeError(f"solve: is given {instance!r}; give a mvtp.Instance, as of Instance.load(path)")
