@@ -32,9 +32,14 @@ void expect_laws(ClosedLoop& run) {
   EXPECT_EQ(run.audit.figures().accel_violations, 0);
   EXPECT_LE(run.audit.figures().max_jump, 0.05);
   EXPECT_EQ(run.audit.figures().hard_brakings_after_handback, 0);
-  EXPECT_EQ(run.audit.figures().hard_brakings_after_handback, 0);
   if (!testing::Test::HasFailure()) return;
   for (const AuditEvent& e : run.audit.events()) ADD_FAILURE() << e.time << " s: " << e.what;
+}
+
+/// Where plans reach to the hand-back, nobody has to brake hard behind it.
+void expect_gentle_handbacks(const ClosedLoop& run) {
+  if (run.traffic.step_length() > 0.25) return;
+  EXPECT_EQ(run.audit.figures().hard_brakings_after_handback, 0);
 }
 
 const std::vector<NetworkShape>& tight() {
@@ -50,6 +55,7 @@ TEST_P(CarsOnly, ArriveWithoutContact) {
   ClosedLoop run(shape, random_trips(shape, {.seed = seed}), step_length);
   run.run_until(300.0);
   expect_laws(run);
+  expect_gentle_handbacks(run);
   EXPECT_EQ(run.traffic.arrived(), run.number_of_trips);
   EXPECT_GT(run.taken_over, run.number_of_trips / 2);
 }
@@ -83,6 +89,7 @@ TEST_P(CarsBusesAndTrucks, ArriveWithoutContact) {
   ClosedLoop run(shape, random_trips(shape, demand), step_length);
   run.run_until(300.0);
   expect_laws(run);
+  expect_gentle_handbacks(run);
   EXPECT_EQ(run.traffic.arrived(), run.number_of_trips);
 }
 
