@@ -6,6 +6,7 @@
 #include <exception>
 #include <limits>
 #include <optional>
+#include <set>
 #include <span>
 #include <stdexcept>
 #include <utility>
@@ -64,11 +65,12 @@ class Backend final : public SumoTraffic {
 
   std::vector<std::string> types() const override {
     std::vector<std::string> ids = ask([] { return api::VehicleType::getIDList(); });
+    const std::set<std::string> all(ids.begin(), ids.end());
     std::erase_if(ids, [&](const std::string& id) {
       // TYPE@ID is that of one vehicle, whose parameters were changed.
-      const std::string declared = id.substr(0, id.find('@'));
-      return id.starts_with("DEFAULT_") ||
-             (declared != id && std::ranges::count(ids, declared) > 0);
+      const std::size_t at = id.find('@');
+      const bool is_of_one = at != std::string::npos && all.contains(id.substr(0, at));
+      return id.starts_with("DEFAULT_") || is_of_one;
     });
     std::ranges::sort(ids);
     return ids;

@@ -80,12 +80,12 @@ void SumoControlled::send(const std::set<std::string>& waiting) {
                 [&](const std::string& id) { return routes_.restore(id, clock_.now); });
   for (const auto& [id, vehicle] : vehicles_) {
     if (waiting.contains(id)) continue;
-    settle(id, vehicle.speed);
+    const Lane* lane = settle(id, vehicle.speed);
     if (const std::size_t next = routes_.next_cut(id, clock_.now)) {
       routes_.cut(id, next, clock_.now);
     }
     const SumoPosition& p = vehicle.position;
-    if (vehicle.rest_of_route.empty()) widths_.widen(id, p);
+    if (lane != nullptr && vehicle.rest_of_route.empty()) widths_.widen(id, *lane, p);
     api::Vehicle::moveToXY(id, vehicle.enters ? vehicle.rest_of_route.front() : "",
                            vehicle.enters ? vehicle.lane_index : -1, p.x_m, p.y_m, p.angle_deg,
                            vehicle.enters ? kNewRoute : kKeepRoute, kAnyDistance);
@@ -111,8 +111,8 @@ void SumoControlled::forget_if(const std::function<bool(const std::string&)>& ha
   widths_.forget_if(has_left);
 }
 
-void SumoControlled::settle(const std::string& id, double speed) {
-  lanes_.settle(id, routes_.rest(id, clock_.now), speed, clock_.step_length);
+const Lane* SumoControlled::settle(const std::string& id, double speed) {
+  return lanes_.settle(id, routes_.rest(id, clock_.now), speed, clock_.step_length);
 }
 
 void SumoControlled::cut_route(const std::string& id, std::size_t length) {

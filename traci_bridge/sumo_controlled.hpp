@@ -24,12 +24,7 @@ class SumoControlled {
   /// All of these must outlive it.
   SumoControlled(const RoadNetwork& network, SumoLanes& lanes, SumoRoutes& routes,
                  SumoDrivers& drivers, const SumoClock& clock)
-      : network_(network),
-        lanes_(lanes),
-        routes_(routes),
-        drivers_(drivers),
-        clock_(clock),
-        widths_(network) {}
+      : network_(network), lanes_(lanes), routes_(routes), drivers_(drivers), clock_(clock) {}
 
   [[nodiscard]] bool contains(const std::string& id) const { return vehicles_.contains(id); }
   /// What it was told to drive [m/s]; nothing where somebody else drives it.
@@ -68,7 +63,7 @@ class SumoControlled {
     int lane_index = -1;                     ///< this lane
   };
 
-  void settle(const std::string& id, double speed);
+  const Lane* settle(const std::string& id, double speed);
   void cut_route(const std::string& id, std::size_t length);
   static void put_onto_route(const std::string& id, const Controlled& vehicle);
 

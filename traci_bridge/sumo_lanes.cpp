@@ -34,15 +34,15 @@ void SumoLanes::note_before(const std::string& lane, const Lane& before) {
   if (before.length < shortest->length) shortest = &before;
 }
 
-void SumoLanes::settle(const std::string& id, std::span<const std::string> rest, double speed,
-                       double step_length) {
+const Lane* SumoLanes::settle(const std::string& id, std::span<const std::string> rest,
+                              double speed, double step_length) {
   const auto found = network_.lanes.find(api::Vehicle::getLaneID(id));
-  if (found == network_.lanes.end()) return;
+  if (found == network_.lanes.end()) return nullptr;
   const Lane& lane = found->second;
   const double position = std::min(api::Vehicle::getLanePosition(id), lane.length);
-  if (!has_stale_tail(id, lane, position, step_length) && !is_misplaced(lane, rest)) return;
+  if (!has_stale_tail(id, lane, position, step_length) && !is_misplaced(lane, rest)) return &lane;
   const std::optional<Place> other = place_beside(lane, position, rest);
-  if (!other) return;
+  if (!other) return &lane;
   try {
     api::Vehicle::moveTo(id, other->lane, other->position);
     const double length = api::Vehicle::getLength(id);
@@ -52,6 +52,7 @@ void SumoLanes::settle(const std::string& id, std::span<const std::string> rest,
   } catch (const libsumo::TraCIException&) {
     static_cast<void>(log_.take_errors());  // not on the route: it is placed all the same
   }
+  return &lane;
 }
 
 /// May its tail have left a lane that lies between two others on which SUMO believes it to be?

@@ -27,8 +27,9 @@ class SumoLanes {
   /// the lane once more as driven (routeLength of its tripinfo).
   /// @param rest  of its route.
   /// @param speed  [m/s] in the next step; see where_tail_is_found().
-  void settle(const std::string& id, std::span<const std::string> rest, double speed,
-              double step_length);
+  /// @return its lane; nullptr off the road
+  const Lane* settle(const std::string& id, std::span<const std::string> rest, double speed,
+                     double step_length);
 
  private:
   struct Place {

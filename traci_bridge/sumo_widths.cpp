@@ -32,14 +32,12 @@ double beside(std::span<const Point> line, const Point& place) {
 
 }  // namespace
 
-void SumoWidths::widen(const std::string& id, const SumoPosition& front) {
-  const auto lane = network_.lanes.find(api::Vehicle::getLaneID(id));
-  if (lane == network_.lanes.end()) return;
+void SumoWidths::widen(const std::string& id, const Lane& lane, const SumoPosition& front) {
   const auto [known, is_new] = widths_.try_emplace(id);
   Width& width = known->second;
   if (is_new) width.own = width.shown = api::Vehicle::getWidth(id);
-  const double aside = beside(lane->second.shape, {front.x_m, front.y_m});
-  const double needed = 2.0 * (aside + kSpare) - lane->second.width;
+  const double aside = beside(lane.shape, {front.x_m, front.y_m});
+  const double needed = 2.0 * (aside + kSpare) - lane.width;
   if (needed <= width.own) {
     show(id, width, width.own);
   } else if (needed > width.shown && needed <= width.own + kMost) {

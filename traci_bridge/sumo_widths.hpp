@@ -18,11 +18,8 @@ namespace mvtp::MVTP_SUMO_NAMESPACE {
 /// from then on.
 class SumoWidths {
  public:
-  /// @param network  must outlive it.
-  explicit SumoWidths(const RoadNetwork& network) : network_(network) {}
-
-  /// Before the vehicle is placed there.
-  void widen(const std::string& id, const SumoPosition& front);
+  /// Before the vehicle is placed there. @param lane  on which it is now
+  void widen(const std::string& id, const Lane& lane, const SumoPosition& front);
   /// As wide as it is.
   void restore(const std::string& id);
   void forget_if(const std::function<bool(const std::string&)>& has_left);
@@ -34,7 +31,6 @@ class SumoWidths {
   };
   void show(const std::string& id, Width& width, double shown);
 
-  const RoadNetwork& network_;
   std::map<std::string, Width> widths_;
 };
 

@@ -216,8 +216,8 @@ bool Coordinator::allows(const std::vector<std::string>& guests, int zone, const
 }
 
 /// The plan with as many drivers and people getting green as is possible, and worth what it costs
-/// the vehicles under control. Control zones share no ground: each has its own offers and its own
-/// verdict, and one trial plans an offer of every control zone.
+/// the vehicles under control. Junctions of two control zones are apart: each control zone has its
+/// own offers and its own verdict, and one trial plans an offer of every control zone.
 /// @param groups  of those who may go over junctions now.
 /// @param tried  a trial of guests of all control zones, which need not be made again; none: there
 /// is none.
