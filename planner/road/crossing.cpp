@@ -38,15 +38,10 @@ class CrossingCompletion {
     if (auto result = around_the_incumbents(order, old, incumbent)) return *std::move(result);
     order = search_.orders.in_lane_order(order);
 
-    const std::int64_t reserve = search_.work.left / 2;
-    Order repaired = order;
-    for (int repair = 0;; ++repair) {
-      std::vector<Entry> entries;
-      const std::optional<std::size_t> failed = keep_or_plan(repaired, incumbent, entries);
-      if (!failed) return {{entries}, {}, search_.cost.of(entries)};
-      if (repair >= search_.options.repairs || search_.work.left < reserve) break;
-      if (is_hopeless(search_.scene.vehicle(repaired[*failed]), incumbent)) break;
-      if (!search_.orders.move_to_front(repaired, *failed)) break;
+    if (auto result = in_some_order(order, incumbent)) return *std::move(result);
+    // Plans made around drivers who might have waited for long are kept no longer than they help.
+    if (search_.work.left > 0) {
+      if (auto result = in_some_order(order, search_.leaving)) return *std::move(result);
     }
     // No order works for all: either old plans stand as long as they fit, or earlier ones go first.
     CrossingResult standing = around_the_stuck(order, incumbent, /*old_plans_stand=*/true);
@@ -56,6 +51,21 @@ class CrossingCompletion {
   }
 
  private:
+  /// Plans for everybody, those `kept` as long as they fit, in `order` or one in which who finds
+  /// none goes earlier.
+  std::optional<CrossingResult> in_some_order(Order order, const JointPlan& kept) {
+    const std::int64_t reserve = search_.work.left / 2;
+    for (int repair = 0;; ++repair) {
+      std::vector<Entry> entries;
+      const std::optional<std::size_t> failed = keep_or_plan(order, kept, entries);
+      if (!failed) return CrossingResult{{entries}, {}, search_.cost.of(entries)};
+      if (repair >= search_.options.repairs || search_.work.left < reserve) break;
+      if (is_hopeless(search_.scene.vehicle(order[*failed]), kept)) break;
+      if (!search_.orders.move_to_front(order, *failed)) break;
+    }
+    return std::nullopt;
+  }
+
   /// All incumbents stand, those of the first `old` vehicles of `order`, and all others find plans
   /// around them; nullopt if that is not possible.
   std::optional<CrossingResult> around_the_incumbents(const Order& order, std::size_t old,
@@ -112,6 +122,18 @@ class CrossingCompletion {
       if (plan_at_least(v, {&e, 1})) continue;
       found.push_back(e.key);
       if (found.size() > kFew || search_.leaving.find(e.key)) return {};
+    }
+    return search_.orders.in_lane_order(found);
+  }
+
+  /// In lane order, those planned whom one of `leaders` has behind it: nobody may wait ahead of a
+  /// plan that is kept.
+  Order followers_of(const Order& leaders, const std::vector<Entry>& planned) {
+    Order found;
+    for (const Entry& e : planned) {
+      const bool follows = std::ranges::any_of(
+          leaders, [&](std::int64_t leader) { return search_.orders.leads(leader, e.key); });
+      if (follows && std::ranges::count(leaders, e.key) == 0) found.push_back(e.key);
     }
     return search_.orders.in_lane_order(found);
   }
