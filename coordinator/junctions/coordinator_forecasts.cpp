@@ -70,6 +70,7 @@ std::vector<Forecast> Coordinator::predict_one(const VehicleState& v,
     f.told = intent == Intent::kPasses ? Told::kToPass
              : has_to_wait             ? Told::kToWait
                                        : Told::kNothing;
+    f.is_new = is_let_pass && !gate_.passes(v.id);
   }
   // Mostly it is taken over as soon as it has a plan.
   if (gate_.holds_guest(v.id) || is_impatient(v.id)) return forecasts;

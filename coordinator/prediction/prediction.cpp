@@ -17,18 +17,18 @@ constexpr double kCrawl = 4.0;          ///< [m/s] to no less than this
 constexpr double kQuickShare = 1.01;    ///< of the speed that he wants,
 constexpr double kSlowShare = 0.9;      ///< and of one who takes his time,
 constexpr double kSlowBraking = 0.6;    ///< with this share of his deceleration
+constexpr int kAheadOfTime = 10;        ///< steps that a driver who is held may be ahead of that
 constexpr double kStand = 60.0;         ///< [s] that he stands there
 constexpr std::size_t kLongest = 3000;  ///< steps that are predicted
 
 /// The acceleration of a driver who would take `a` but is to stop before a line [m/s^2].
 double before_line(const InertialState& now, double a, const StopLine& line, double dt) {
-  constexpr double kBraking = StopLine::kBraking;
   constexpr double kHardest = 4.5;  // [m/s^2] as hard as drivers brake if they have to
   constexpr double kShort = 1.0;    // [m] before the line
   constexpr double kRolls = 1e-3;   // [m/s]: who is slower stands
   const auto stays_short = [&](double acceleration) {
     const InertialState next = advance(now, acceleration, dt);
-    return next.s + stopping_distance(next.v, kBraking) <= line.s - kShort;
+    return next.s + stopping_distance(next.v, line.braking) <= line.s - kShort;
   };
   if (stays_short(a)) return a;
   if (now.v > kRolls && stays_short(0.0)) return 0.0;
@@ -38,11 +38,11 @@ double before_line(const InertialState& now, double a, const StopLine& line, dou
   };
   // SUMO drives a whole step at the speed that it has at the step's end: braking takes it less far.
   const double less = now.v * dt / 2.0;
-  if (needed(room + less) > line.hardest) return -kBraking;
+  if (needed(room + less) > line.hardest) return -line.braking;
   // Whoever brakes late stands as far from it as others, if he can.
   const bool stands_short =
       room > kShort && needed(room - kShort + less) <= std::min(kHardest, line.hardest);
-  const double braking = std::max(kBraking, needed(stands_short ? room - kShort : room));
+  const double braking = std::max(line.braking, needed(stands_short ? room - kShort : room));
   return -std::min(braking, now.v / dt);
 }
 
@@ -249,6 +249,20 @@ std::vector<StopLine> Predictor::lines_ahead(const Placed& placed, const CourseQ
   return lines;
 }
 
+/// How quickly it goes nobody knows: it may speed up as it can and may, or slow down to a crawl,
+/// and wait where its lane ends.
+void Predictor::let_pass(Forecast& forecast, const Placed& placed, double speed_factor,
+                         const Vehicle& body, const std::vector<StopLine>& lines,
+                         const DecisionGrid& grid) const {
+  RoadVehicle road = placed.road;
+  road.envelope = envelope_of(placed, kQuickShare * speed_factor, body.max_decel);
+  forecast.earliest = predict_passage(road, body, grid, forecast.earliest.begin);
+  road.envelope = envelope_of(placed, kSlowShare * speed_factor, kSlowBraking * body.max_decel);
+  forecast.latest = predict_crawl(road, body, lines, grid, forecast.earliest.begin);
+  forecast.yields = false;
+  forecast.relies = true;
+}
+
 std::vector<Forecast> Predictor::predict(const VehicleState& v, const CourseQuery& query,
                                          const Vehicle& body, Intent intent, const Stand& stand,
                                          const DecisionGrid& grid, std::int64_t step) {
@@ -264,7 +278,7 @@ std::vector<Forecast> Predictor::predict(const VehicleState& v, const CourseQuer
   if (!placed) return {};
   RoadVehicle& road = placed->road;
   const double s = road.now.s;
-  Forecast forecast{.vehicle = road, .earliest = {}, .latest = std::nullopt};
+  Forecast forecast{.vehicle = road, .earliest = {.begin = step}, .latest = std::nullopt};
   if (stand.scheduled > 0.0) {
     forecast.earliest = predict_stop(road, stand.scheduled, grid, step);
     return {forecast};
@@ -283,16 +297,8 @@ std::vector<Forecast> Predictor::predict(const VehicleState& v, const CourseQuer
   constexpr double kSame = 1.0;  // [m] between the end of a lane and the line there
   const bool ends_before_line = stop && at_line && stop->s < s + *to_line + kSame;
   if (intent == Intent::kPasses && !ends_before_line && (at_line || is_inside)) {
-    // How quickly it goes nobody knows: it may speed up as it can and may, or slow down to a crawl,
-    // and wait where its lane ends.
-    road.envelope = envelope_of(*placed, kQuickShare * v.speed_factor, body.max_decel);
-    forecast.earliest = predict_passage(road, body, grid, step);
-    road.envelope =
-        envelope_of(*placed, kSlowShare * v.speed_factor, kSlowBraking * body.max_decel);
-    forecast.latest =
-        predict_crawl(road, body, lines_ahead(*placed, query, stand, stop), grid, step);
-    forecast.yields = false;
-    forecast.relies = true;
+    let_pass(forecast, *placed, v.speed_factor, body, lines_ahead(*placed, query, stand, stop),
+             grid);
     expected_on_[v.id] = {placed->corridor, s};
     return {forecast};
   }
@@ -302,11 +308,16 @@ std::vector<Forecast> Predictor::predict(const VehicleState& v, const CourseQuer
     const double to_end = graph_.lane(query.lane).length - query.position;
     is_held = at_line && !is_inside;
     const double line = s + (is_held ? std::min(*to_line, to_end) : *to_line);
-    if (!stop || line < stop->s - kSame) stop = StopLine{line, body.max_decel};
+    if (!stop || line < stop->s - kSame) stop = StopLine{.s = line, .hardest = body.max_decel};
+    // SUMO's drivers brake for a line as late as they can.
+    if (is_held && stop->s == line) stop->braking = body.max_decel;
   }
-  const std::vector<StopLine> lines = lines_ahead(*placed, query, stand, stop);
-  forecast.earliest = predict_leader(road, lines, grid, step, at_line ? 0.0 : stand.so_far);
-  if (is_held) forecast.held = held_at_line(forecast.earliest, grid);
+  forecast.earliest = predict_leader(road, lines_ahead(*placed, query, stand, stop), grid, step,
+                                     at_line ? 0.0 : stand.so_far);
+  if (is_held) {
+    forecast.held = held_at_line(forecast.earliest, grid);
+    forecast.slack_before = kAheadOfTime;
+  }
   return {forecast};
 }
 

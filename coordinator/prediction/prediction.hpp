@@ -31,6 +31,7 @@ struct StopLine {
   double s = 0.0;             ///< station [m]
   double hardest = kBraking;  ///< [m/s^2] he does not brake harder, but drives over it
   double until = std::numeric_limits<double>::infinity();  ///< [s] from now on
+  double braking = kBraking;  ///< [m/s^2] he brakes no earlier than it takes with so much
 };
 
 /// How long somebody stands where he is, or soon will.
@@ -86,6 +87,8 @@ class Predictor {
                                               std::int64_t step);
 
  private:
+  void let_pass(Forecast& forecast, const Placed& placed, double speed_factor, const Vehicle& body,
+                const std::vector<StopLine>& lines, const DecisionGrid& grid) const;
   [[nodiscard]] ExitRoot find_exit_root(int lane, double within) const;
   [[nodiscard]] bool leads_where_it_goes(const Corridor& corridor, const CourseQuery& query) const;
   [[nodiscard]] std::optional<StopLine> behind_queue(const Placed& placed,

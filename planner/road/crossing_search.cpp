@@ -26,9 +26,57 @@ const JointPlan::Entry* CrossingSearch::fitting_incumbent(std::int64_t key,
                                                           const JointPlan& incumbent,
                                                           std::span<const Entry> before) {
   const Entry* old = incumbent.entry(key);
-  const bool fits = old != nullptr && still_fits(pairs, scene.vehicle(key), *old->profile, before,
-                                                 options.profile, &work);
-  return fits ? old : nullptr;
+  if (old == nullptr) return nullptr;
+  const RoadVehicle& v = scene.vehicle(key);
+  const SpeedProfile& profile = *old->profile;
+  if (still_fits(pairs, v, profile, before, options.profile, &work)) return old;
+  const std::vector<bool>& beside = waived_for(v, profile);
+  if (std::ranges::find(beside, true) == beside.end()) return nullptr;
+  return still_fits(pairs, v, profile, before, options.profile, &work, beside) ? old : nullptr;
+}
+
+namespace {
+
+/// Do the bodies stay apart while the vehicle follows `profile` and the driver does what is
+/// expected, at the looks and between them?
+bool stay_apart(const RoadScene& scene, const RoadVehicle& v, const SpeedProfile& profile,
+                const RoadVehicle& driver, const SpeedProfile& expected) {
+  constexpr double kLeast = 0.1;  // [m]
+  constexpr int kParts = 3;       // of a step that are looked at
+  const auto body_at = [&](const RoadVehicle& of, const SpeedProfile& motion, std::int64_t k,
+                           double share) {
+    const double from = motion.at(k).s;
+    const double to = std::max(from, motion.at(k + 1).s);
+    return footprint(scene.body(of), scene.library->path(of.path).at(from + share * (to - from)));
+  };
+  for (std::int64_t k = scene.step; k + 1 < profile.end(); ++k) {
+    if (expected.at(k + 1).s >= SpeedProfile::kDeparted) return true;
+    for (int part = 0; part < kParts; ++part) {
+      const double share = double(part) / kParts;
+      const double room =
+          separation(body_at(v, profile, k, share), body_at(driver, expected, k, share));
+      if (room < kLeast) return false;
+    }
+  }
+  return true;
+}
+
+}  // namespace
+
+const std::vector<bool>& CrossingSearch::waived_for(const RoadVehicle& v,
+                                                    const SpeedProfile& profile) {
+  const auto [known, is_new] = waived.try_emplace(v.key);
+  std::vector<bool>& beside = known->second;
+  const double rest = v.now.s + stopping_distance(v.now.v, scene.body(v).max_decel);
+  const bool may_stop = std::ranges::none_of(
+      v.no_waiting, [&](const auto& from) { return rest > from.first && rest < from.second; });
+  if (!is_new || may_stop) return beside;
+  for (const Forecast& f : scene.forecasts) {
+    const SpeedProfile& expected = f.held ? *f.held : f.earliest;
+    beside.push_back(f.told == Told::kToWait && !f.latest &&
+                     stay_apart(scene, v, profile, f.vehicle, expected));
+  }
+  return beside;
 }
 
 PassingOrder CrossingSearch::keys_of(const std::vector<Entry>& entries) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <span>
 #include <vector>
 
@@ -23,6 +24,11 @@ struct CrossingSearch {
   /// The incumbent of a vehicle if it still fits among those planned `before`; else nullptr.
   [[nodiscard]] const Entry* fitting_incumbent(std::int64_t key, const JointPlan& incumbent,
                                                std::span<const Entry> before);
+  /// Of a vehicle that cannot stop any more where it may stand: forecasts of drivers who wait
+  /// beside `profile`, margins or not. Who stopped on the junction beside one would wait for him,
+  /// and he for it.
+  [[nodiscard]] const std::vector<bool>& waived_for(const RoadVehicle& vehicle,
+                                                    const SpeedProfile& profile);
   [[nodiscard]] static PassingOrder keys_of(const std::vector<Entry>& entries);
   [[nodiscard]] std::vector<Entry> in_lane_order(const std::vector<Entry>& entries) const;
 
@@ -33,7 +39,8 @@ struct CrossingSearch {
   JointCost cost;
   KnownPlans plans;
   WorkBudget work;
-  JointPlan leaving;  ///< see those_leaving()
+  JointPlan leaving;                                 ///< see those_leaving()
+  std::map<std::int64_t, std::vector<bool>> waived;  ///< by key, see waived_for()
 };
 
 }  // namespace mvtp

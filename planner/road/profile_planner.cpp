@@ -252,8 +252,9 @@ SpeedProfile plan_alone(const RoadPairs& pairs, const RoadVehicle& vehicle,
 
 bool still_fits(const RoadPairs& pairs, const RoadVehicle& vehicle, const SpeedProfile& profile,
                 std::span<const JointPlan::Entry> before, const ProfileOptions& options,
-                WorkBudget* work) {
-  const Surroundings around(pairs, vehicle, before, options);
+                WorkBudget* work, const std::vector<bool>& waived) {
+  const Surroundings around(pairs, vehicle, before, options, Surroundings::Forecasts::kCount,
+                            waived);
   const bool clear = is_clear(around, pairs.scene(), profile);
   if (work) work->left -= around.work();
   if (!clear) return false;

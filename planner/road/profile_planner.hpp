@@ -61,9 +61,11 @@ struct PlanLimits {
                                       const ProfileOptions& options);
 
 /// Does `profile` still keep all the rules towards the forecasts and what was planned `before`?
+/// @param waived  forecasts that do not count, by number; empty: none.
 [[nodiscard]] bool still_fits(const RoadPairs& pairs, const RoadVehicle& vehicle,
                               const SpeedProfile& profile, std::span<const JointPlan::Entry> before,
-                              const ProfileOptions& options, WorkBudget* work = nullptr);
+                              const ProfileOptions& options, WorkBudget* work = nullptr,
+                              const std::vector<bool>& waived = {});
 
 /// Has the driver who gets the vehicle back from `profile` his headway to the others?
 [[nodiscard]] bool leaves_room(const RoadPairs& pairs, const RoadVehicle& vehicle,

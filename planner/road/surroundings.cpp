@@ -6,7 +6,7 @@ namespace mvtp {
 
 Surroundings::Surroundings(const RoadPairs& pairs, const RoadVehicle& vehicle,
                            std::span<const JointPlan::Entry> before, const ProfileOptions& options,
-                           Forecasts forecasts)
+                           Forecasts forecasts, const std::vector<bool>& waived)
     : grid_(pairs.scene().grid),
       now_(pairs.scene().step),
       reaction_(pairs.scene().reaction),
@@ -23,14 +23,14 @@ Surroundings::Surroundings(const RoadPairs& pairs, const RoadVehicle& vehicle,
   const bool count = forecasts != Forecasts::kIgnore;
   if (count) closed_ = vehicle.closed;
   for (std::size_t f = 0; count && f < scene.forecasts.size(); ++f) {
-    if (pairs.follows(f, self)) continue;
+    if (pairs.follows(f, self) || (!waived.empty() && waived[f])) continue;
     const Forecast& forecast = scene.forecasts[f];
     const ContactView contact = pairs.towards_forecast(self, f);
     const bool stays = forecast.held && !contact.contact->never() && !pairs.is_behind(self, f);
     add({contact, stays ? &*forecast.held : &forecast.earliest,
          forecast.latest ? &*forecast.latest : nullptr, &forecast.vehicle,
          &scene.body(forecast.vehicle), true, forecast.told, forecast.yields, forecast.relies});
-    if (is_new_ || forecast.is_new) add_slack(forecast);
+    add_slack(forecast);
   }
   for (const JointPlan::Entry& e : before) {
     if (e.key == vehicle.key) continue;
@@ -170,10 +170,13 @@ void Surroundings::add(Other other) {
       {std::min(contacts.first(), reserved.first()), std::max(contacts.last(), reserved.last())});
 }
 
-/// To the last of the others, if it is this forecast: none where the vehicle is within it already.
+/// To the last of the others, if it is this forecast and either it or the plan is new: none where
+/// the vehicle is within it already.
 void Surroundings::add_slack(const Forecast& forecast) {
-  if (others_.empty() || others_.back().vehicle != &forecast.vehicle || !forecast.latest) return;
+  if (others_.empty() || others_.back().vehicle != &forecast.vehicle) return;
   Other& other = others_.back();
+  other.is_new = is_new_ || forecast.is_new;
+  if (!other.is_new) return;
   const double s = vehicle_.now.s;
   const bool within =
       other.contact.table().meets(s, s, other.hindmost(now_ - forecast.slack_behind),
@@ -224,6 +227,11 @@ bool Surroundings::meets(const Other& other, std::int64_t k, const InertialState
   const auto position = [&](int i) { return advance(from, a, i * grid_.dt).s; };
   const auto other_position = [&](int i) { return there(i).s; };
   if (other.contact.touch(position, other_position, last, lenient)) return true;
+  const auto early_position = [&](int i) { return there(i + other.before).s; };
+  if (other.before > 0 && !lenient &&
+      other.contact.touch(position, early_position, last, /*lenient=*/false)) {
+    return true;
+  }
   // Who leaves within the decision drives on where this vehicle does not see it.
   if (other.contact.touch_braking(then, other_to, lenient)) return true;
   if (may_be_late && other.contact.touch_braking(then, latest, lenient)) return true;
@@ -280,10 +288,10 @@ bool Surroundings::meets_anywhere(const Other& other, std::int64_t k, const Iner
   const bool goes_on = other.braking_is_no_help && a >= 0.0;
   if (!goes_on && brakes_into(other, k + n, to)) return true;
   // Behind him on his lane it must be able to stop if he brakes: a plan that is kept in its first
-  // decision only; a new one behind somebody told to pass at every decision, or it would be lost
-  // when that moment comes.
+  // decision only; a new one behind somebody told to pass, or one behind somebody who is told so
+  // now, at every decision, or it would be lost when that moment comes.
   const InertialState hindmost = other.hindmost_state(k + n);
-  return (k == now_ || (is_new_ && other.told == Told::kToPass)) &&
+  return (k == now_ || (other.is_new && other.told == Told::kToPass)) &&
          hindmost.s < SpeedProfile::kDeparted && other.contact.contact->is_behind(to, hindmost) &&
          other.contact.touch_braking(to, hindmost, /*lenient=*/false);
 }

@@ -15,9 +15,10 @@ class Surroundings {
   /// kWithSlack: for a new plan.
   enum class Forecasts { kCount, kWithSlack, kIgnore };
 
+  /// @param waived  by number of the forecasts: those that do not count; empty: none.
   Surroundings(const RoadPairs& pairs, const RoadVehicle& vehicle,
                std::span<const JointPlan::Entry> before, const ProfileOptions& options,
-               Forecasts forecasts = Forecasts::kCount);
+               Forecasts forecasts = Forecasts::kCount, const std::vector<bool>& waived = {});
 
   /// Is the decision to drive from `from` with acceleration `a` during steps k .. k + n free of
   /// contact, and everyone's braking in lock-step after it as well?
@@ -64,7 +65,8 @@ class Surroundings {
     bool relies = false;  ///< as of Forecast
     /// What it has reserved; nullptr: nothing, or this vehicle is there already.
     const ContactTable* reserved = nullptr;
-    int before = 0;  ///< steps of slack; see Forecast
+    bool is_new = true;  ///< the plan, or the forecast
+    int before = 0;      ///< steps of slack; see Forecast
     int behind = 0;
     /// If this vehicle brakes now it comes to rest in its passage, or is met before it has left it.
     /// Then to go on may be safe: as long as it does not slow down, only where it drives counts.

@@ -69,6 +69,26 @@ TEST_P(Guests, AloneCrossWithoutContact) {
 
 INSTANTIATE_TEST_SUITE_P(Seeds, Guests, testing::Values(1U, 2U, 3U, 4U));
 
+// Nobody has planned around him before.
+TEST(GuestAtItsLine, IsNewToAllPlansWhenHeIsToldToPassAndNotAfterThat) {
+  std::vector<FakeTrip> trips = {{"guest", 0.0, "W-C", "C-E", "bike"}};
+  for (int i = 0; i < 20; ++i) trips.push_back({fmt::format("car{}", i), 3.0 * i, "S-C", "C-N"});
+  ClosedLoop run(crossroads_shape(), trips);
+  std::vector<bool> is_new;
+  std::int64_t looked_at = -1;
+  while (run.traffic.running() && run.traffic.time() < 60.0) {
+    run.step();
+    const auto forecasts = run.coordinator.forecasts();
+    const auto passes = std::ranges::find(forecasts, Told::kToPass, &Forecast::told);
+    if (passes == forecasts.end() || passes->earliest.begin == looked_at) continue;
+    looked_at = passes->earliest.begin;
+    is_new.push_back(passes->is_new);
+  }
+  ASSERT_GE(is_new.size(), 3U);
+  EXPECT_TRUE(is_new.front());
+  EXPECT_EQ(std::ranges::count(is_new, true), 1);
+}
+
 /// With seeds with which it happens that vehicles under control lose their plans.
 class GuestsUnderWay : public Guests {};
 

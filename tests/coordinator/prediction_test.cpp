@@ -48,6 +48,22 @@ TEST(Predictor, WhoBrakesLateStandsAsFarBeforeHisLineAsOthers) {
   EXPECT_GT(stands_at(17.0).s, now.s + 20.0) << "he cannot stop";
 }
 
+// SUMO's drivers do: one who was expected to slow down early is ahead of that in a moment.
+TEST(Predictor, WhoIsHeldBrakesAsLateAsHeCan) {
+  Prediction p(crossroads_shape());
+  const double line = p.shape.network.lanes.at("W-C_0").shape.back().x;
+  const double speed = 13.0;
+  const auto forecasts = p.predict("W-C_0", 75.0, speed, {"W-C", "C-E"}, Intent::kWaits);
+  ASSERT_THAT(forecasts, SizeIs(1));
+  EXPECT_GT(forecasts[0].slack_before, 0) << "new plans do not count on him to the moment";
+  const double braking = stopping_distance(speed, p.car.max_decel);
+  for (std::int64_t k = 7; k < 7 + 100; ++k) {
+    const double room = line - p.place(forecasts[0], k).x;
+    if (room > braking + 3.0) EXPECT_EQ(forecasts[0].earliest.at(k).v, speed) << room;
+    if (room < braking - 1.0) EXPECT_LT(forecasts[0].earliest.at(k).v, speed) << room;
+  }
+}
+
 // Only the left of two lanes leads where it wants to go: until it can change over, it waits.
 TEST(Predictor, WhoIsInAWrongLaneStopsAtItsEndEvenIfItMayPass) {
   Prediction p(two_lanes_shape());

@@ -79,7 +79,7 @@ TEST_F(BeforeWhoWaits, HeIsNotLateWhoHasBeenTold) {
 class BehindWhoPasses : public Crossing {
  protected:
   [[nodiscard]] bool may_go_on(double gap, Surroundings::Forecasts forecasts,
-                               Told told = Told::kToPass) {
+                               Told told = Told::kToPass, bool is_told_now = false) {
     scene.vehicles.clear();
     const RoadVehicle vehicle = add(0, 50.0, 10.0);
     const double ahead = gap + scene.body(vehicle).length();
@@ -88,6 +88,7 @@ class BehindWhoPasses : public Crossing {
     driver.vehicle.key = -1;
     driver.yields = false;
     driver.told = told;
+    driver.is_new = is_told_now;
     driver.earliest.states = {driver.vehicle.now};
     while (driver.earliest.states.size() < 300) {
       driver.earliest.states.push_back(advance(driver.earliest.states.back(), 0.0, 0.1));
@@ -110,6 +111,12 @@ TEST_F(BehindWhoPasses, NewPlansStayAsFarBehindAsItTakesToStopIfHeBrakes) {
 
 TEST_F(BehindWhoPasses, PlansThatAreKeptNeedNotBeforeTheyAreThere) {
   EXPECT_TRUE(may_go_on(3.0, Surroundings::Forecasts::kCount));
+}
+
+// He would not be told to go if that left it without a plan a moment later.
+TEST_F(BehindWhoPasses, PlansThatAreKeptDoBehindWhoIsToldToGoNow) {
+  EXPECT_TRUE(may_go_on(12.0, Surroundings::Forecasts::kCount, Told::kToPass, true));
+  EXPECT_FALSE(may_go_on(3.0, Surroundings::Forecasts::kCount, Told::kToPass, true));
 }
 
 // He goes when his light says so, again and again: they would wait for ever on the junction.
@@ -384,6 +391,52 @@ TEST_F(HeldDriver, WhoComesAcrossDoesNotCountOnHimToLeave) {
 }
 TEST_F(HeldDriver, WhoIsBehindHimWaitsForHim) { EXPECT_TRUE(has_plan(1, 60.0, /*is_held=*/true)); }
 TEST_F(HeldDriver, WhoIsNotHeldLeaves) { EXPECT_TRUE(has_plan(0, 60.0, /*is_held=*/false)); }
+
+//   A driver comes to where he is held, on the crossing: who is to pass there has to be before him.
+class ComesToBeHeld : public Crossing {
+ protected:
+  void let_come() {
+    scene.vehicles.clear();
+    RoadVehicle driver = add(1, 30.0, 10.0);
+    scene.vehicles.clear();
+    driver.key = -1;
+    SpeedProfile t{.states = {driver.now}, .complete = false};
+    while (t.states.back().v > 0.0) {
+      const InertialState last = t.states.back();
+      const bool brakes = last.s >= 98.0 - stopping_distance(last.v, 4.5);
+      t.states.push_back(advance(last, brakes ? -4.5 : 0.0, 0.1));
+    }
+    scene.forecasts = {{.vehicle = driver, .earliest = t, .told = Told::kToWait, .held = t}};
+  }
+  [[nodiscard]] std::optional<SpeedProfile> plan_from(double s) {
+    let_come();
+    scene.forecasts.front().slack_before = slack;
+    add(0, s, 10.0);
+    return plan_vehicle(RoadPairs(scene), scene.vehicles.front(), {}, {});
+  }
+  /// How far back [m] it may be at 10 m/s.
+  [[nodiscard]] double furthest() {
+    double s = 90.0;
+    while (s > 0.0 && plan_from(s)) s -= 0.5;
+    return s;
+  }
+  int slack = 0;
+};
+
+TEST_F(ComesToBeHeld, NewPlansAreClearBeforeHimEvenIfHeIsEarly) {
+  const double tight = furthest();
+  slack = 10;
+  EXPECT_NEAR(furthest() - tight, 10.0, 6.0) << "a second";
+}
+
+TEST_F(ComesToBeHeld, PlansThatAreKeptNeedNot) {
+  const double tight = furthest() + 1.0;
+  const auto plan = plan_from(tight);
+  ASSERT_TRUE(plan);
+  slack = 10;
+  EXPECT_FALSE(plan_from(tight));
+  EXPECT_TRUE(still_fits(RoadPairs(scene), scene.vehicles.front(), *plan, {}, {}));
+}
 
 //   From the south it turns, slowly, into the lane of a driver who comes from the west.
 class TurnsIn : public Crossing {
