@@ -17,7 +17,7 @@ constexpr double kCrawl = 4.0;          ///< [m/s] to no less than this
 constexpr double kQuickShare = 1.01;    ///< of the speed that he wants,
 constexpr double kSlowShare = 0.9;      ///< and of one who takes his time,
 constexpr double kSlowBraking = 0.6;    ///< with this share of his deceleration
-constexpr int kAheadOfTime = 10;        ///< steps that a driver who is held may be ahead of that
+constexpr double kAheadOfTime = 1.0;    ///< [s] that a driver who is held may be ahead of that
 constexpr double kStand = 60.0;         ///< [s] that he stands there
 constexpr std::size_t kLongest = 3000;  ///< steps that are predicted
 
@@ -316,7 +316,7 @@ std::vector<Forecast> Predictor::predict(const VehicleState& v, const CourseQuer
                                      at_line ? 0.0 : stand.so_far);
   if (is_held) {
     forecast.held = held_at_line(forecast.earliest, grid);
-    forecast.slack_before = kAheadOfTime;
+    forecast.slack_before = int(std::lround(kAheadOfTime / grid.dt));
   }
   return {forecast};
 }

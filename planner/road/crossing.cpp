@@ -126,18 +126,6 @@ class CrossingCompletion {
     return search_.orders.in_lane_order(found);
   }
 
-  /// In lane order, those planned whom one of `leaders` has behind it: nobody may wait ahead of a
-  /// plan that is kept.
-  Order followers_of(const Order& leaders, const std::vector<Entry>& planned) {
-    Order found;
-    for (const Entry& e : planned) {
-      const bool follows = std::ranges::any_of(
-          leaders, [&](std::int64_t leader) { return search_.orders.leads(leader, e.key); });
-      if (follows && std::ranges::count(leaders, e.key) == 0) found.push_back(e.key);
-    }
-    return search_.orders.in_lane_order(found);
-  }
-
   /// A leader may go on otherwise than it was expected to when its follower was planned: whoever
   /// would be handed back too close behind it is planned anew around all others, if that works.
   void restore_headways(std::vector<Entry>& entries) {

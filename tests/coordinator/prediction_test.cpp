@@ -55,7 +55,7 @@ TEST(Predictor, WhoIsHeldBrakesAsLateAsHeCan) {
   const double speed = 13.0;
   const auto forecasts = p.predict("W-C_0", 75.0, speed, {"W-C", "C-E"}, Intent::kWaits);
   ASSERT_THAT(forecasts, SizeIs(1));
-  EXPECT_GT(forecasts[0].slack_before, 0) << "new plans do not count on him to the moment";
+  EXPECT_NEAR(forecasts[0].slack_before * p.grid.dt, 1.0, 1e-9) << "new plans are clear before";
   const double braking = stopping_distance(speed, p.car.max_decel);
   for (std::int64_t k = 7; k < 7 + 100; ++k) {
     const double room = line - p.place(forecasts[0], k).x;
