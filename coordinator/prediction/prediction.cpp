@@ -308,9 +308,10 @@ std::vector<Forecast> Predictor::predict(const VehicleState& v, const CourseQuer
     const double to_end = graph_.lane(query.lane).length - query.position;
     is_held = at_line && !is_inside;
     const double line = s + (is_held ? std::min(*to_line, to_end) : *to_line);
-    if (!stop || line < stop->s - kSame) stop = StopLine{.s = line, .hardest = body.max_decel};
-    // SUMO's drivers brake for a line as late as they can.
-    if (is_held && stop->s == line) stop->braking = body.max_decel;
+    if (!stop || line < stop->s - kSame) {
+      stop = StopLine{.s = line, .hardest = body.max_decel};
+      if (is_held) stop->braking = body.max_decel;  // SUMO's drivers brake as late as they can
+    }
   }
   forecast.earliest = predict_leader(road, lines_ahead(*placed, query, stand, stop), grid, step,
                                      at_line ? 0.0 : stand.so_far);

@@ -68,9 +68,7 @@ const std::vector<bool>& CrossingSearch::waived_for(const RoadVehicle& v,
   const auto [known, is_new] = waived.try_emplace(v.key);
   std::vector<bool>& beside = known->second;
   const double rest = v.now.s + stopping_distance(v.now.v, scene.body(v).max_decel);
-  const bool may_stop = std::ranges::none_of(
-      v.no_waiting, [&](const auto& from) { return rest > from.first && rest < from.second; });
-  if (!is_new || may_stop) return beside;
+  if (!is_new || v.may_wait_at(rest)) return beside;
   for (const Forecast& f : scene.forecasts) {
     const SpeedProfile& expected = f.held ? *f.held : f.earliest;
     beside.push_back(f.told == Told::kToWait && !f.latest &&

@@ -98,6 +98,11 @@ struct RoadVehicle {
   [[nodiscard]] bool enters(int lane) const {
     return std::ranges::any_of(entry_lanes, [lane](const EntryLane& e) { return e.lane == lane; });
   }
+  /// May its rear axle come to rest at `s` [m] to wait, as far as junctions go?
+  [[nodiscard]] bool may_wait_at(double s) const {
+    return std::ranges::none_of(
+        no_waiting, [s](const auto& inside) { return s > inside.first && s < inside.second; });
+  }
   /// Does it leave onto a lane on which the other one may be a leader?
   [[nodiscard]] bool exits_with(const RoadVehicle& other) const {
     return exit_lane >= 0 && (exit_lane == other.exit_lane || other.enters(exit_lane));

@@ -71,8 +71,7 @@ bool Surroundings::step_is_clear(std::int64_t k, const InertialState& from, doub
 
 bool Surroundings::may_stand_at(double s) const {
   const auto holds_s = [s](const auto& stretch) { return s > stretch.first && s < stretch.second; };
-  return std::ranges::none_of(vehicle_.no_waiting, holds_s) &&
-         std::ranges::none_of(run_ups_, holds_s);
+  return vehicle_.may_wait_at(s) && std::ranges::none_of(run_ups_, holds_s);
 }
 
 bool Surroundings::can_wait(std::int64_t k, const InertialState& state) const {
