@@ -85,7 +85,7 @@ void declare_planning(CLI::App& app, CoordinateOptions& o) {
       ->capture_default_str()
       ->group("Control");
   app.add_option("--threads", o.threads,
-                 "Threads that plan; the results do not depend on it "
+                 "Threads that plan and watch; the results do not depend on it "
                  "(0: one per core)")
       ->check(whole_number_between(0, 1024))
       ->capture_default_str()

@@ -1,6 +1,9 @@
 #include "tools/coordinate/run.hpp"
 
 #include <fmt/format.h>
+#include <tbb/global_control.h>
+#include <tbb/info.h>
+#include <tbb/parallel_invoke.h>
 
 #include <algorithm>
 #include <chrono>
@@ -36,6 +39,12 @@ namespace {
 constexpr double kCheckpointEvery = 60.0;      ///< [s] simulated
 constexpr double kAfterLastDeparture = 120.0;  ///< [s] that a run goes on about, for the progress
 
+/// How many threads a run may use at a time.
+std::size_t threads_of(const CoordinateOptions& options) {
+  const int cores = tbb::info::default_concurrency();
+  return std::size_t(options.threads > 0 ? std::min(options.threads, cores) : cores);
+}
+
 }  // namespace
 
 class SumoRun::Impl {
@@ -45,6 +54,7 @@ class SumoRun::Impl {
       : options_(options),
         folder_(folder),
         host_(std::move(host)),
+        threads_(tbb::global_control::max_allowed_parallelism, threads_of(options)),
         point_([this] {
           if (host_.interrupted()) throw Interruption();
         }),
@@ -195,9 +205,9 @@ class SumoRun::Impl {
       report_.sumo_collisions += traffic_->collisions();
       log_.observe(now);
       style_.observe(now.time, now.vehicles, now.resting);
-      safety_.observe(now.time, now.vehicles);
       people_.observe(now);
-      audit_.observe(now.time, now.vehicles, now.people);
+      tbb::parallel_invoke([&] { safety_.observe(now.time, now.vehicles); },
+                           [&] { audit_.observe(now.time, now.vehicles, now.people); });
       if (misbehaviour_) misbehaviour_->observe(now, audit_);
       if (recorder_) recorder_->observe(now, audit_);
       if (now.time >= next_checkpoint_) checkpoint();
@@ -317,6 +327,7 @@ class SumoRun::Impl {
   const CoordinateOptions& options_;
   RunFolder& folder_;
   RunHost host_;
+  tbb::global_control threads_;
   InterruptionPoint
       point_;  ///< of the preparation: there is no run yet whose results could be kept
   Scenario scenario_;
