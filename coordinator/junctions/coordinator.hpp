@@ -233,6 +233,7 @@ class Coordinator : public Controller {
   void announce(const std::string& id, const Driven& driven);
   [[nodiscard]] bool turns_yet(const Newcomer& newcomer);
   [[nodiscard]] bool is_entering(const VehicleState& state);
+  [[nodiscard]] bool touches_somebody(const VehicleState& state);
   void remember_lanes();
   [[nodiscard]] int came_from(const std::string& id) const;
   [[nodiscard]] bool is_watched(const VehicleState& v);

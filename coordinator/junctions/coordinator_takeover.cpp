@@ -338,7 +338,7 @@ std::vector<Coordinator::Newcomer> Coordinator::find_newcomers() {
       undriven_.try_emplace("type " + v.type,
                             "class " + vehicle_class + " is not driven like a car");
     }
-    if (!is_car || !options_.share.contains(v.id, v.type)) {
+    if (!is_car || !options_.share.contains(v.id, v.type) || touches_somebody(v)) {
       see_guest(v, query);
     } else if (auto newcomer = newcomer_at(v, query, route)) {
       gate_.keep(v.id);
@@ -363,6 +363,17 @@ bool Coordinator::is_entering(const VehicleState& v) {
   const bool came = trail != trails_.end() && trail->second.before != LaneGraph::kNone;
   return !came && v.lane_position < length + 3.0 &&
          area_.share_outside(v.pose, type_of(v.type).body, Audit::kRoadTolerance) > 0.0;
+}
+
+/// Does its body overlap another one, as those of two drivers may? Its plan could not help it.
+bool Coordinator::touches_somebody(const VehicleState& v) {
+  constexpr double kLongest = 30.0;  // [m] of a road vehicle
+  const Vehicle& body = type_of(v.type).body;
+  const OrientedBox box = footprint(body, v.pose);
+  return std::ranges::any_of(traffic_.vehicles(), [&](const VehicleState& other) {
+    if (&other == &v || distance(v.pose, other.pose) > body.length() + kLongest) return false;
+    return separation(box, footprint(type_of(other.type).body, other.pose)) < -Audit::kTolerance;
+  });
 }
 
 /// Is it, or its tail, still in a turn behind it? Then it is taken over later, if there is room to

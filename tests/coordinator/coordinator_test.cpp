@@ -174,6 +174,22 @@ TEST(Coordinator, StopsBehindACarThatBreaksDownAfterItsHandBack) {
   EXPECT_EQ(run.traffic.arrived(), 1);  // d; b and c wait behind a
 }
 
+// The traffic's own drivers may touch each other, as long vehicles do where their tails swing out.
+TEST(Coordinator, TakesNobodyOverWhileHeTouchesSomebody) {
+  FakeTrip passes{"passes", 0.0, "W_in", "E_out"};
+  passes.at = std::pair(90.0, 10.0);
+  FakeTrip stands{"stands", 0.0, "W_out", "W_out"};  // towards the other lane, and partly on it
+  stands.at = std::pair(85.0, 0.0);
+  stands.aside = 2.0;
+  ClosedLoop run({passes, stands});
+  run.step();
+  run.traffic.freeze("stands");
+  run.run_until(60.0);
+  EXPECT_EQ(run.audit.figures().overlap_pairs, 1);
+  EXPECT_EQ(run.audit.figures().overlap_pairs_coordinated, 0);
+  EXPECT_EQ(run.traffic.arrived(), 1);  // and nobody held it for good
+}
+
 TEST(Coordinator, WhoStandsForNoReasonIsExpectedToStandAndNobodyToPassHim) {
   FakeTrip cyclist{"cyclist", 40.0, "E_out", "E_out", "bike"};
   cyclist.at = std::pair(4.0, 5.0);
