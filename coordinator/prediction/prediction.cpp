@@ -96,21 +96,12 @@ constexpr double kExitRange = 250.0;  ///< [m] behind a junction in which leader
 
 Predictor::Predictor(const LaneGraph& graph, const CourseFinder& finder, CorridorMap& corridors,
                      double takeover)
-    : graph_(graph), finder_(finder), corridors_(corridors), takeover_(takeover) {
-  watched_.assign(std::size_t(graph.lanes()), false);
-  for (int k = 0; k < graph.links(); ++k) {
-    const LaneGraph::Link& link = graph.link(k);
-    if (!finder.is_coordinated(link.junction)) continue;
-    watched_[std::size_t(link.from)] = watched_[std::size_t(link.to)] = true;
-    for (const int via : link.via) watched_[std::size_t(via)] = true;
-  }
+    : graph_(graph),
+      finder_(finder),
+      corridors_(corridors),
+      takeover_(takeover),
+      watched_(graph, finder) {
   for (int l = 0; l < graph.lanes(); ++l) exit_roots_.push_back(find_exit_root(l, kExitRange));
-}
-
-void Predictor::watch(const Corridor& corridor) {
-  for (const CorridorPiece& piece : corridor.course.pieces) {
-    watched_[std::size_t(piece.lane)] = watched_[std::size_t(piece.last_lane())] = true;
-  }
 }
 
 ExitRoot Predictor::find_exit_root(int lane, double within) const {

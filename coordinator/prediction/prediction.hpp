@@ -9,6 +9,7 @@
 
 #include "coordinator/corridor/corridor.hpp"
 #include "coordinator/prediction/halted_queues.hpp"
+#include "coordinator/prediction/watched_lanes.hpp"
 #include "planner/road.hpp"
 
 namespace mvtp {
@@ -56,9 +57,9 @@ class Predictor {
   void corridors_forgotten();
 
   /// Do vehicles on this lane matter to those under control?
-  [[nodiscard]] bool watches(int lane) const { return watched_[std::size_t(lane)]; }
-  /// From now on vehicles on the lanes of a corridor matter.
-  void watch(const Corridor& corridor);
+  [[nodiscard]] bool watches(int lane) const { return watched_.contains(lane); }
+  /// From now on vehicles on a corridor matter, and those who come near to it.
+  void watch(const Corridor& corridor) { watched_.add(corridor); }
 
   /// Who stands now.
   void see(HaltedQueues queues) { queues_ = std::move(queues); }
@@ -105,7 +106,7 @@ class Predictor {
   const CourseFinder& finder_;
   CorridorMap& corridors_;
   double takeover_;
-  std::vector<bool> watched_;
+  WatchedLanes watched_;
   std::vector<ExitRoot> exit_roots_;
   HaltedQueues queues_;
   /// A place along a corridor.

@@ -174,7 +174,7 @@ TEST(Coordinator, StopsBehindACarThatBreaksDownAfterItsHandBack) {
   EXPECT_EQ(run.traffic.arrived(), 1);  // d; b and c wait behind a
 }
 
-// The traffic's own drivers may touch each other, as long vehicles do where their tails swing out.
+// Human drivers may touch each other, as long vehicles do where their tails swing out.
 TEST(Coordinator, TakesNobodyOverWhileHeTouchesSomebody) {
   FakeTrip passes{"passes", 0.0, "W_in", "E_out"};
   passes.at = std::pair(90.0, 10.0);

@@ -1,0 +1,106 @@
+#include "coordinator/network/lanes_beside.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/coordinator/closed_loop.hpp"
+#include "tests/coordinator/network_maker.hpp"
+#include "tests/coordinator/predictions.hpp"
+#include "tests/coordinator/shapes.hpp"
+
+namespace mvtp {
+namespace {
+
+using testing::ElementsAre;
+using testing::IsEmpty;
+
+/// Crossroads, and a road that nothing connects with them: its bend is `apart` beside the middle of
+/// the lane from the west.
+NetworkShape bend_beside(double apart) {
+  NetworkShape shape{.name = "bend_beside"};
+  NetworkMaker maker;
+  maker.node("C", {0, 0});
+  maker.node("W", {-120, 0}, 0.0);
+  maker.node("E", {120, 0}, 0.0);
+  maker.node("S", {0, -120}, 0.0);
+  maker.node("N", {0, 120}, 0.0);
+  for (const char* arm : {"W", "E", "S", "N"}) maker.road(arm, "C");
+  const double lane = -0.5 * NetworkMaker::kLaneWidth;  // [m] y of that from the west
+  maker.node("A", {-65, -60}, 0.0);
+  maker.node("B", {-14, -60}, 0.0);
+  maker.node("M", {-45, -20}, 1.0);
+  maker.limit_bends(13.9);
+  maker.one_way("A", "M");
+  maker.one_way("M", "B", 1, {{-40, -12}, {-25, lane - apart}, {-14, -14}});
+  shape.network = maker.make();
+  return shape;
+}
+
+std::vector<std::string> ids_beside(const RoadNetwork& network, const std::string& lane) {
+  const LaneGraph graph(network);
+  const LanesBeside beside(graph);
+  std::vector<std::string> ids;
+  for (const int l : beside.of(graph.find_lane(lane))) ids.push_back(graph.lane(l).id);
+  return ids;
+}
+
+TEST(LanesBeside, AreThoseThatComeNearWithoutAConnection) {
+  EXPECT_THAT(ids_beside(bend_beside(1.5).network, "W-C_0"), ElementsAre("M-B_0"));
+  EXPECT_THAT(ids_beside(bend_beside(1.5).network, "M-B_0"), ElementsAre("W-C_0"));
+  EXPECT_THAT(ids_beside(bend_beside(1.5).network, "C-E_0"), IsEmpty());
+  EXPECT_THAT(ids_beside(bend_beside(4.0).network, "W-C_0"), IsEmpty());
+}
+
+TEST(LanesBeside, AreNotThoseThatCrossOnABridge) {
+  EXPECT_THAT(ids_beside(bend_beside(-20.0).network, "W-C_0"), IsEmpty());
+}
+
+TEST(LanesBeside, AreTheSameInBothDirections) {
+  for (const NetworkShape& shape : {crossroads_shape(), roundabout_shape(), seam_shape()}) {
+    const LaneGraph graph(shape.network);
+    const LanesBeside beside(graph);
+    for (int l = 0; l < graph.lanes(); ++l) {
+      for (const int other : beside.of(l)) {
+        EXPECT_THAT(beside.of(other), testing::Contains(l)) << graph.lane(l).id;
+      }
+    }
+  }
+}
+
+// A driver on the other road sees nobody; who is under control knows of him long before they meet.
+TEST(LanesBeside, WhoComesNearThereIsExpectedAndNotTouched) {
+  int expected = 0;
+  for (double depart = 3.0; depart < 9.0; depart += 0.25) {
+    ClosedLoop run(bend_beside(1.2),
+                   {{.id = "car", .depart = 4.0, .from = "W-C", .to = "C-E"},
+                    {.id = "other", .depart = depart, .from = "A-M", .to = "M-B"}});
+    while (run.traffic.running() && run.traffic.time() < 60.0) {
+      run.step();
+      const auto vehicles = run.traffic.vehicles();
+      const bool both = vehicles.size() == 2 && run.coordinator.drives("car") &&
+                        run.traffic.time() > depart + 1.0;
+      if (!both || vehicles.back().pose.y > -30.0 || vehicles.back().pose.x > -40.0) continue;
+      EXPECT_THAT(run.coordinator.forecasts(), testing::SizeIs(1)) << run.traffic.time();
+      ++expected;
+    }
+    EXPECT_THAT(run.broken, IsEmpty()) << depart;
+    EXPECT_EQ(run.audit.figures().overlap_pairs_coordinated, 0) << depart;
+    EXPECT_FALSE(run.traffic.running());
+  }
+  EXPECT_GT(expected, 50);
+}
+
+TEST(LanesBeside, ThoseWhoComeOntoThemAreLookedOutForToo) {
+  NetworkShape shape = bend_beside(1.2);
+  Prediction p(shape);
+  const auto watched = [&](const std::string& id) {
+    return p.predictor.watches(p.walk.graph.find_lane(id));
+  };
+  for (const char* lane : {"M-B_0", ":M_0_0", "A-M_0"}) EXPECT_FALSE(watched(lane)) << lane;
+  const auto course = p.walk.finder.find(p.walk.at("W-C_0", 60.0, {"W-C", "C-E"}));
+  p.predictor.watch(p.map[p.map.corridor_for(course.value(), p.car)]);
+  for (const char* lane : {"M-B_0", ":M_0_0", "A-M_0"}) EXPECT_TRUE(watched(lane)) << lane;
+}
+
+}  // namespace
+}  // namespace mvtp
