@@ -20,7 +20,9 @@ void CorridorMap::set_stations(const Line& line, const ReferencePath& path, cons
   for (std::size_t i = 0; i < course.pieces.size(); ++i) {
     const double expected = line.begins[i] * stretch;
     double s = line.begins[i];
-    if (line.begins[i] > 0.0) {
+    if (course.human_driven) {
+      s -= body.rear;  // see drivers_path()
+    } else if (line.begins[i] > 0.0) {
       s = path.project(graph_.lane(course.pieces[i].lane).shape.front(), expected - kDrift,
                        expected + kDrift);
     }

@@ -165,7 +165,8 @@ void HumanDrivers::see(const VehicleState& v, const CourseQuery& query, double t
   const auto [found, is_new] = agents_.try_emplace(v.id);
   Agent& agent = found->second;
   if (is_new) agent.came = step_;
-  if (!is_new) check_tube(agent, v.pose);
+  const Pose front = compose(v.pose, {type.body.front, 0.0, 0.0});
+  if (!is_new) check_tube(agent, front);
   const std::vector<int> links = links_of(at_line);
   const bool turned = !is_new && !inside && !agent.inside && links != agent.links;
   const bool next_line = agent.inside && !inside;
@@ -185,6 +186,7 @@ void HumanDrivers::see(const VehicleState& v, const CourseQuery& query, double t
   agent.position = v.lane_position;
   agent.speed = v.speed;
   agent.pose = v.pose;
+  agent.front = front;
   agent.length = type.body.length();
   agent.inside = inside;
   agent.granted |= inside;

@@ -128,6 +128,7 @@ class HumanDrivers {
     double position = 0.0;  ///< on its lane [m]
     double speed = 0.0;
     Pose pose;
+    Pose front;  ///< of the middle of its front bumper
     double length = 0.0;
     bool granted = false;
     bool inside = false;
@@ -150,7 +151,7 @@ class HumanDrivers {
   [[nodiscard]] std::vector<int> links_in_question(const CourseQuery& query, double to_line) const;
   [[nodiscard]] std::vector<Movement> movements_of(const VehicleState& v, const CourseQuery& query,
                                                    double to_line, const VehicleType& type) const;
-  void check_tube(Agent& agent, const Pose& pose);
+  void check_tube(Agent& agent, const Pose& front);
   void set_driver(Movement& movement, const RoadVehicle& road, double to_line, double speed_factor,
                   const VehicleType& type) const;
   void remember_lanes();

@@ -28,9 +28,9 @@ double station(const SpeedProfile& t, std::int64_t k) {
 }  // namespace
 
 /// Did it stay inside what was expected of it at the last decision?
-void HumanDrivers::check_tube(Agent& agent, const Pose& pose) {
+void HumanDrivers::check_tube(Agent& agent, const Pose& front) {
   if (!agent.expected || !agent.granted) return;
-  const double moved = std::hypot(pose.x - agent.pose.x, pose.y - agent.pose.y);
+  const double moved = distance(front, agent.front);
   const auto [least, most] = *agent.expected;
   if (moved < least - kMiss || moved > most + kMiss) ++tube_misses_;
   agent.expected.reset();

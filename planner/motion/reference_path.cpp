@@ -118,18 +118,10 @@ ReferencePath::ReferencePath(std::span<const Point> points) {
   set_curvatures();
 }
 
-ReferencePath::ReferencePath(std::span<const Pose> poses) {
-  std::vector<Point> points;
-  for (const Pose& p : poses) points.push_back({p.x, p.y});
-  std::size_t i = 1;
-  for (const Point& p : even_chords(points, kSpacing)) {
-    while (i + 1 < poses.size() &&
-           distance(points[i - 1], points[i]) < distance(points[i - 1], p)) {
-      ++i;
-    }
-    const double f = distance(points[i - 1], p) / distance(points[i - 1], points[i]);
-    const double turn = wrap_to_pi(poses[i].theta - poses[i - 1].theta);
-    poses_.push_back({p.x, p.y, wrap_to_pi(poses[i - 1].theta + std::min(f, 1.0) * turn)});
+ReferencePath::ReferencePath(std::vector<Pose> poses) : poses_(std::move(poses)) {
+  for (std::size_t i = 1; i < poses_.size(); ++i) {
+    const double step = std::hypot(poses_[i].x - poses_[i - 1].x, poses_[i].y - poses_[i - 1].y);
+    longest_step_ = std::max(longest_step_, step);
   }
   set_curvatures();
 }
@@ -182,13 +174,13 @@ double ReferencePath::project(const Point& p, double from, double to) const {
   constexpr std::size_t kCoarse = 16;  // samples
   double bound = away(last);
   for (std::size_t i = first; i < last; i += kCoarse) bound = std::min(bound, away(i));
-  // Neighbours are kSpacing apart: one that is much too far away has no near ones around it.
+  // One that is much too far away has no near ones around it.
   std::size_t best = first;
   double best_distance = std::numeric_limits<double>::infinity();
   for (std::size_t i = first; i <= last;) {
     const double d = away(i);
     if (d < best_distance) best = i, best_distance = d;
-    i += std::max(std::size_t{1}, std::size_t((d - std::min(bound, d)) / kSpacing));
+    i += std::max(std::size_t{1}, std::size_t((d - std::min(bound, d)) / longest_step_));
   }
   // The foot of the perpendicular on the tangent at the nearest sample.
   const Pose& near = poses_[best];

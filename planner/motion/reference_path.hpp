@@ -7,10 +7,11 @@
 
 namespace mvtp {
 
-/// A smooth curve that the rear axle of a vehicle follows, parametrised by its arc length s [m].
+/// The poses of a vehicle along its way, by s [m].
 ///
-/// The vehicle's heading is the tangent, so a curvature within 1 / R_min is all that a car-like
-/// vehicle needs to follow it exactly.
+/// Mostly a smooth curve that the rear axle follows, and s its arc length. The vehicle's heading is
+/// the tangent, so a curvature within 1 / R_min is all that a car-like vehicle needs to follow it
+/// exactly.
 class ReferencePath {
  public:
   static constexpr double kSpacing = 0.25;  ///< [m] between samples
@@ -18,9 +19,9 @@ class ReferencePath {
   /// The curve through `points` (at least two, no two neighbours equal), resampled evenly.
   explicit ReferencePath(std::span<const Point> points);
 
-  /// The curve through `poses` (at least two, no two neighbours at one place) with the headings
-  /// given, of a body that does not keep to its tangent.
-  explicit ReferencePath(std::span<const Pose> poses);
+  /// These poses (at least two), of a body that does not keep to its tangent, at every kSpacing of
+  /// s: whatever that measures.
+  explicit ReferencePath(std::vector<Pose> poses);
 
   [[nodiscard]] double length() const { return kSpacing * double(poses_.size() - 1); }
   [[nodiscard]] std::size_t samples() const { return poses_.size(); }
@@ -31,7 +32,9 @@ class ReferencePath {
   /// Signed curvature [1/m] at s, positive to the left; 0 beyond the ends.
   [[nodiscard]] double curvature(double s) const;
   [[nodiscard]] double max_abs_curvature() const;
-  /// The arc length of the point nearest to `p` among those within [from, to].
+  /// The most that the rear axle moves from one sample to the next [m]; at least kSpacing.
+  [[nodiscard]] double longest_step() const { return longest_step_; }
+  /// The s of the place nearest to `p` among those within [from, to].
   [[nodiscard]] double project(const Point& p, double from, double to) const;
 
  private:
@@ -39,6 +42,7 @@ class ReferencePath {
 
   std::vector<Pose> poses_;
   std::vector<double> curvatures_;
+  double longest_step_ = kSpacing;
 };
 
 /// The polyline resampled at `spacing` [m], first and last point kept.

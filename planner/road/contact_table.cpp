@@ -78,7 +78,7 @@ SweptPath::SweptPath(const ReferencePath& path, const Vehicle& body, const Margi
   for (const PlaneBounds& chunk : chunks_) bounds_.include(chunk);
   least_margin_ = std::min(margins.along, margins.across);
   const double arm = std::hypot(std::max(grown_.front, grown_.rear), grown_.width / 2.0);
-  stride_ = ReferencePath::kSpacing + arm * most_turn + 1e-9;
+  stride_ = path.longest_step() + arm * most_turn + 1e-9;
 }
 
 ContactTable::ContactTable(const ReferencePath& path_a, const Vehicle& body_a,

@@ -188,6 +188,29 @@ TEST(ContactTable, WhatItClearsIsClearAtEveryMillisecond) {
   EXPECT_GT(near_misses, 30);
 }
 
+/// From sample to sample a body may leap over what it would touch on its way.
+TEST(ContactTable, HoldsWhatTouchesBetweenSamplesFarApart) {
+  const Vehicle small = {.front = 0.3, .rear = 0.3, .width = 0.6, .min_turning_radius = 1.0};
+  Draws draws(5);
+  int touches = 0;
+  for (int round = 0; round < 200; ++round) {
+    const Pose start{-40.0, draws.share() * 20.0 - 10.0, draws.share() - 0.5};
+    std::vector<Pose> poses;
+    for (int i = 0; i <= 40; ++i) poses.push_back(drive(start, 2.0 * i, 0.0));
+    const ReferencePath a(std::move(poses));
+    const ReferencePath b = any_path(draws);
+    const ContactTable table(a, small, b, small, Margins{.along = 0.0, .across = 0.0});
+    for (int k = 0; k < 5000; ++k) {
+      const double s_a = draws.share() * a.length();
+      const double s_b = draws.share() * b.length();
+      if (!bodies_touch(a, small, s_a, b, small, s_b)) continue;
+      ASSERT_TRUE(table.sweeps(s_a, s_a, s_b, s_b)) << round << ": " << s_a << ", " << s_b;
+      ++touches;
+    }
+  }
+  EXPECT_GT(touches, 50);
+}
+
 TEST(ContactTable, BoundsNeverMissAContact) {
   Draws draws(4);
   for (int round = 0; round < 50; ++round) {
