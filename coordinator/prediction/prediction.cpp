@@ -306,11 +306,24 @@ std::vector<Forecast> Predictor::predict(const VehicleState& v, const CourseQuer
   }
   forecast.earliest = predict_leader(road, lines_ahead(*placed, query, stand, stop), grid, step,
                                      at_line ? 0.0 : stand.so_far);
+  forecast.yields = at_line || !comes_beside(*placed);
   if (is_held) {
     forecast.held = held_at_line(forecast.earliest, grid);
     forecast.slack_before = int(std::lround(kAheadOfTime / grid.dt));
   }
   return {forecast};
+}
+
+/// Does it soon come near to a corridor where no connection says so?
+bool Predictor::comes_beside(const Placed& placed) const {
+  constexpr double kSoon = 60.0;  // [m]
+  const Corridor& corridor = corridors_[placed.corridor];
+  const double s = placed.road.now.s;
+  for (std::size_t p = corridor.piece_at(s); p < corridor.stations.size(); ++p) {
+    if (corridor.stations[p] > s + kSoon) return false;
+    if (watched_.is_beside(corridor.course.pieces[p].last_lane())) return true;
+  }
+  return false;
 }
 
 SpeedProfile predict_leader(const RoadVehicle& v, const std::vector<StopLine>& lines,

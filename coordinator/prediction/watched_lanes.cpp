@@ -8,7 +8,8 @@ WatchedLanes::WatchedLanes(const LaneGraph& graph, const CourseFinder& finder)
     : graph_(graph),
       beside_(graph),
       watched_(std::size_t(graph.lanes()), false),
-      driven_(std::size_t(graph.lanes()), false) {
+      driven_(std::size_t(graph.lanes()), false),
+      is_beside_(std::size_t(graph.lanes()), false) {
   for (int k = 0; k < graph.links(); ++k) {
     const LaneGraph::Link& link = graph.link(k);
     if (!finder.is_coordinated(link.junction)) continue;
@@ -25,23 +26,40 @@ void WatchedLanes::add(const Corridor& corridor) {
 }
 
 void WatchedLanes::add_driven(int lane) {
-  constexpr double kComing = 60.0;  // [m] before they come near
+  constexpr double kComing = 60.0;   // [m] before they come near
+  constexpr double kLeading = 60.0;  // [m] behind that: whom they follow
   if (driven_[std::size_t(lane)]) return;
   driven_[std::size_t(lane)] = watched_[std::size_t(lane)] = true;
-  for (const int other : beside_.of(lane)) add_up_to(other, kComing);
+  for (const int other : beside_.of(lane)) {
+    is_beside_[std::size_t(other)] = true;
+    add_before(other, kComing);
+    add_behind(other, kLeading);
+  }
 }
 
-/// A lane, and `before` metres of those from where vehicles come onto it.
-void WatchedLanes::add_up_to(int lane, double before) {
+/// A lane, and `room` metres of those from where vehicles come onto it.
+void WatchedLanes::add_before(int lane, double room) {
   watched_[std::size_t(lane)] = true;
-  if (before <= 0.0) return;
-  const auto go_back = [&](int from) {
-    add_up_to(from, before - std::max(1.0, graph_.lane(from).length));
-  };
-  for (const int k : graph_.links_over(lane)) go_back(graph_.link(k).from);
-  for (const int k : graph_.links_to(lane)) {
-    for (const int via : graph_.link(k).via) watched_[std::size_t(via)] = true;
-    go_back(graph_.link(k).from);
+  if (room <= 0.0) return;
+  for (const auto& links : {graph_.links_over(lane), graph_.links_to(lane)}) {
+    for (const int k : links) {
+      const LaneGraph::Link& link = graph_.link(k);
+      for (const int via : link.via) watched_[std::size_t(via)] = true;
+      add_before(link.from, room - std::max(1.0, graph_.lane(link.from).length));
+    }
+  }
+}
+
+/// A lane, and `room` metres of those onto which vehicles go from it.
+void WatchedLanes::add_behind(int lane, double room) {
+  watched_[std::size_t(lane)] = true;
+  if (room <= 0.0) return;
+  for (const auto& links : {graph_.links_over(lane), graph_.links_from(lane)}) {
+    for (const int k : links) {
+      const LaneGraph::Link& link = graph_.link(k);
+      for (const int via : link.via) watched_[std::size_t(via)] = true;
+      add_behind(link.to, room - std::max(1.0, graph_.lane(link.to).length));
+    }
   }
 }
 

@@ -14,18 +14,23 @@ class WatchedLanes {
   WatchedLanes(const LaneGraph& graph, const CourseFinder& finder);
 
   [[nodiscard]] bool contains(int lane) const { return watched_[std::size_t(lane)]; }
+  /// Does it come so near to a corridor, without a connection, that a driver on it sees nobody
+  /// there whom he may touch?
+  [[nodiscard]] bool is_beside(int lane) const { return is_beside_[std::size_t(lane)]; }
   /// From now on also the lanes of a corridor, those beside it, where others come so near that they
-  /// may touch somebody on it, and those from where they come.
+  /// may touch somebody on it, those from where they come, and those where their leaders are.
   void add(const Corridor& corridor);
 
  private:
   void add_driven(int lane);
-  void add_up_to(int lane, double before);
+  void add_before(int lane, double room);
+  void add_behind(int lane, double room);
 
   const LaneGraph& graph_;
   LanesBeside beside_;
   std::vector<bool> watched_;
-  std::vector<bool> driven_;  ///< of each lane: part of a corridor
+  std::vector<bool> driven_;     ///< of each lane: part of a corridor
+  std::vector<bool> is_beside_;  ///< of each lane: see is_beside()
 };
 
 }  // namespace mvtp

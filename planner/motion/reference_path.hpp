@@ -7,7 +7,7 @@
 
 namespace mvtp {
 
-/// The poses of a vehicle along its way, by s [m].
+/// The poses of a vehicle, by s [m].
 ///
 /// Mostly a smooth curve that the rear axle follows, and s its arc length. The vehicle's heading is
 /// the tangent, so a curvature within 1 / R_min is all that a car-like vehicle needs to follow it

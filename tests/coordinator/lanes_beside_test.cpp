@@ -27,7 +27,9 @@ NetworkShape bend_beside(double apart) {
   for (const char* arm : {"W", "E", "S", "N"}) maker.road(arm, "C");
   const double lane = -0.5 * NetworkMaker::kLaneWidth;  // [m] y of that from the west
   maker.node("A", {-65, -60}, 0.0);
-  maker.node("B", {-14, -60}, 0.0);
+  maker.node("B", {-14, -60}, 1.0);
+  maker.node("D", {-14, -120}, 0.0);
+  maker.one_way("B", "D");
   maker.node("M", {-45, -20}, 1.0);
   maker.limit_bends(13.9);
   maker.one_way("A", "M");
@@ -80,7 +82,8 @@ TEST(LanesBeside, WhoComesNearThereIsExpectedAndNotTouched) {
       const bool both = vehicles.size() == 2 && run.coordinator.drives("car") &&
                         run.traffic.time() > depart + 1.0;
       if (!both || vehicles.back().pose.y > -30.0 || vehicles.back().pose.x > -40.0) continue;
-      EXPECT_THAT(run.coordinator.forecasts(), testing::SizeIs(1)) << run.traffic.time();
+      ASSERT_THAT(run.coordinator.forecasts(), testing::SizeIs(1)) << run.traffic.time();
+      EXPECT_FALSE(run.coordinator.forecasts().front().yields) << "he sees nobody there";
       ++expected;
     }
     EXPECT_THAT(run.broken, IsEmpty()) << depart;
@@ -90,16 +93,18 @@ TEST(LanesBeside, WhoComesNearThereIsExpectedAndNotTouched) {
   EXPECT_GT(expected, 50);
 }
 
-TEST(LanesBeside, ThoseWhoComeOntoThemAreLookedOutForToo) {
+TEST(LanesBeside, ThoseWhoComeOntoThemAndTheirLeadersAreLookedOutForToo) {
   NetworkShape shape = bend_beside(1.2);
   Prediction p(shape);
   const auto watched = [&](const std::string& id) {
     return p.predictor.watches(p.walk.graph.find_lane(id));
   };
-  for (const char* lane : {"M-B_0", ":M_0_0", "A-M_0"}) EXPECT_FALSE(watched(lane)) << lane;
+  for (const char* lane : {"M-B_0", ":M_0_0", "A-M_0", ":B_0_0", "B-D_0"})
+    EXPECT_FALSE(watched(lane)) << lane;
   const auto course = p.walk.finder.find(p.walk.at("W-C_0", 60.0, {"W-C", "C-E"}));
   p.predictor.watch(p.map[p.map.corridor_for(course.value(), p.car)]);
-  for (const char* lane : {"M-B_0", ":M_0_0", "A-M_0"}) EXPECT_TRUE(watched(lane)) << lane;
+  for (const char* lane : {"M-B_0", ":M_0_0", "A-M_0", ":B_0_0", "B-D_0"})
+    EXPECT_TRUE(watched(lane)) << lane;
 }
 
 }  // namespace
