@@ -14,8 +14,10 @@ constexpr double kStep = 0.2;    ///< [m] between the places aside at which peop
 constexpr double kWalker = 0.3;
 constexpr double kStander = 0.06;
 constexpr double kShoulders = 0.26;  ///< half of what somebody covers across it
-constexpr double kSqueeze = 1.0;  ///< [m] from its sides that those may stand who are walked around
-constexpr double kInside = 0.4;   ///< [m] from its sides that the margins make up for
+/// [m] from the sides of a crossing that those may stand who are walked around, if the person stays
+/// in its middle; he may keep as far to either side of that.
+constexpr double kSqueeze = 1.0;
+constexpr double kInside = 0.4;  ///< [m] from its sides that the margins make up for
 
 /// Nobody needs more than a step to stop.
 Vehicle box(double along, double across) {
@@ -68,7 +70,9 @@ ReferencePath CrossingPaths::line(int crossing, bool forward, double aside) cons
 }
 
 int CrossingPaths::path(int crossing, bool forward, Room room, double aside) {
-  const int steps = room == Room::kStands ? int(std::lround(aside / kStep)) : 0;
+  if (room == Room::kSqueezes) aside = std::clamp(aside, -kSqueeze, kSqueeze);
+  const bool has_place = room == Room::kStands || room == Room::kSqueezes;
+  const int steps = has_place ? int(std::lround(aside / kStep)) : 0;
   const auto [found, is_new] = paths_.try_emplace({crossing, forward, room, steps});
   if (!is_new) return found->second;
   const double half = graph_.crossing(crossing).crossing->width / 2.0 - kInside;

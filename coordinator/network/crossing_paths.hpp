@@ -14,9 +14,9 @@ namespace mvtp {
 class CrossingPaths {
  public:
   /// How much of the ground a person needs: the whole width of the crossing, with room before and
-  /// behind him, while he walks on it; less of the width where he walks around those who stand on
-  /// its edge; no room before the kerb at which he may stop; and only his own place where he
-  /// stands.
+  /// behind him, while he walks on it; less of the width, on the side where he is, where he walks
+  /// around those who stand on its edge; no room before the kerb at which he may stop; and only his
+  /// own place where he stands.
   enum class Room { kWalks, kSqueezes, kComes, kStands };
 
   /// Where the path of a crossing meets the first kerb: a sample, so that who stands there is.
@@ -38,7 +38,7 @@ class CrossingPaths {
   [[nodiscard]] bool heads_forward(int crossing, double theta) const;
 
   /// The number of the path in the library.
-  /// @param aside  to its left [m]; of Room::kStands only.
+  /// @param aside  to its left [m]; of Room::kStands and kSqueezes only.
   [[nodiscard]] int path(int crossing, bool forward, Room room, double aside = 0.0);
   /// The stations of the other kerb and of the path's end [m].
   [[nodiscard]] double other_kerb(int crossing) const {

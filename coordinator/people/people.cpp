@@ -252,9 +252,9 @@ Forecast People::crosses(const Person& person, const Green& green) {
   const std::int64_t last = green.end - step_ - std::int64_t(to_kerb / slow / grid_.dt);
   late = std::clamp<std::int64_t>(late, 0, std::max<std::int64_t>(0, last));
   const bool squeezes = person.where != Where::kOnIt && has_waited(person.crossing, kSqueezeAfter);
-  const int path =
-      paths_.path(person.crossing, person.forward,
-                  squeezes ? CrossingPaths::Room::kSqueezes : CrossingPaths::Room::kWalks);
+  const int path = paths_.path(
+      person.crossing, person.forward,
+      squeezes ? CrossingPaths::Room::kSqueezes : CrossingPaths::Room::kWalks, person.aside);
   return forecast_on(path, person, walk(person.s, wait, fast, end, true),
                      walk(person.s, late, slow, end, true));
 }

@@ -1,11 +1,14 @@
 // Who is expected on a crossing, and who gets its green, decision by decision.
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <limits>
 
+#include "coordinator/network/crossing_paths.hpp"
 #include "coordinator/network/partition.hpp"
+#include "coordinator/network/polyline.hpp"
 #include "coordinator/people/people.hpp"
 #include "tests/coordinator/fake_traffic.hpp"
 
@@ -139,6 +142,30 @@ TEST_F(PeopleAtLights, NeedLessOfTheCrossingWhenTheyHaveWaitedForVeryLong) {
   const double whole = width();
   wait(4.0);
   EXPECT_NEAR(width(), whole - 2.0, 1e-9);
+}
+
+// The rest is left to vehicles that stand on its edge: they could not go on before he has crossed.
+TEST_F(PeopleAtLights, NeedWhatIsOnTheirOwnSideWhenTheyHaveWaitedForVeryLong) {
+  const Point& kerb = crossing().shape.front();
+  const double theta = heading(kerb, crossing().shape.back());
+  const Pose middle{kerb.x, kerb.y, theta};
+  for (const double aside : {-1.6, -0.4, 0.0, 0.8, 1.6}) {
+    const Pose place = compose(middle, {0.0, aside, 0.0});
+    traffic.people = {at_kerb()};
+    traffic.people.front().id = fmt::format("aside {}", aside);
+    traffic.people.front().position = {place.x, place.y};
+    decide();
+    wait(22.0);
+    const std::vector<People::Expected> all = people.expect({crossing().id});
+    const int path = all.front().forecast.vehicle.path;
+    const Pose there = relative(middle, library.path(path).at(CrossingPaths::kKerb));
+    const double half = 0.5 * library.body(path).width;
+    EXPECT_NEAR(there.x, 0.0, 1e-6);
+    EXPECT_LE(std::abs(there.y - aside), half + 0.1) << "he is in it";
+    EXPECT_NEAR(there.y, std::clamp(aside, -1.0, 1.0), 0.11);
+    traffic.people.clear();
+    wait(20.0);
+  }
 }
 
 TEST_F(PeopleAtLights, KeepTheLightsOfThoseRedWhoCrossThem) {
