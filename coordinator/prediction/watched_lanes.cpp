@@ -32,33 +32,23 @@ void WatchedLanes::add_driven(int lane) {
   driven_[std::size_t(lane)] = watched_[std::size_t(lane)] = true;
   for (const int other : beside_.of(lane)) {
     is_beside_[std::size_t(other)] = true;
-    add_before(other, kComing);
-    add_behind(other, kLeading);
+    add_along(other, Side::kBefore, kComing);
+    add_along(other, Side::kBehind, kLeading);
   }
 }
 
-/// A lane, and `room` metres of those from where vehicles come onto it.
-void WatchedLanes::add_before(int lane, double room) {
+/// A lane, and `room` metres of those before it, from where vehicles come, or behind it.
+void WatchedLanes::add_along(int lane, Side side, double room) {
   watched_[std::size_t(lane)] = true;
   if (room <= 0.0) return;
-  for (const auto& links : {graph_.links_over(lane), graph_.links_to(lane)}) {
+  const bool before = side == Side::kBefore;
+  for (const auto& links :
+       {graph_.links_over(lane), before ? graph_.links_to(lane) : graph_.links_from(lane)}) {
     for (const int k : links) {
       const LaneGraph::Link& link = graph_.link(k);
       for (const int via : link.via) watched_[std::size_t(via)] = true;
-      add_before(link.from, room - std::max(1.0, graph_.lane(link.from).length));
-    }
-  }
-}
-
-/// A lane, and `room` metres of those onto which vehicles go from it.
-void WatchedLanes::add_behind(int lane, double room) {
-  watched_[std::size_t(lane)] = true;
-  if (room <= 0.0) return;
-  for (const auto& links : {graph_.links_over(lane), graph_.links_from(lane)}) {
-    for (const int k : links) {
-      const LaneGraph::Link& link = graph_.link(k);
-      for (const int via : link.via) watched_[std::size_t(via)] = true;
-      add_behind(link.to, room - std::max(1.0, graph_.lane(link.to).length));
+      const int next = before ? link.from : link.to;
+      add_along(next, side, room - std::max(1.0, graph_.lane(next).length));
     }
   }
 }

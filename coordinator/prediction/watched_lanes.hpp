@@ -22,9 +22,10 @@ class WatchedLanes {
   void add(const Corridor& corridor);
 
  private:
+  enum class Side { kBefore, kBehind };
+
   void add_driven(int lane);
-  void add_before(int lane, double room);
-  void add_behind(int lane, double room);
+  void add_along(int lane, Side side, double room);
 
   const LaneGraph& graph_;
   LanesBeside beside_;

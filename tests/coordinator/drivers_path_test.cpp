@@ -8,6 +8,7 @@
 #include "tests/coordinator/fake_traffic.hpp"
 #include "tests/coordinator/network_maker.hpp"
 #include "tests/coordinator/predictions.hpp"
+#include "tests/coordinator/shapes.hpp"
 
 namespace mvtp {
 namespace {
@@ -15,12 +16,7 @@ namespace {
 NetworkShape crossroads_of_one_speed() {
   NetworkShape shape{.name = "one_speed"};
   NetworkMaker maker;
-  maker.node("C", {0, 0});
-  maker.node("W", {-120, 0}, 0.0);
-  maker.node("E", {120, 0}, 0.0);
-  maker.node("S", {0, -120}, 0.0);
-  maker.node("N", {0, 120}, 0.0);
-  for (const char* arm : {"W", "E", "S", "N"}) maker.road(arm, "C");
+  add_crossroads(maker, shape);
   maker.limit_bends(13.89);
   shape.network = maker.make();
   return shape;

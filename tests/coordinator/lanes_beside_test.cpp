@@ -19,12 +19,7 @@ using testing::IsEmpty;
 NetworkShape bend_beside(double apart) {
   NetworkShape shape{.name = "bend_beside"};
   NetworkMaker maker;
-  maker.node("C", {0, 0});
-  maker.node("W", {-120, 0}, 0.0);
-  maker.node("E", {120, 0}, 0.0);
-  maker.node("S", {0, -120}, 0.0);
-  maker.node("N", {0, 120}, 0.0);
-  for (const char* arm : {"W", "E", "S", "N"}) maker.road(arm, "C");
+  add_crossroads(maker, shape);
   const double lane = -0.5 * NetworkMaker::kLaneWidth;  // [m] y of that from the west
   maker.node("A", {-65, -60}, 0.0);
   maker.node("B", {-14, -60}, 1.0);

@@ -83,15 +83,19 @@ RoadNetwork make_crossroads(double arm) {
   return network;
 }
 
-NetworkShape crossroads_shape(double arm, double radius) {
-  NetworkShape shape{.name = "crossroads"};
-  NetworkMaker maker;
+void add_crossroads(NetworkMaker& maker, NetworkShape& shape, double arm, double radius) {
   maker.node("C", {0, 0}, radius);
   for (int k = 0; k < 4; ++k) {
     const Point end = turned({-arm, 0.0}, k);
     maker.node(kArms[std::size_t(k)], end, 0.0);
   }
   add_arms(maker, "C", {"W", "S", "E", "N"}, 1, shape);
+}
+
+NetworkShape crossroads_shape(double arm, double radius) {
+  NetworkShape shape{.name = "crossroads"};
+  NetworkMaker maker;
+  add_crossroads(maker, shape, arm, radius);
   shape.network = maker.make();
   return shape;
 }

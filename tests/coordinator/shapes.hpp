@@ -29,6 +29,9 @@ struct NetworkShape {
   std::map<std::string, std::vector<SignalPhase>> programs = {};
 };
 
+/// Adds a junction "C" at the origin with the arms "W", "S", "E", "N", where vehicles come and go.
+void add_crossroads(NetworkMaker& maker, NetworkShape& shape, double arm = 120.0,
+                    double radius = 7.2);
 [[nodiscard]] NetworkShape crossroads_shape(double arm = 120.0, double radius = 7.2);
 /// Nine crossroads in three rows, between them 21 to 45 m of road.
 [[nodiscard]] NetworkShape grid_shape();
