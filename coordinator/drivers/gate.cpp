@@ -134,7 +134,7 @@ bool Gate::is_under_way(const std::string& id) const {
 
 /// Of two who go on over several junctions, and would meet, the one is held that was let through
 /// later, if it still can be, and the other one need not pass there.
-void Gate::hold_who_would_meet(const MayMeet& may_meet, const Blocks& blocks) {
+void Gate::hold_who_would_meet(const Surroundings& surroundings) {
   std::vector<const Entry*> passing;
   for (const Entry& entry : visitors_) {
     if (entry.second.passes) passing.push_back(&entry);
@@ -146,21 +146,21 @@ void Gate::hold_who_would_meet(const MayMeet& may_meet, const Blocks& blocks) {
     const bool has_to_wait =
         visitor.goes_on && std::any_of(passing.begin(), later, [&](const Entry* other) {
           return other->second.passes &&
-                 may_meet(id, other->first, visitor.lane == other->second.lane) &&
-                 !blocks(id, visitor.place.to_hold, other->first);
+                 surroundings.may_meet(id, other->first, visitor.lane == other->second.lane) &&
+                 !surroundings.blocks(id, visitor.place.to_hold, other->first);
         });
     if (has_to_wait) hold(id);
   }
 }
 
-std::vector<std::string> Gate::propose(const IsFirst& is_first, const MayMeet& may_meet,
-                                       const Blocks& blocks) {
-  hold_who_would_meet(may_meet, blocks);
+std::vector<std::string> Gate::propose(const Surroundings& surroundings) {
+  hold_who_would_meet(surroundings);
   std::vector<Entry*> waiting;
   std::vector<const Entry*> ahead;  // of those who wait
   for (Entry& entry : visitors_) {
     Visitor& visitor = entry.second;
-    const bool waits = visitor.guest && visitor.held && visitor.waits && is_first(entry.first);
+    const bool waits =
+        visitor.guest && visitor.held && visitor.waits && surroundings.is_first(entry.first);
     if (waits) waiting.push_back(&entry);
     if (!waits) visitor.passed_over = 0;
     if (visitor.passes || (!waits && !visitor.place.is_clear)) ahead.push_back(&entry);
@@ -170,11 +170,13 @@ std::vector<std::string> Gate::propose(const IsFirst& is_first, const MayMeet& m
   for (Entry* entry : waiting) {
     auto& [id, visitor] = *entry;
     const bool meets = std::ranges::any_of(ahead, [&](const Entry* other) {
-      return may_meet(id, other->first, visitor.lane == other->second.lane);
+      return surroundings.may_meet(id, other->first, visitor.lane == other->second.lane);
     });
-    visitor.passed_over = meets ? visitor.passed_over + 1 : 0;
-    if (!meets) proposed.push_back(id);
-    if (!meets || visitor.passed_over > kDueAfter) ahead.push_back(entry);
+    const bool may_go = !meets && !surroundings.waits_for_people(id);
+    if (meets) ++visitor.passed_over;
+    if (may_go) visitor.passed_over = 0;
+    if (may_go) proposed.push_back(id);
+    if (may_go || visitor.passed_over > kDueAfter) ahead.push_back(entry);
   }
   return proposed;
 }

@@ -60,11 +60,20 @@ class Gate {
   using Blocks = std::function<bool(const std::string&, double, const std::string&)>;
   /// Is nobody ahead of it on its lane but those who pass?
   using IsFirst = std::function<bool(const std::string&)>;
+  /// Has it to wait for people on foot?
+  using WaitsForPeople = std::function<bool(const std::string&)>;
+  /// What stands between guests and their passage.
+  struct Surroundings {
+    IsFirst is_first;
+    MayMeet may_meet;
+    Blocks blocks;
+    WaitsForPeople waits_for_people = [](const std::string&) { return false; };
+  };
   /// Held guests who may be let through next, those who were asked for least lately first: as many
   /// as cannot meet each other, nor anybody behind his line; nor one who has been passed over for a
-  /// while. Before that, of those who pass and would meet, one is held.
-  [[nodiscard]] std::vector<std::string> propose(const IsFirst& is_first, const MayMeet& may_meet,
-                                                 const Blocks& blocks);
+  /// while. Who has to wait for people keeps no other guest waiting. Before that, of those who pass
+  /// and would meet, one is held.
+  [[nodiscard]] std::vector<std::string> propose(const Surroundings& surroundings);
   /// It has been asked for: others come first now.
   void asked_for(const std::string& id);
   void let_through(const std::string& id);
@@ -93,7 +102,7 @@ class Gate {
 
   [[nodiscard]] const Visitor* find(const std::string& id) const;  ///< nullptr: there is none
   void decide(const std::string& id, Visitor& guest, double room);
-  void hold_who_would_meet(const MayMeet& may_meet, const Blocks& blocks);
+  void hold_who_would_meet(const Surroundings& surroundings);
   void keep_in_lane(const std::string& id, const Visitor& guest);
 
   Traffic& traffic_;

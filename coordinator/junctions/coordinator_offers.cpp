@@ -126,7 +126,8 @@ std::vector<std::string> Coordinator::guests_at_gate() {
                                  [&](const auto& entry) { return is_over(entry.second.road); });
     });
   };
-  return gate_.propose(is_first, may_meet, blocks);
+  const auto waits_for_people = [&](const std::string& id) { return may_meet_people({id}); };
+  return gate_.propose({is_first, may_meet, blocks, waits_for_people});
 }
 
 /// Those who may go over junctions now, in groups that only go together: guests at the gate,

@@ -110,12 +110,14 @@ void People::see(const Pedestrian& p, Persons& now) {
   }
   // Who walks along the kerb from one sidewalk to the next is in the path of those who turn, too;
   // but nobody goes back over the crossing that he comes from.
-  auto near = meeting_.find(p.next);
-  if (near == meeting_.end()) near = meeting_.find(p.edge);
-  if (near == meeting_.end()) return;
+  const auto to = meeting_.find(p.next);
+  const auto at = to == meeting_.end() ? meeting_.find(p.edge) : to;
+  if (at == meeting_.end()) return;
+  const bool leaves = to == meeting_.end() && !p.next.empty();
   const auto last = last_crossing_.find(p.id);
-  for (const int c : near->second) {
-    if (last == last_crossing_.end() || c != last->second) see_at(p, c, Where::kNear, now);
+  for (const int c : at->second) {
+    if (last != last_crossing_.end() && c == last->second) continue;
+    see_at(p, c, leaves ? Where::kPasses : Where::kNear, now);
   }
 }
 
@@ -234,8 +236,9 @@ Forecast People::expect_one(const Person& person, const std::optional<Green>& gr
     return there < green->end ? crosses(person, *green) : stays(person, CrossingPaths::kKerb);
   }
   const bool yields = !graph_.crossing(person.crossing).crossing->has_priority;
-  return yields && (stands || person.where == Where::kNear) ? stays(person, CrossingPaths::kKerb)
-                                                            : crosses(person, always);
+  const bool waits = yields && (stands || person.where == Where::kNear);
+  return waits || person.where == Where::kPasses ? stays(person, CrossingPaths::kKerb)
+                                                 : crosses(person, always);
 }
 
 /// He is at the kerb as fast as he can, and steps onto the crossing at the end of the green at

@@ -70,10 +70,15 @@ class People {
 
  private:
   /// Where somebody is, as seen from a crossing that he may walk over.
-  enum class Where { kNear, kBefore, kOnIt };
+  enum class Where {
+    kPasses,  ///< he walks past it
+    kNear,    ///< he may turn elsewhere
+    kBefore,  ///< he wants to go over it
+    kOnIt
+  };
   struct Person {
     int crossing = 0;
-    Where where = Where::kNear;  ///< near: he may turn elsewhere; before: he wants to go over it
+    Where where = Where::kNear;
     bool forward = true;
     double s = 0.0;
     double aside = 0.0;

@@ -11,8 +11,8 @@ namespace {
 
 constexpr double kHold = 3.0;           ///< [s] for which a driver keeps his speed
 constexpr double kAcceleration = 1.0;   ///< [m/s^2] after that
-constexpr double kHesitant = 0.5;       ///< [m/s^2] of a driver let through who takes his time,
-constexpr double kEasing = 1.0;         ///< [m/s^2] or slows down
+constexpr double kHesitant = 0.5;       ///< share of his acceleration that one let through takes,
+constexpr double kEasing = 1.0;         ///< [m/s^2] who takes his time, or slows down
 constexpr double kCrawl = 4.0;          ///< [m/s] to no less than this
 constexpr double kQuickShare = 1.01;    ///< of the speed that he wants,
 constexpr double kSlowShare = 0.9;      ///< and of one who takes his time,
@@ -357,7 +357,7 @@ SpeedProfile predict_crawl(const RoadVehicle& v, const Vehicle& body,
   SpeedProfile t{.begin = step, .states = {v.now}};
   drive_on(t, v, grid, lines, [&](const InertialState& last) {
     const double wanted = (std::min(kCrawl, v.cruise_speed) - last.v) / grid.dt;
-    const double a = std::clamp(wanted, -kEasing, kHesitant);
+    const double a = std::clamp(wanted, -kEasing, kHesitant * body.max_accel);
     if (!v.envelope) return a;
     const double most = (v.envelope->at(last.s + last.v * grid.dt) - last.v) / grid.dt;
     return std::max(std::min(a, most), -body.max_decel);

@@ -44,7 +44,7 @@ class GateTest : public testing::Test {
   }
   /// Who is asked for next.
   std::optional<std::string> propose() {
-    const std::vector<std::string> proposed = gate.propose(first, anybody, nobody);
+    const std::vector<std::string> proposed = gate.propose({first, anybody, nobody});
     if (proposed.empty()) return std::nullopt;
     gate.asked_for(proposed.front());
     return proposed.front();
@@ -124,10 +124,10 @@ TEST_F(GateTest, ProposesAsManyAsCannotMeet) {
   };
   decide({"a1", "a2", "b1", "b2"});
   for (const std::string id : {"a1", "a2", "b1", "b2"}) ASSERT_FALSE(gate.passes(id));
-  EXPECT_THAT(gate.propose(first, crosses, nobody),
+  EXPECT_THAT(gate.propose({first, crosses, nobody}),
               testing::AnyOf(UnorderedElementsAre("a1", "a2"), UnorderedElementsAre("b1", "b2")));
   gate.let_through("a1");
-  EXPECT_THAT(gate.propose(first, crosses, nobody), UnorderedElementsAre("a2"))
+  EXPECT_THAT(gate.propose({first, crosses, nobody}), UnorderedElementsAre("a2"))
       << "not across who passes";
 }
 
@@ -139,13 +139,11 @@ TEST_F(GateTest, ProposesThoseFromOneLaneTogetherUnlessTheirPathsMeetAgain) {
   }
   gate.end();
   for (const bool again : {false, true}) {
-    const auto proposed = gate.propose(
-        first,
-        [&](const std::string&, const std::string&, bool from_one_lane) {
-          EXPECT_TRUE(from_one_lane);
-          return again;
-        },
-        nobody);
+    const auto meets_again = [&](const std::string&, const std::string&, bool from_one_lane) {
+      EXPECT_TRUE(from_one_lane);
+      return again;
+    };
+    const auto proposed = gate.propose({first, meets_again, nobody});
     EXPECT_EQ(proposed.size(), again ? 1U : 2U);
   }
 }
@@ -171,8 +169,8 @@ TEST_F(GateTest, HoldsWhoGoesOnOnlyForOneThatItWouldMeetAndThatWasLetThroughBefo
     see_both({.line = 0, .to_line = 8.0, .to_hold = 8.0});
     gate.let_through("late");
     see_both(between);
-    const auto proposed = gate.propose(
-        first, [&](const auto&, const auto&, bool) { return meets; }, nobody);
+    const auto may_meet = [&](const auto&, const auto&, bool) { return meets; };
+    const auto proposed = gate.propose({first, may_meet, nobody});
     EXPECT_THAT(proposed, IsEmpty());
     EXPECT_TRUE(gate.passes("early"));
     EXPECT_EQ(gate.holds("late"), meets && leads_on);
@@ -196,12 +194,22 @@ TEST_F(GateTest, HoldsNobodyWhoGoesOnWhereItWouldBlockTheOther) {
     asked = to_hold;
     return true;
   };
-  EXPECT_THAT(gate.propose(first, anybody, blocks), IsEmpty());
+  EXPECT_THAT(gate.propose({first, anybody, blocks}), IsEmpty());
   EXPECT_TRUE(gate.passes("early") && gate.passes("late"));
   EXPECT_EQ(asked, between.to_hold);
 }
 
-//   It would stand where it is, whatever it may.
+// Who waits for people may wait for long: on a busy zebra there is somebody most of the time.
+TEST_F(GateTest, LetsOthersGoBeforeWhoHasToWaitForPeople) {
+  for (int i = 0; i < 2; ++i) decide({"a", "b"});  // "a" has been asked for last
+  bool is_anybody_there = true;
+  const Gate::WaitsForPeople waits = [&](const auto& id) { return is_anybody_there && id == "b"; };
+  EXPECT_THAT(gate.propose({first, anybody, nobody, waits}), UnorderedElementsAre("a"));
+  is_anybody_there = false;
+  EXPECT_THAT(gate.propose({first, anybody, nobody, waits}), UnorderedElementsAre("b"));
+}
+
+// It would stand where it is, whatever it may.
 TEST_F(GateTest, ProposesNobodyBehindAQueue) {
   gate.begin();
   see("a", 30.0, 3.0);
@@ -209,7 +217,7 @@ TEST_F(GateTest, ProposesNobodyBehindAQueue) {
   gate.begin();
   see("a", 20.0, 0.0);
   gate.end();
-  EXPECT_THAT(gate.propose([](const std::string&) { return false; }, anybody, nobody), IsEmpty());
+  EXPECT_THAT(gate.propose({[](const std::string&) { return false; }, anybody, nobody}), IsEmpty());
   EXPECT_EQ(propose(), "a");
 }
 
@@ -443,7 +451,7 @@ TEST_F(GateTest, ProposesNobodyAcrossOneWhoStandsInsideTheJunction) {
       see("b", 1.0, 0.0);
       gate.end();
       const std::vector<std::string> proposed =
-          gate.propose([](const std::string& id) { return id == "b"; }, anybody, nobody);
+          gate.propose({[](const std::string& id) { return id == "b"; }, anybody, nobody});
       EXPECT_THAT(proposed, IsEmpty());
     }
     EXPECT_EQ(gate.passes("a"), is_inside);
@@ -463,7 +471,7 @@ TEST_F(GateTest, AStreamOfGuestsDoesNotStarveWhoWaitsBesideIt) {
     see(next, 20.0, 8.0);
     if (i > 0 && gate.passes(last)) see(last, 0.0, 8.0);
     gate.end();
-    for (const std::string& id : gate.propose(first, crosses, nobody)) gate.let_through(id);
+    for (const std::string& id : gate.propose({first, crosses, nobody})) gate.let_through(id);
     if (gate.passes("side")) {
       EXPECT_GT(i, 10) << "not before those who were there first";
       return;

@@ -185,5 +185,32 @@ TEST_F(PeopleAtLights, KeepTheLightsOfThoseRedWhoCrossThem) {
   }
 }
 
+/// How far somebody on the corner before a zebra may come on the path over it [m].
+double goes_to(const std::string& next) {
+  PlacedPeople traffic(with_crossings(crossroads_shape()).network, std::vector<FakeTrip>{});
+  const LaneGraph graph(traffic.network());
+  PathLibrary library{Margins{}};
+  SignalHeads heads(traffic, graph, select_junctions(graph, {}, 50.0), SignalTiming::real());
+  People people(traffic, graph, library, heads, DecisionGrid{});
+  const PedestrianCrossing& crossing = *graph.crossing(0).crossing;
+  traffic.people = {{.id = "p",
+                     .position = crossing.shape.front(),
+                     .speed = 1.3,
+                     .edge = crossing.ends.front(),
+                     .next = next == "crossing" ? crossing.id : next}};
+  people.begin(100, [](const std::string&) { return true; });
+  for (const People::Expected& e : people.expect({})) {
+    if (e.crossing == 0) return e.forecast.vehicle.s_end;
+  }
+  return -1.0;
+}
+
+TEST(PeopleAtZebras, WhoLeavesTheCornerAlongTheRoadIsNotExpectedOnIt) {
+  constexpr double kOther = CrossingPaths::kKerb + 3.0;  // [m]
+  EXPECT_GT(goes_to("crossing"), kOther);
+  EXPECT_GT(goes_to(""), kOther) << "nobody knows where he goes";
+  EXPECT_NEAR(goes_to("sidewalk"), CrossingPaths::kKerb, 0.2) << "but before it";
+}
+
 }  // namespace
 }  // namespace mvtp

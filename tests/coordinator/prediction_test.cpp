@@ -222,6 +222,23 @@ TEST(Predictor, WhoPassesMaySpeedUpAsItsTypeCan) {
   }
 }
 
+// SUMO's drivers who start, at sigma 0.5, take three quarters of what their vehicles can on
+// average.
+TEST(Predictor, WhoPassesTakesHalfOfWhatItsTypeCanAtLeast) {
+  Prediction p(crossroads_shape());
+  for (const double accel : {0.8, 2.6}) {
+    p.car.max_accel = accel;
+    const auto forecasts = p.predict("W-C_0", 110.0, 0.0, {"W-C", "C-E"}, Intent::kPasses);
+    ASSERT_THAT(forecasts, SizeIs(1));
+    const InertialState start = forecasts[0].vehicle.now;
+    for (const double t : {1.0, 2.0, 3.0}) {
+      const InertialState latest = forecasts[0].latest->at(7 + std::lround(t / p.grid.dt));
+      EXPECT_NEAR(latest.v, 0.5 * accel * t, 1e-9) << accel << " m/s^2";
+      EXPECT_LT(latest.s, start.s + 0.5 * 0.75 * accel * t * t);
+    }
+  }
+}
+
 // However far its next line is.
 TEST(Predictor, WhoIsInsideAJunctionIsPredictedThere) {
   Prediction p(chain_shape(7.2, 250.0));
