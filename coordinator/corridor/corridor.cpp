@@ -62,12 +62,17 @@ int CorridorMap::corridor_for(const CorridorCourse& course, const Vehicle& body)
 int CorridorMap::joined(int c, const PathApproach& approach) {
   const ReferencePath& path = library_.path((*this)[c].path);
   const Vehicle body = library_.body((*this)[c].path);
-  const Pose first = approach.pose(path, approach.begin());
+  constexpr double kArc = 2.0;  // [m] behind its beginning it bends as it does before it
+  const double begin = approach.begin();
+  const Pose first = approach.pose(path, begin);
+  const Pose second = approach.pose(path, begin + ReferencePath::kSpacing);
+  const double curvature = wrap_to_pi(second.theta - first.theta) / distance(first, second);
   std::vector<Point> points;
   for (std::size_t i = 0; i < path.samples(); ++i) {
     const double s = double(i) * ReferencePath::kSpacing;
-    const double behind = approach.begin() - s;
-    const Pose pose = behind > 0.0 ? compose(first, {-behind, 0.0, 0.0}) : approach.pose(path, s);
+    const double arc = std::clamp(begin - s, 0.0, kArc);
+    const Pose behind = drive(drive(first, -arc, curvature), s + arc - begin, 0.0);
+    const Pose pose = s < begin ? behind : approach.pose(path, s);
     points.push_back({pose.x, pose.y});
   }
   auto corridor = std::make_unique<Corridor>((*this)[c]);

@@ -118,6 +118,30 @@ TEST(Corridor, PathsAreOffTheMiddleOfTheirLanesOnlyWhereNobodyChangesHands) {
   }
 }
 
+// Else the rear axle swings off it at once, over more metres than the plan counts.
+TEST(Corridor, WhoJoinsItsPathInABendIsOnIt) {
+  Walk walk(make_crossroads());
+  const DrivableArea area(walk.network);
+  CorridorMap map(walk.graph, area, {});
+  const Vehicle body = fake_type("car").body;
+  const auto course = walk.finder.find(walk.at("W_in_0", 150.0, {"W_in", "N_out"}));
+  const int plain = map.corridor_for(*course, body);
+  const ReferencePath path = map.library().path(map[plain].path);
+  double s = map[plain].lines.front();
+  while (path.curvature(s) < 0.9 * path.max_abs_curvature()) s += 0.25;
+  for (const double aside : {-0.2, 0.2}) {
+    const Pose pose = compose(path.at(s), {0.0, aside, 0.0});
+    const Corridor& c = map[map.joined(plain, PathApproach(path, pose, s))];
+    const ReferencePath& joined = map.library().path(c.path);
+    const PathApproach onto(joined, pose, s);
+    EXPECT_NEAR(wrap_to_pi(joined.at(onto.begin()).theta - pose.theta), 0.0, 0.004);
+    for (double on = onto.begin(); on < onto.begin() + 15.0; on += 0.5) {
+      const double ground = distance(onto.pose(joined, on), onto.pose(joined, on + 0.5));
+      EXPECT_NEAR(ground, 0.5, 0.5 * 0.003) << aside << ' ' << on;
+    }
+  }
+}
+
 TEST(Corridor, TheApproachToAPathCanBePartOfIt) {
   Walk walk(make_crossroads());
   const DrivableArea area(walk.network);
