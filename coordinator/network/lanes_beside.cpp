@@ -24,6 +24,18 @@ bool cross(const std::vector<Point>& one, const std::vector<Point>& other) {
   return false;
 }
 
+/// How far a lane bends at a station, over as much of it as a long vehicle covers [rad].
+double bend_at(const std::vector<Point>& line, double s, double length) {
+  constexpr double kHalf = 9.0;  // [m]
+  constexpr double kStep = 0.5;  // [m] over which a heading is taken
+  const double begin = std::max(0.0, s - kHalf);
+  const double end = std::min(length, s + kHalf);
+  if (end - begin < 2.0 * kStep) return 0.0;
+  const double from = heading(point_at(line, begin), point_at(line, begin + kStep));
+  const double to = heading(point_at(line, end - kStep), point_at(line, end));
+  return std::abs(wrap_to_pi(to - from));
+}
+
 }  // namespace
 
 LanesBeside::LanesBeside(const LaneGraph& graph) : graph_(graph) {
@@ -39,12 +51,13 @@ LanesBeside::LanesBeside(const LaneGraph& graph) : graph_(graph) {
 
 std::vector<int> LanesBeside::of(int lane) const {
   const std::vector<int> joined = joined_with(lane);
+  constexpr double kMost = kNear + kSwing;
   const Bounds& own = bounds_[std::size_t(lane)];
   std::vector<int> beside;
   for (int other = 0; other < graph_.lanes(); ++other) {
     const Bounds& b = bounds_[std::size_t(other)];
-    const bool may = b.low.x < own.high.x + kNear && own.low.x < b.high.x + kNear &&
-                     b.low.y < own.high.y + kNear && own.low.y < b.high.y + kNear;
+    const bool may = b.low.x < own.high.x + kMost && own.low.x < b.high.x + kMost &&
+                     b.low.y < own.high.y + kMost && own.low.y < b.high.y + kMost;
     if (may && other != lane && std::ranges::count(joined, other) == 0 && come_near(lane, other)) {
       beside.push_back(other);
     }
@@ -73,14 +86,30 @@ std::vector<int> LanesBeside::joined_with(int lane) const {
 }
 
 bool LanesBeside::come_near(int lane, int other) const {
+  if (cross(graph_.lane(lane).shape, graph_.lane(other).shape)) return false;
+  return comes_near(lane, other) || comes_near(other, lane);
+}
+
+/// Does it lead over a junction where drivers look out for those whose paths they cross?
+bool LanesBeside::is_looked_over(int lane) const {
+  return std::ranges::any_of(graph_.links_over(lane), [this](int k) {
+    return graph_.junction(graph_.link(k).junction).has_conflicts;
+  });
+}
+
+/// Is a place on this lane near to the other one, for how it bends there?
+bool LanesBeside::comes_near(int lane, int other) const {
   constexpr double kStep = 0.5;  // [m]
+  constexpr double kBend = 0.5;  // [rad]
+  const double swing = is_looked_over(lane) || is_looked_over(other) ? 0.0 : kSwing;
   const std::vector<Point>& line = graph_.lane(lane).shape;
   const std::vector<Point>& beside = graph_.lane(other).shape;
-  if (cross(line, beside)) return false;
   const double length = length_of(line);
   for (double s = 0.0; s < length + kStep; s += kStep) {
     const Point p = point_at(line, std::min(s, length));
-    if (distance_to(beside, {p.x, p.y, 0.0}) < kNear) return true;
+    const double apart = distance_to(beside, {p.x, p.y, 0.0});
+    if (apart < kNear) return true;
+    if (apart < kNear + swing && bend_at(line, s, length) > kBend) return true;
   }
   return false;
 }

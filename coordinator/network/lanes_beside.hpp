@@ -10,13 +10,15 @@ namespace mvtp {
 /// so: in bends of a road, where the tails of those who come the other way swing over its middle.
 class LanesBeside {
  public:
-  static constexpr double kNear = 2.5;  ///< [m] between the middles of two lanes
+  static constexpr double kNear = 2.5;  ///< [m] between the middles of two lanes,
+  /// and so much more where a road bends: tails swing
+  static constexpr double kSwing = 2.0;
 
   /// @param graph  outlives this.
   explicit LanesBeside(const LaneGraph& graph);
 
-  /// The lanes that come nearer than kNear to this one, ascending; but those that come from the
-  /// same lane as it does, or lead onto the same.
+  /// The lanes that come so near to this one, ascending; but those that come from the same lane as
+  /// it does, or lead onto the same.
   [[nodiscard]] std::vector<int> of(int lane) const;
 
  private:
@@ -25,6 +27,8 @@ class LanesBeside {
   };
   [[nodiscard]] std::vector<int> joined_with(int lane) const;
   [[nodiscard]] bool come_near(int lane, int other) const;
+  [[nodiscard]] bool comes_near(int lane, int other) const;
+  [[nodiscard]] bool is_looked_over(int lane) const;
 
   const LaneGraph& graph_;
   std::vector<Bounds> bounds_;

@@ -45,15 +45,38 @@ TEST(LanesBeside, AreThoseThatComeNearWithoutAConnection) {
   EXPECT_THAT(ids_beside(bend_beside(1.5).network, "W-C_0"), ElementsAre("M-B_0"));
   EXPECT_THAT(ids_beside(bend_beside(1.5).network, "M-B_0"), ElementsAre("W-C_0"));
   EXPECT_THAT(ids_beside(bend_beside(1.5).network, "C-E_0"), IsEmpty());
-  EXPECT_THAT(ids_beside(bend_beside(4.0).network, "W-C_0"), IsEmpty());
+  EXPECT_THAT(ids_beside(bend_beside(5.0).network, "W-C_0"), IsEmpty());
 }
 
 TEST(LanesBeside, AreNotThoseThatCrossOnABridge) {
   EXPECT_THAT(ids_beside(bend_beside(-20.0).network, "W-C_0"), IsEmpty());
 }
 
+/// A road with a lane each way that turns by so much [rad] at M.
+NetworkShape bent_road(double turn) {
+  NetworkShape shape{.name = "bent_road"};
+  NetworkMaker maker;
+  maker.node("A", {-80, 0}, 0.0);
+  maker.node("M", {0, 0}, 7.0);
+  maker.node("B", {80 * std::cos(turn), 80 * std::sin(turn)}, 0.0);
+  maker.road("A", "M");
+  maker.road("M", "B");
+  shape.network = maker.make();
+  return shape;
+}
+
+// 3.2 m apart, as the lanes of any road are.
+TEST(LanesBeside, AreThoseOfTheOtherDirectionWhereTheRoadBends) {
+  for (const double turn : {1.2, -1.2}) {
+    const NetworkShape shape = bent_road(turn);
+    EXPECT_THAT(ids_beside(shape.network, ":M_0_0"), testing::SizeIs(testing::Ge(1U))) << turn;
+  }
+  EXPECT_THAT(ids_beside(bent_road(0.2).network, ":M_0_0"), IsEmpty());
+}
+
 TEST(LanesBeside, AreTheSameInBothDirections) {
-  for (const NetworkShape& shape : {crossroads_shape(), roundabout_shape(), seam_shape()}) {
+  for (const NetworkShape& shape :
+       {crossroads_shape(), roundabout_shape(), seam_shape(), bent_road(1.2)}) {
     const LaneGraph graph(shape.network);
     const LanesBeside beside(graph);
     for (int l = 0; l < graph.lanes(); ++l) {
