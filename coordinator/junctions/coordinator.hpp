@@ -232,6 +232,7 @@ class Coordinator : public Controller {
   [[nodiscard]] Driven admit(const Newcomer& newcomer, std::int64_t key);
   void announce(const std::string& id, const Driven& driven);
   [[nodiscard]] bool turns_yet(const Newcomer& newcomer);
+  [[nodiscard]] bool stands_for_good(const std::string& id) const;
   [[nodiscard]] bool is_entering(const VehicleState& state);
   [[nodiscard]] bool touches_somebody(const VehicleState& state);
   void remember_lanes();

@@ -338,14 +338,17 @@ std::vector<Coordinator::Newcomer> Coordinator::find_newcomers() {
       undriven_.try_emplace("type " + v.type,
                             "class " + vehicle_class + " is not driven like a car");
     }
-    if (!is_car || !options_.share.contains(v.id, v.type) || touches_somebody(v)) {
-      see_guest(v, query);
-    } else if (auto newcomer = newcomer_at(v, query, route)) {
-      gate_.keep(v.id);
-      if (!turns_yet(*newcomer)) newcomers.push_back(std::move(*newcomer));
-    } else {
-      see_guest(v, query);
+    std::optional<Newcomer> newcomer;
+    if (is_car && options_.share.contains(v.id, v.type) && !touches_somebody(v)) {
+      newcomer = newcomer_at(v, query, route);
     }
+    const bool turns = newcomer && turns_yet(*newcomer);
+    if (!newcomer || (turns && stands_for_good(v.id))) {
+      see_guest(v, query);
+      continue;
+    }
+    gate_.keep(v.id);
+    if (!turns) newcomers.push_back(*std::move(newcomer));
   }
   gate_.end();
   if (owns_signals()) humans_->end();
@@ -374,6 +377,13 @@ bool Coordinator::touches_somebody(const VehicleState& v) {
     if (&other == &v || distance(v.pose, other.pose) > body.length() + kLongest) return false;
     return separation(box, footprint(type_of(other.type).body, other.pose)) < -Audit::kTolerance;
   });
+}
+
+/// Has it stood for so long that nothing about it changes by itself?
+bool Coordinator::stands_for_good(const std::string& id) const {
+  constexpr double kLong = 5.0;  // [s]
+  const auto trail = trails_.find(id);
+  return trail != trails_.end() && trail->second.stood * grid_.decision() > kLong;
 }
 
 /// Is it, or its tail, still in a turn behind it? Then it is taken over later, if there is room to

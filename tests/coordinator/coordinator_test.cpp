@@ -190,6 +190,42 @@ TEST(Coordinator, TakesNobodyOverWhileHeTouchesSomebody) {
   EXPECT_EQ(run.traffic.arrived(), 1);  // and nobody held it for good
 }
 
+/// A vehicle on the lane "W-D_0" is seen 9 degrees askew.
+class AskewTraffic : public FakeTraffic {
+ public:
+  using FakeTraffic::FakeTraffic;
+  std::span<const VehicleState> vehicles() const override {
+    const auto states = FakeTraffic::vehicles();
+    shown_.assign(states.begin(), states.end());
+    for (VehicleState& v : shown_) {
+      if (v.lane == "W-D_0") v.pose.theta += 0.16;
+    }
+    return shown_;
+  }
+
+ private:
+  mutable std::vector<VehicleState> shown_;
+};
+
+// As SUMO's drivers are who change lanes where they are held, on a bend: from there he would swing
+// far off his path, and he would be held until he did not.
+TEST(Coordinator, WhoStandsAskewIsNotHeldThereForGood) {
+  const NetworkShape shape = seam_shape({-130, 0});
+  FakeTrip askew{"askew", 0.0, "W-D", "C-E"};
+  askew.at = std::pair(shape.network.lanes.at("W-D_0").length - 1.5, 0.0);
+  AskewTraffic traffic(shape.network, std::vector<FakeTrip>{askew});
+  traffic.insert_now();
+  traffic.hold("askew", true);
+  const DrivableArea area(traffic.network());
+  Coordinator coordinator(traffic, area, CoordinatorOptions{});
+  Simulation simulation(traffic);
+  simulation.add(coordinator);
+  while (traffic.running() && traffic.time() < 4.0) simulation.step();
+  EXPECT_FALSE(coordinator.drives("askew"));
+  while (traffic.running() && traffic.time() < 60.0) simulation.step();
+  EXPECT_EQ(traffic.arrived(), 1);
+}
+
 TEST(Coordinator, WhoStandsForNoReasonIsExpectedToStandAndNobodyToPassHim) {
   FakeTrip cyclist{"cyclist", 40.0, "E_out", "E_out", "bike"};
   cyclist.at = std::pair(4.0, 5.0);
