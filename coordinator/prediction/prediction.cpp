@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "coordinator/prediction/tube.hpp"
 
@@ -307,11 +308,25 @@ std::vector<Forecast> Predictor::predict(const VehicleState& v, const CourseQuer
   forecast.earliest = predict_leader(road, lines_ahead(*placed, query, stand, stop), grid, step,
                                      at_line ? 0.0 : stand.so_far);
   forecast.yields = at_line || !comes_beside(*placed);
+  if (!forecast.yields) hurry(forecast, *placed, v.speed_factor, body, grid);
   if (is_held) {
     forecast.held = held_at_line(forecast.earliest, grid);
     forecast.slack_before = int(std::lround(kAheadOfTime / grid.dt));
   }
   return {forecast};
+}
+
+/// He sees nobody for whom he would go slowly: he may speed up as he can and may.
+void Predictor::hurry(Forecast& forecast, const Placed& placed, double speed_factor,
+                      const Vehicle& body, const DecisionGrid& grid) const {
+  RoadVehicle road = placed.road;
+  road.envelope = envelope_of(placed, kQuickShare * speed_factor, body.max_decel);
+  SpeedProfile earliest = predict_passage(road, body, grid, forecast.earliest.begin);
+  for (std::size_t k = 0; k < forecast.earliest.states.size(); ++k) {
+    InertialState& latest = forecast.earliest.states[k];
+    latest.s = std::min(latest.s, earliest.at(earliest.begin + std::int64_t(k)).s);
+  }
+  forecast.latest = std::exchange(forecast.earliest, std::move(earliest));
 }
 
 /// Does it soon come near to a corridor where no connection says so?

@@ -90,6 +90,8 @@ class Predictor {
  private:
   void let_pass(Forecast& forecast, const Placed& placed, double speed_factor, const Vehicle& body,
                 const std::vector<StopLine>& lines, const DecisionGrid& grid) const;
+  void hurry(Forecast& forecast, const Placed& placed, double speed_factor, const Vehicle& body,
+             const DecisionGrid& grid) const;
   [[nodiscard]] bool comes_beside(const Placed& placed) const;
   [[nodiscard]] ExitRoot find_exit_root(int lane, double within) const;
   [[nodiscard]] bool leads_where_it_goes(const Corridor& corridor, const CourseQuery& query) const;

@@ -125,5 +125,31 @@ TEST(LanesBeside, ThoseWhoComeOntoThemAndTheirLeadersAreLookedOutForToo) {
     EXPECT_TRUE(watched(lane)) << lane;
 }
 
+// In a queue that dissolves just then, he would be where somebody counts on his not being yet.
+TEST(LanesBeside, WhoSeesNobodyMaySpeedUpAtOnceOrGoOnAsHeDoes) {
+  for (const bool beside : {false, true}) {
+    Prediction p(bend_beside(1.2));
+    if (beside) {
+      const auto course = p.walk.finder.find(p.walk.at("W-C_0", 60.0, {"W-C", "C-E"}));
+      p.predictor.watch(p.map[p.map.corridor_for(course.value(), p.car)]);
+    }
+    const double near = p.shape.network.lanes.at("A-M_0").length - 5.0;
+    const auto forecasts = p.predict("A-M_0", near, 1.0, {"A-M", "M-B"}, Intent::kWaits);
+    if (!beside) {
+      for (const Forecast& f : forecasts) EXPECT_FALSE(f.latest);
+      continue;
+    }
+    ASSERT_THAT(forecasts, testing::SizeIs(1));
+    const Forecast& f = forecasts.front();
+    ASSERT_TRUE(f.latest);
+    EXPECT_GT(f.earliest.at(7 + 20).s, f.vehicle.now.s + 5.0);
+    EXPECT_LT(f.latest->at(7 + 20).s, f.vehicle.now.s + 2.1);
+    for (std::int64_t k = 7; k < f.latest->end(); ++k) {
+      ASSERT_LE(f.latest->at(k).s, f.earliest.at(k).s) << k;
+      ASSERT_LE(f.latest->at(k).s, f.latest->at(k + 1).s) << k;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace mvtp
