@@ -174,8 +174,10 @@ std::vector<std::string> Gate::propose(const Surroundings& surroundings) {
     });
     const bool may_go = !meets && !surroundings.waits_for_people(id);
     if (meets) ++visitor.passed_over;
-    if (may_go) visitor.passed_over = 0;
-    if (may_go) proposed.push_back(id);
+    if (may_go) {
+      visitor.passed_over = 0;
+      proposed.push_back(id);
+    }
     if (may_go || visitor.passed_over > kDueAfter) ahead.push_back(entry);
   }
   return proposed;

@@ -71,8 +71,8 @@ class Gate {
   };
   /// Held guests who may be let through next, those who were asked for least lately first: as many
   /// as cannot meet each other, nor anybody behind his line; nor one who has been passed over for a
-  /// while. Who has to wait for people keeps no other guest waiting. Before that, of those who pass
-  /// and would meet, one is held.
+  /// while. Who has to wait for people keeps no other guest waiting before he has been. Before
+  /// that, of those who pass and would meet, one is held.
   [[nodiscard]] std::vector<std::string> propose(const Surroundings& surroundings);
   /// It has been asked for: others come first now.
   void asked_for(const std::string& id);

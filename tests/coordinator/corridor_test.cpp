@@ -118,15 +118,20 @@ TEST(Corridor, PathsAreOffTheMiddleOfTheirLanesOnlyWhereNobodyChangesHands) {
   }
 }
 
+/// A car that turns left at the crossroads, and its path.
+class JoinedCorridor : public testing::Test {
+ protected:
+  Walk walk{make_crossroads()};
+  DrivableArea area{walk.network};
+  CorridorMap map{walk.graph, area, {}};
+  Vehicle body = fake_type("car").body;
+  CorridorCourse course = walk.finder.find(walk.at("W_in_0", 150.0, {"W_in", "N_out"})).value();
+  int plain = map.corridor_for(course, body);
+  ReferencePath path = map.library().path(map[plain].path);
+};
+
 // Else the rear axle swings off it at once, over more metres than the plan counts.
-TEST(Corridor, WhoJoinsItsPathInABendIsOnIt) {
-  Walk walk(make_crossroads());
-  const DrivableArea area(walk.network);
-  CorridorMap map(walk.graph, area, {});
-  const Vehicle body = fake_type("car").body;
-  const auto course = walk.finder.find(walk.at("W_in_0", 150.0, {"W_in", "N_out"}));
-  const int plain = map.corridor_for(*course, body);
-  const ReferencePath path = map.library().path(map[plain].path);
+TEST_F(JoinedCorridor, KeepsWhoJoinsItInABend) {
   double s = map[plain].lines.front();
   while (path.curvature(s) < 0.9 * path.max_abs_curvature()) s += 0.25;
   for (const double aside : {-0.2, 0.2}) {
@@ -142,15 +147,8 @@ TEST(Corridor, WhoJoinsItsPathInABendIsOnIt) {
   }
 }
 
-TEST(Corridor, TheApproachToAPathCanBePartOfIt) {
-  Walk walk(make_crossroads());
-  const DrivableArea area(walk.network);
-  CorridorMap map(walk.graph, area, {});
-  const Vehicle body = fake_type("car").body;
-  const auto course = walk.finder.find(walk.at("W_in_0", 150.0, {"W_in", "N_out"}));
-  const int plain = map.corridor_for(*course, body);
+TEST_F(JoinedCorridor, HasTheApproachAsPartOfItsPath) {
   for (const double aside : {-0.5, 0.3}) {
-    const ReferencePath path = map.library().path(map[plain].path);
     const double s = map[plain].lines.front() - 12.0;
     const Pose pose = compose(path.at(s), {0.0, aside, 0.03});
     const int number = map.joined(plain, PathApproach(path, pose, s));
@@ -169,7 +167,7 @@ TEST(Corridor, TheApproachToAPathCanBePartOfIt) {
     EXPECT_EQ(c.lane_limits.size(), joined.samples());
     EXPECT_EQ(c.lateral_limits.size(), joined.samples());
     // It is one vehicle's: nobody else gets it, and it is forgotten.
-    EXPECT_EQ(map.corridor_for(*course, body), plain);
+    EXPECT_EQ(map.corridor_for(course, body), plain);
     map.forget_unused();
     map.use(plain);
     map.forget_unused();
