@@ -67,7 +67,7 @@ resumed() {
 
 if [ -n "$short" ]; then
   seeds=1 end=(--end 60) roads=(crossroads) jamming=(crossroads) mixed=(crossroads.static) shares=0.5 lots=(parking-120)
-  rival_seeds=1 signals=static sparse=(--count 1 --robots 2) dense=(--count 1 --robots 5) crowds=(--count 1 --size 50 --robots 12)
+  signals=static sparse=(--count 1 --robots 2) dense=(--count 1 --robots 5) crowds=(--count 1 --size 50 --robots 12)
   lot_count=(--count 1 --in 1 --out 1) limit=3 times=1
   faulty=(crossroads-400) faults=(none loss=0.3) faults_end=(--end 60)
   busy=(crossroads-800) busy_end=(--end 60) busy_seeds=1 busy_signals=max-wave busy_rivals=(crossroads-800)
@@ -76,7 +76,7 @@ else
   jamming=(crossroads crossroads-400)
   mixed=(crossroads-400.static crossroads2-800.static crossroads-people.static) shares=0,0.05,0.2,0.4,0.6,0.8,1
   lots=(parking-120 parking-240 angled)
-  rival_seeds=1-2 signals=static,actuated,max-pressure,max-wave
+  signals=static,actuated,max-pressure,max-wave
   faulty=(crossroads-400 crossroads-600) faults_end=(--end 900)
   faults=(none delay=0.2 delay=0.5 delay=1 loss=0.05 loss=0.1 loss=0.2 loss=0.3
     delay=0.5,loss=0.1,position=0.2,heading=1,actuation=0.1)
@@ -96,19 +96,20 @@ roads_row() {
 
 measure_roads() {
   local name
-  roads_row roads-rilsa rilsa/rilsa "$seeds" static,escot
+  roads_row roads-rilsa rilsa/rilsa "$seeds" "$signals,prioritized,escot"
   roads_row lateral-rilsa rilsa/rilsa "$seeds" escot --max-lateral-accel 3
   for name in "${roads[@]}"; do
     roads_row "roads-$name" "crossroads/$name" "$seeds" "$signals,prioritized,escot"
     roads_row "lateral-$name" "crossroads/$name" "$seeds" escot --max-lateral-accel 3
   done
   for name in "${roads[@]}"; do
-    roads_row "rivals-$name" "crossroads/$name" "$rival_seeds" aim,conflict-zone
+    roads_row "rivals-$name" "crossroads/$name" "$seeds" aim,conflict-zone
   done
   # These jam beyond the first demands, and then take many times as long.
   for name in "${jamming[@]}"; do
-    roads_row "rivals-jamming-$name" "crossroads/$name" "$rival_seeds" fcfs,pbcr
+    roads_row "rivals-jamming-$name" "crossroads/$name" "$seeds" fcfs,pbcr
   done
+  roads_row rivals-rilsa rilsa/rilsa "$seeds" conflict-zone,aim,fcfs
 }
 
 # Reservations jam beyond the first demands.
