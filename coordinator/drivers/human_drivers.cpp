@@ -239,7 +239,7 @@ void HumanDrivers::end() {
   }
   predict_all();
   for (auto& [id, agent] : agents_) {
-    const double needs = stopping_distance(agent.speed, agent.driver().max_decel);
+    const double needs = braking_gap(agent.speed, agent.driver().max_decel, grid_.dt);
     // Whose lane does not lead on stops at its end, however hard.
     if (agent.granted || agent.links.empty() || needs <= agent.to_line) continue;
     agent.granted = true;  // it cannot stop any more, whatever it is shown

@@ -54,6 +54,11 @@ double room_behind(const std::vector<TubeLeader>& leaders, double k, double dt, 
 
 }  // namespace
 
+double braking_gap(double speed, double decel, double dt) {
+  const double steps = std::floor(speed / (decel * dt));
+  return dt * (steps * speed - decel * dt * steps * (steps + 1.0) / 2.0);
+}
+
 SpeedEnvelope drivers_envelope(std::vector<double> limits, double share, double braking) {
   constexpr double kLeast = 0.5;  // [m/s]
   for (double& limit : limits) limit = std::max(kLeast, limit * share);

@@ -56,6 +56,12 @@ struct TubeLeader {
 [[nodiscard]] SpeedEnvelope drivers_envelope(std::vector<double> limits, double share,
                                              double braking);
 
+/// How far one of SUMO's drivers still goes who brakes from `speed` [m]: less than a body that is
+/// slowed down steadily, as he drives each step as fast as he is at its end (Euler).
+/// @param decel  [m/s^2]
+/// @param dt     [s] a step
+[[nodiscard]] double braking_gap(double speed, double decel, double dt);
+
 /// The tube of a driver who has green, from `step` on, to the end of his path.
 ///
 /// The latest motion behind a leader is Newell's: the leader's own, later by the driver's headway

@@ -71,6 +71,23 @@ TEST(HumanDrivers, WhoStoppedAfterAllWaitsForGreen) {
   EXPECT_TRUE(waits_again);
 }
 
+// Braked steadily he would come to rest right behind his line; a driver of SUMO does so before it.
+TEST(HumanDrivers, WhoCanJustStopForRedIsNotExpectedToPass) {
+  constexpr double kStep = 0.2, kDecel = 4.5, kSpeed = 13.34;
+  for (const double share_of_gap : {0.1, 0.9}) {
+    const double room = std::lerp(braking_gap(kSpeed, kDecel, kStep),
+                                  stopping_distance(kSpeed, kDecel), share_of_gap);
+    const NetworkShape shape = with_signals(crossroads_shape());
+    FakeTrip fast{"fast", 0.0, "W-C", "C-E"};
+    fast.at = std::pair(shape.network.lanes.at("W-C_0").length - room, kSpeed);
+    ClosedLoop run(shape, {fast}, kStep, share(0.0));
+    run.traffic.insert_now();
+    run.step();
+    EXPECT_TRUE(run.coordinator.humans()->knows("fast"));
+    EXPECT_EQ(run.coordinator.humans()->unplanned_passages(), 0) << share_of_gap;
+  }
+}
+
 // Others count on his braking for red from now on, however late, and not only once he is told to.
 TEST(HumanDrivers, AreExpectedToBrakeForRedAtOnce) {
   CoordinatorOptions options;

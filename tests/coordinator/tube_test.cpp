@@ -37,6 +37,17 @@ TEST(Tube, TheLatestMotionIsNowhereAheadOfTheEarliest) {
   }
 }
 
+// Each step as fast as at its end, as SUMO's drivers do.
+TEST(BrakingGap, IsWhatTheStepsOfADriverAddUpTo) {
+  for (const double dt : {0.05, 0.1, 0.2, 0.25}) {
+    for (double v = 0.0; v < 20.0; v += 0.37) {
+      double gap = 0.0;
+      for (double left = v - 4.5 * dt; left > 0.0; left -= 4.5 * dt) gap += left * dt;
+      EXPECT_NEAR(braking_gap(v, 4.5, dt), gap, 1e-9) << v << " " << dt;
+    }
+  }
+}
+
 TEST(Tube, HoldsADriverWhoTakesHisTimeAndOneWhoHurries) {
   const Tube t = predict(driver(99.0, 0.0));
   const auto hurries = [](double seconds) { return 99.0 + 0.5 * 2.6 * seconds * seconds; };
