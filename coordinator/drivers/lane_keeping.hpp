@@ -15,6 +15,7 @@ class LaneKeeping {
     kSignal,  ///< he is near his line, with a light of the coordinator
     kGuest,   ///< he passes a junction as a guest
     kBeside,  ///< somebody under control is beside him, or will be
+    kExit,    ///< somebody under control leaves a junction onto a lane beside his
   };
 
   /// @param traffic  must outlive it.

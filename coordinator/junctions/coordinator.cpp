@@ -42,6 +42,9 @@ Coordinator::Coordinator(Traffic& traffic, const DrivableArea& area,
           },
           [this](const std::string& type) -> const VehicleType& { return type_of(type); },
           [this](const std::string& id) { return came_from(id); }),
+      exit_lanes_(
+          traffic, keeping_, graph_, [this](const std::string& id) { return leaving(id); },
+          [this](const std::string& type) -> const VehicleType& { return type_of(type); }),
       wrong_lanes_(traffic, graph_, [this](const std::string& id) { return drives(id); }) {
   find_zones();
   grid_.dt = traffic.step_length();
@@ -113,6 +116,7 @@ void Coordinator::decide() {
 void Coordinator::act() {
   place_all();
   straddling_.show();
+  exit_lanes_.show();
   ++step_;
 }
 
@@ -340,6 +344,25 @@ std::vector<PlannedPose> Coordinator::poses_soon(const std::string& id) const {
       planned_pose(driven->second, state_at(plan, step_ + grid_.steps_per_decision))};
   if (!plan.complete) poses.push_back(planned_pose(driven->second, plan.states.back()));
   return poses;
+}
+
+/// The lane behind a junction that a vehicle under control is about to drive onto, or is on with
+/// its tail still inside; nullopt: it can stop before the junction, or has a driver.
+std::optional<ExitLanes::Leaving> Coordinator::leaving(const std::string& id) const {
+  const auto found = driven_.find(id);
+  if (found == driven_.end()) return std::nullopt;
+  const Corridor& corridor = corridors_[found->second.corridor];
+  const std::vector<CorridorPiece>& pieces = corridor.course.pieces;
+  const InertialState now = here(found->second);
+  const Vehicle& body = corridors_.library().body(found->second.road.path);
+  const double needs = now.v * grid_.decision() + stopping_distance(now.v, body.max_decel);
+  for (std::size_t p = corridor.piece_at(now.s - body.length()); p + 1 < pieces.size(); ++p) {
+    if (corridor.stations[p] > now.s + needs) break;
+    const bool is_exit = graph_.edge_of(pieces[p].lane) == LaneGraph::kNone &&
+                         graph_.edge_of(pieces[p + 1].lane) != LaneGraph::kNone;
+    if (is_exit) return {{pieces[p + 1].lane, now.s - corridor.stations[p + 1], needs}};
+  }
+  return std::nullopt;
 }
 
 PlannedPose Coordinator::planned_pose(const Driven& driven, const InertialState& state) const {

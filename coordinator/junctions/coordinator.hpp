@@ -16,6 +16,7 @@
 #include "coordinator/corridor/corridor.hpp"
 #include "coordinator/corridor/path_approach.hpp"
 #include "coordinator/drivers/controlled_share.hpp"
+#include "coordinator/drivers/exit_lanes.hpp"
 #include "coordinator/drivers/gate.hpp"
 #include "coordinator/drivers/lane_keeping.hpp"
 #include "coordinator/drivers/straddling.hpp"
@@ -192,6 +193,7 @@ class Coordinator : public Controller {
   void notice_the_stuck();
   void place_all();
   [[nodiscard]] std::vector<PlannedPose> poses_soon(const std::string& id) const;
+  [[nodiscard]] std::optional<ExitLanes::Leaving> leaving(const std::string& id) const;
   [[nodiscard]] PlannedPose planned_pose(const Driven& driven, const InertialState& state) const;
 
   // Messages that take their time, and vehicles that do not obey: coordinator_tolerance.cpp
@@ -339,6 +341,7 @@ class Coordinator : public Controller {
   LaneKeeping keeping_;
   Gate gate_;
   Straddling straddling_;
+  ExitLanes exit_lanes_;
   WrongLanes wrong_lanes_;
   std::optional<SignalHeads> heads_;
   std::optional<GreenLanes> greens_;

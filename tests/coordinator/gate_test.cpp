@@ -1,83 +1,16 @@
-#include "coordinator/drivers/gate.hpp"
-
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <set>
 
-#include "tests/coordinator/closed_loop.hpp"
+#include "tests/coordinator/gate_fixture.hpp"
 
 namespace mvtp {
 namespace {
 
 using testing::IsEmpty;
 using testing::UnorderedElementsAre;
-
-/// Notes who is held and who is let through.
-class NotedTraffic : public FakeTraffic {
- public:
-  NotedTraffic() : FakeTraffic(make_crossroads(), {}) {}
-  void hold(const std::string& id, bool stop) override {
-    stop ? (void)held.insert(id) : (void)held.erase(id);
-  }
-  void let_through(const std::string& id, Passage passage) override {
-    last = passage;
-    passage != Passage::kNone ? (void)passing.insert(id) : (void)passing.erase(id);
-  }
-  void keep_lane(const std::string& id, bool keep) override {
-    keep ? (void)in_lane.insert(id) : (void)in_lane.erase(id);
-  }
-  std::set<std::string> held, passing, in_lane;
-  Passage last = Passage::kNone;  ///< that somebody was told
-};
-
-class GateTest : public testing::Test {
- protected:
-  /// One decision that sees these vehicles at 0 m/s, 1 m before their lines.
-  std::optional<std::string> decide(const std::vector<std::string>& ids) {
-    gate.begin();
-    for (const std::string& id : ids) see(id, 1.0, 0.0);
-    gate.end();
-    return propose();
-  }
-  /// Who is asked for next.
-  std::optional<std::string> propose() {
-    const std::vector<std::string> proposed = gate.propose({first, anybody, nobody});
-    if (proposed.empty()) return std::nullopt;
-    gate.asked_for(proposed.front());
-    return proposed.front();
-  }
-  /// At 0 m it is inside the junction, from which line 1 is the next.
-  void see(const std::string& id, double to_line, double speed, bool leads_on = true,
-           bool has_room = true, int line = 0) {
-    const bool is_inside = to_line == 0.0;
-    gate.see({.id = id, .type = "car", .speed = speed, .lane = id},
-             {.line = is_inside ? 1 : line,
-              .to_line = to_line,
-              .to_hold = to_line,
-              .is_inside = is_inside,
-              .leads_on = leads_on,
-              .has_room = has_room,
-              .is_clear = !is_inside},
-             car);
-  }
-  /// One decision that sees this one only.
-  void see_only(const std::string& id, const Gate::Place& place, double speed = 8.0) {
-    gate.begin();
-    gate.see({.id = id, .type = "car", .speed = speed, .lane = id}, place, car);
-    gate.end();
-  }
-
-  const Gate::IsFirst first = [](const std::string&) { return true; };
-  const Gate::MayMeet anybody = [](const std::string&, const std::string&, bool) { return true; };
-  const Gate::Blocks nobody = [](const std::string&, double, const std::string&) { return false; };
-  const Vehicle car = fake_type("car").body;
-  NotedTraffic traffic;
-  LaneKeeping keeping{traffic};
-  Gate gate{traffic, keeping, Passage::kOneLine};
-};
 
 TEST_F(GateTest, HoldsWhoeverCanStillStop) {
   gate.begin();
@@ -263,63 +196,6 @@ TEST_F(GateTest, DoesNotHoldWhoStandsInsideTheJunction) {
     gate.end();
   }
   EXPECT_TRUE(gate.passes("a"));
-}
-
-TEST_F(GateTest, KeepsWhoPassesInItsLaneInsideTheJunction) {
-  decide({"a"});
-  EXPECT_THAT(traffic.in_lane, IsEmpty()) << "before the line it may look for a better one";
-  gate.let_through("a");
-  EXPECT_THAT(traffic.in_lane, UnorderedElementsAre("a")) << "its passage is planned in this one";
-  const auto see_at = [&](double to_line) {
-    gate.begin();
-    see("a", to_line, 8.0, true, /*has_room=*/false, /*line=*/1);
-    gate.end();
-  };
-  see_at(30.0);
-  EXPECT_THAT(traffic.in_lane, IsEmpty());
-  see_at(0.0);
-  EXPECT_THAT(traffic.in_lane, UnorderedElementsAre("a"));
-  see_at(30.0);
-  EXPECT_THAT(traffic.in_lane, IsEmpty()) << "between two junctions";
-  see_at(0.0);
-  gate.release("a");
-  EXPECT_THAT(traffic.in_lane, IsEmpty());
-}
-
-// The next line is far.
-TEST_F(GateTest, KeepsWhoPassesInItsLaneUntilItsTailIsOut) {
-  decide({"a"});
-  gate.let_through("a");
-  see_only("a", {.is_inside = true, .is_clear = false});
-  see_only("a", {.line = 1, .to_line = 60.0, .to_hold = 60.0, .is_clear = false});
-  EXPECT_THAT(traffic.in_lane, UnorderedElementsAre("a"));
-  EXPECT_TRUE(gate.holds("a")) << "before that line, but not to change lanes here";
-  see_only("a", {.line = 1, .to_line = 55.0, .to_hold = 55.0});
-  EXPECT_THAT(traffic.in_lane, IsEmpty());
-}
-
-TEST_F(GateTest, KeepsWhoIsLetThroughInTheLaneInWhichItWasPlanned) {
-  gate.begin();
-  see("a", 40.0, 13.0);
-  gate.end();
-  EXPECT_THAT(traffic.in_lane, IsEmpty());
-  gate.let_through("a");
-  EXPECT_THAT(traffic.in_lane, UnorderedElementsAre("a"));
-}
-
-// It would stand there for good.
-TEST_F(GateTest, LetsChangeLanesWhoseLaneLeadsElsewhere) {
-  const auto see_it = [&](double to_line, bool leads_on) {
-    gate.begin();
-    see("a", to_line, 0.0, leads_on);
-    gate.end();
-  };
-  see_it(1.0, false);
-  gate.let_through("a");
-  see_it(1.0, false);
-  EXPECT_THAT(traffic.in_lane, IsEmpty());
-  see_it(1.0, true);
-  EXPECT_THAT(traffic.in_lane, UnorderedElementsAre("a"));
 }
 
 TEST_F(GateTest, ReleasesWhoHasPassedUnheld) {

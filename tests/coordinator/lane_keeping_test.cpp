@@ -31,7 +31,7 @@ class LaneKeepingTest : public testing::Test {
 };
 
 TEST_F(LaneKeepingTest, WhoIsKeptForTwoReasonsIsFreeWhenBothHaveEnded) {
-  constexpr Reason kAll[] = {Reason::kSignal, Reason::kGuest, Reason::kBeside};
+  constexpr Reason kAll[] = {Reason::kSignal, Reason::kGuest, Reason::kBeside, Reason::kExit};
   for (const Reason first : kAll) {
     for (const Reason second : kAll) {
       if (first == second) continue;
