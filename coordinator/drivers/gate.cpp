@@ -38,6 +38,7 @@ void Gate::see(const VehicleState& v, const Place& place, const Vehicle& body) {
   const double room = stopping_distance(v.speed, 0.8 * body.max_decel) + kReaction * v.speed;
   const bool is_due = place.to_hold < std::max(kNear, room + kEarly * v.speed);
   guest.waits = place.leads_on && (is_due || v.speed < kStands);
+  guest.can_stop = place.to_hold > room;
   decide(v.id, guest, room);
   keep_in_lane(v.id, guest);
 }
@@ -71,12 +72,14 @@ void Gate::decide(const std::string& id, Visitor& guest, double room) {
 
 /// Drivers of SUMO change lanes at their lines and inside junctions, too, and with their tails
 /// there, onto ground that is not theirs: a passage is planned in one lane, from when he is let
-/// through. Who has to change, may.
+/// through. Who has to change, may as long as he could be held on the other lane, too: else he
+/// would go on from there over a line for which nobody has planned.
 void Gate::keep_in_lane(const std::string& id, const Visitor& guest) {
   const Place& place = guest.place;
   const bool enters = place.to_hold <= kInside;
   const bool is_planned = guest.passes && (enters || !guest.is_over);
-  keeping_.keep(id, LaneKeeping::Reason::kGuest, place.leads_on && (!place.is_clear || is_planned));
+  keeping_.keep(id, LaneKeeping::Reason::kGuest,
+                place.leads_on ? !place.is_clear || is_planned : !guest.can_stop);
 }
 
 void Gate::keep(const std::string& id) {

@@ -87,6 +87,7 @@ class Gate {
     bool passes = false;
     bool held = false;
     bool seen = false;
+    bool can_stop = true;  ///< before the end of its lane
     bool waits = false;    ///< for its turn, on a lane that leads on
     bool goes_on = false;  ///< over the next line, before which it could be held still
     int line = -1;         ///< for which it was held or let through
