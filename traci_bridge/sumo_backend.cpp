@@ -41,7 +41,7 @@ class Backend final : public SumoTraffic {
         calls_(launch.configuration, log_, clock_),
         lanes_(network_, log_),
         routes_(network_, log_),
-        holds_(network_, log_),
+        holds_(network_, drivers_, log_),
         stops_(network_, holds_, routes_, clock_),
         controlled_(network_, lanes_, routes_, drivers_, clock_),
         states_(controlled_, holds_) {

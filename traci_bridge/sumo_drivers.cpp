@@ -78,12 +78,16 @@ void SumoDrivers::react_late(const std::string& id, double seconds) {
 
 void SumoDrivers::cap_speed(const std::string& id, double speed) {
   const bool slower = speed < api::Vehicle::getAllowedSpeed(id);
-  if (slower) {
-    api::Vehicle::setSpeed(id, speed);
-    capped_.insert(id);
-  } else if (capped_.erase(id) > 0) {
-    api::Vehicle::setSpeed(id, kOwnSpeed);
-  }
+  const bool was_slower = caps_.erase(id) > 0;
+  if (slower) caps_.emplace(id, speed);
+  if (stands_still(id) || (!slower && !was_slower)) return;
+  api::Vehicle::setSpeed(id, slower ? speed : kOwnSpeed);
+}
+
+void SumoDrivers::stand_still(const std::string& id, bool stand) {
+  const auto cap = caps_.find(id);
+  api::Vehicle::setSpeed(id, stand ? 0.0 : cap != caps_.end() ? cap->second : kOwnSpeed);
+  stand ? (void)still_.insert(id) : (void)still_.erase(id);
 }
 
 int SumoDrivers::own_speed_mode(const std::string& id) {
@@ -111,7 +115,8 @@ void SumoDrivers::resume_lane_changes(double now) {
 
 void SumoDrivers::forget_if(const std::function<bool(const std::string&)>& has_left) {
   const auto entry_has_left = [&](const auto& entry) { return has_left(entry.first); };
-  std::erase_if(capped_, has_left);
+  std::erase_if(caps_, entry_has_left);
+  std::erase_if(still_, has_left);
   std::erase_if(lane_changes_, entry_has_left);
   std::erase_if(relying_, has_left);
   std::erase_if(lane_keepers_, entry_has_left);

@@ -26,6 +26,10 @@ class SumoDrivers {
   void react_late(const std::string& id, double seconds);
   void cap_speed(const std::string& id, double speed);
 
+  /// One who stands does not set off (true), nor is he slowed down for a stop; he may change lanes.
+  void stand_still(const std::string& id, bool stand);
+  [[nodiscard]] bool stands_still(const std::string& id) const { return still_.contains(id); }
+
   [[nodiscard]] bool relies_on_signal(const std::string& id) const { return relying_.contains(id); }
   [[nodiscard]] bool keeps_lane(const std::string& id) const { return lane_keepers_.contains(id); }
 
@@ -47,7 +51,8 @@ class SumoDrivers {
     int mode = 0;
   };
 
-  std::set<std::string> capped_;
+  std::map<std::string, double> caps_;  ///< [m/s]
+  std::set<std::string> still_;         ///< who are not to set off
   std::map<std::string, Resumption> lane_changes_;
   std::set<std::string> relying_;            ///< on protected greens
   std::map<std::string, int> lane_keepers_;  ///< their own lane-change modes

@@ -12,6 +12,7 @@ namespace {
 constexpr double kHoldGap = 1.0;     // from a held vehicle's front to the end of its lane [m]
 constexpr double kLeastRoom = 0.02;  // [m] between its front and where it is held
 constexpr double kForever = 1.0e6;   // [s]
+constexpr double kStands = 0.1;      // [m/s] and slower
 
 /// The lane of its edge, the nearest to its own, from which its route goes on: there it can wait.
 std::string lane_to_wait_in(const std::string& id) {
@@ -44,7 +45,10 @@ void SumoHolds::hold(const std::string& id) {
   const std::string lane = lane_to_wait_in(id);
   const double length = network_.lanes.at(lane).length;
   const double nearest = api::Vehicle::getLanePosition(id) + room_to_stop(id) + kLeastRoom;
-  if (nearest > length) return;  // too close to brake: it goes on
+  if (nearest > length) {  // too close to brake: it goes on, unless it stands
+    if (api::Vehicle::getSpeed(id) < kStands) drivers_.stand_still(id, true);
+    return;
+  }
   const Stop stop{.edge = network_.lanes.at(lane).edge,
                   .lane = network_.lanes.at(lane).index,
                   .position = std::max(length - kHoldGap, nearest)};
@@ -69,6 +73,7 @@ void SumoHolds::forget_if_passed(const std::string& id) {
 }
 
 void SumoHolds::release(const std::string& id) {
+  if (drivers_.stands_still(id)) return drivers_.stand_still(id, false);
   const auto found = stops_.find(id);
   const Stop& stop = found->second;
   if (is_at_stop(id)) {

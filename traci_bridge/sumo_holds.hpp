@@ -5,17 +5,22 @@
 
 #include "coordinator/network/road_network.hpp"
 #include "traci_bridge/sumo_api.hpp"
+#include "traci_bridge/sumo_drivers.hpp"
 #include "traci_bridge/sumo_log.hpp"
 
 namespace mvtp::MVTP_SUMO_NAMESPACE {
 
-/// Keeps vehicles with human drivers from leaving their lanes, by stops at the ends of these.
+/// Keeps vehicles with human drivers from leaving their lanes, by stops at the ends of these; who
+/// stands so near to the end that there is no room for a stop is not to set off.
 class SumoHolds {
  public:
-  /// @param network, log  must outlive it.
-  SumoHolds(const RoadNetwork& network, SumoLog& log) : network_(network), log_(log) {}
+  /// @param network, drivers, log  must outlive it.
+  SumoHolds(const RoadNetwork& network, SumoDrivers& drivers, SumoLog& log)
+      : network_(network), drivers_(drivers), log_(log) {}
 
-  [[nodiscard]] bool contains(const std::string& id) const { return stops_.contains(id); }
+  [[nodiscard]] bool contains(const std::string& id) const {
+    return stops_.contains(id) || drivers_.stands_still(id);
+  }
   /// Nothing happens where a vehicle is inside a junction, or too close to the end to brake.
   void hold(const std::string& id);
   /// @pre contains(id)
@@ -41,6 +46,7 @@ class SumoHolds {
   };
 
   const RoadNetwork& network_;
+  SumoDrivers& drivers_;
   SumoLog& log_;
   std::map<std::string, Stop> stops_;
 };

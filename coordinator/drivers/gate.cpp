@@ -13,6 +13,7 @@ constexpr double kEarly = 2.0;     ///< [s] or so long before its driver has to 
 constexpr double kStands = 0.5;    ///< [m/s] or it stands where it was held
 constexpr double kInside = 5.0;    ///< [m] before the end of its lane: it is as good as inside
 constexpr double kReaction = 0.5;  ///< [s] until a driver who is to stop brakes
+constexpr double kAtEnd = 1.5;     ///< [m] before the end of a lane that does not lead on
 constexpr int kStuckAfter = 4;     ///< decisions for which one that was let through may stand:
                                    ///< then it is held again, and waits for its next turn
 constexpr int kDueAfter = 40;      ///< decisions for which others may go before the first on a lane
@@ -32,13 +33,13 @@ void Gate::see(const VehicleState& v, const Place& place, const Vehicle& body) {
   }
   guest.guest = guest.seen = true;
   guest.place = place;
-  if (place.to_hold > 0.0) guest.lane = v.lane;
+  if (place.to_hold >= 0.0) guest.lane = v.lane;
   guest.stands = v.speed < kStands ? guest.stands + 1 : 0;
   guest.is_over |= place.line != guest.line;
   const double room = stopping_distance(v.speed, 0.8 * body.max_decel) + kReaction * v.speed;
   const bool is_due = place.to_hold < std::max(kNear, room + kEarly * v.speed);
   guest.waits = place.leads_on && (is_due || v.speed < kStands);
-  guest.can_stop = place.to_hold > room;
+  guest.can_stop = place.to_hold >= room;
   decide(v.id, guest, room);
   keep_in_lane(v.id, guest);
 }
@@ -48,22 +49,22 @@ void Gate::see(const VehicleState& v, const Place& place, const Vehicle& body) {
 void Gate::decide(const std::string& id, Visitor& guest, double room) {
   const Place& place = guest.place;
   // Behind the line for which it was let through; the next one is ahead.
-  const bool is_next = guest.passes && guest.is_over && place.has_room && place.to_hold > room;
+  const bool is_next = guest.passes && guest.is_over && place.has_room && guest.can_stop;
   // Plans lead over both junctions, and count on its doing so, too. Held in a lane that does not
-  // lead on, it would not get out of it beside others who wait.
+  // lead on, it would not get out of it beside others who wait; at its end it has to stop anyway.
   guest.goes_on = is_next && place.is_between && place.leads_on;
-  const bool anew = is_next && !place.is_between;
+  const bool at_end = !place.leads_on && guest.stands > 0 && place.to_hold < kAtEnd;
+  const bool anew = is_next && (!place.is_between || at_end);
   // It stands before its line although it may go: somebody blocking its path may be waiting for it.
-  const bool in_vain = guest.passes && guest.stands >= kStuckAfter && place.to_hold > 0.0;
+  const bool in_vain = guest.passes && guest.stands >= kStuckAfter && place.to_hold >= 0.0;
   if (in_vain) guest.asked = decisions_;
-  const bool did_not_stop =
-      guest.held && guest.is_over && (place.is_inside || place.to_hold > room);
+  const bool did_not_stop = guest.held && guest.is_over && (place.is_inside || guest.can_stop);
   if (did_not_stop) {
     traffic_.hold(id, false);
     guest.held = false;
   }
   if (guest.held || (guest.passes && !anew && !in_vain)) return;
-  if (place.to_hold > room) {
+  if (guest.can_stop) {
     hold(id);
   } else if (place.is_inside || place.to_line <= room) {
     let_through(id);

@@ -28,7 +28,7 @@ class Gate {
   struct Place {
     int line = -1;           ///< which stop line is the next; -1: none nearby
     double to_line = 0.0;    ///< [m] before it
-    double to_hold = 0.0;    ///< [m] before the end of its lane, where it can be held; 0: inside
+    double to_hold = -1.0;   ///< [m] before the end of its lane, where it can be held; < 0: inside
     bool is_inside = false;  ///< a junction with such lines
     bool leads_on = true;    ///< its lane leads to the next edge of its route
     bool has_room = true;  ///< held at the end of its lane its tail is clear of the junction behind

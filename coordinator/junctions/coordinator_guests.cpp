@@ -179,7 +179,8 @@ void Coordinator::see_guest(const VehicleState& v, const CourseQuery& query) {
     ++guest_sightings_;
     place.line = line->edge;
     place.to_line = line->distance;
-    place.to_hold = is_inside ? 0.0 : std::min(line->distance, lane.length - query.position);
+    place.to_hold =
+        is_inside ? -1.0 : std::max(0.0, std::min(line->distance, lane.length - query.position));
     place.has_room = lane.length > clear;
     place.is_between = lane.length < options_.corridors.chain;
   } else if (place.is_clear || !gate_.passes(v.id)) {

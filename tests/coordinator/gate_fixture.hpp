@@ -53,7 +53,7 @@ class GateTest : public testing::Test {
     gate.see({.id = id, .type = "car", .speed = speed, .lane = id},
              {.line = is_inside ? 1 : line,
               .to_line = to_line,
-              .to_hold = to_line,
+              .to_hold = is_inside ? -1.0 : to_line,
               .is_inside = is_inside,
               .leads_on = leads_on,
               .has_room = has_room,

@@ -80,5 +80,25 @@ TEST_F(GateTest, KeepsWhoseLaneLeadsElsewhereWhileItCouldNotBeHeldOnAnother) {
   EXPECT_THAT(traffic.in_lane, IsEmpty());
 }
 
+// From the end of a lane that leads elsewhere he changes to one at whose line he already is. He is
+// held there, and waits for his turn as others do; with room left he could be held on his way.
+TEST_F(GateTest, HoldsWhoStandsAtTheEndOfALaneThatLeadsElsewhere) {
+  for (const double to_hold : {0.0, 1.0, 5.0}) {
+    decide({"a"});
+    gate.let_through("a");
+    Gate::Place place = {.line = 1, .to_line = to_hold, .to_hold = to_hold, .is_between = true};
+    see_only("a", place, 0.0);
+    EXPECT_TRUE(gate.passes("a")) << "plans count on its going on";
+    place.leads_on = false;
+    see_only("a", place, 0.0);
+    EXPECT_EQ(gate.holds("a"), to_hold < 2.0) << to_hold;
+    EXPECT_THAT(traffic.in_lane, IsEmpty()) << "he may change";
+    place.leads_on = true;
+    see_only("a", place, 0.0);
+    EXPECT_EQ(propose() == "a", to_hold < 2.0) << to_hold;
+    gate.release("a");
+  }
+}
+
 }  // namespace
 }  // namespace mvtp

@@ -320,7 +320,7 @@ TEST_F(GateTest, ProposesNobodyAcrossOneWhoStandsInsideTheJunction) {
       gate.see({.id = "a", .type = "car", .speed = 0.0, .lane = "a"},
                {.line = 1,
                 .to_line = is_inside ? 40.0 : 20.0,
-                .to_hold = is_inside ? 0.0 : 20.0,
+                .to_hold = is_inside ? -1.0 : 20.0,
                 .is_inside = is_inside,
                 .is_clear = false},
                car);

@@ -270,6 +270,29 @@ TEST_F(SumoTrafficTest, AVehicleTooCloseToBrakeIsNotHeld) {
   EXPECT_EQ(at(*traffic, "a").lane, "Eo_0");
 }
 
+// There is no room for a stop. He may still change lanes, and waits at the same place then.
+TEST_F(SumoTrafficTest, WhoStandsAtTheEndOfItsLaneDoesNotSetOffUntilLetGo) {
+  network_ = "crossroads-static";
+  const auto traffic = open(vehicle("a", 0, "Wi Eo", "departPos=\"291.7\""));
+  traffic->step();
+  traffic->show("C", 10, Light::kRed);
+  run_until(*traffic, 10.0);
+  ASSERT_NEAR(at(*traffic, "a").speed, 0.0, 0.05);
+  traffic->hold("a", true);
+  traffic->show("C", 10, Light::kGreen);
+  traffic->cap_speed("a", 5.0);
+  run_until(*traffic, 15.0);
+  EXPECT_EQ(at(*traffic, "a").lane, "Wi_0");
+  traffic->cap_speed("a", std::numeric_limits<double>::infinity());
+  run_until(*traffic, 20.0);
+  EXPECT_EQ(at(*traffic, "a").lane, "Wi_0");
+  traffic->cap_speed("a", 5.0);
+  traffic->hold("a", false);
+  run_until(*traffic, 24.0);
+  EXPECT_EQ(at(*traffic, "a").lane, "Eo_0");
+  EXPECT_NEAR(at(*traffic, "a").speed, 5.0, 1e-6) << "as it was told meanwhile";
+}
+
 // Light 10 is that from Wi_0 to Eo_0, light 7 that from Si_0 to No_0.
 TEST_F(SumoTrafficTest, DriversHeedTheLightsThatAreShown) {
   network_ = "crossroads-static";
