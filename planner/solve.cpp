@@ -85,8 +85,9 @@ PlannerResult run_escot_star(const PlanningProblem& problem, const SolveOptions&
 struct Algorithm {
   std::string name;
   PlannerResult (*run)(const PlanningProblem&, const SolveOptions&, const Deadline&);
-  /// Can it plan for robots that overlap each other at their starts or goals?
-  bool lets_robots_overlap = false;
+  /// Do its robots move by PBCR, which plans also for those that overlap each other at their
+  /// starts or goals?
+  bool runs_pbcr = false;
 };
 
 const std::vector<Algorithm>& algorithms() {
@@ -150,7 +151,7 @@ Plan solve(const Instance& instance, const SolveOptions& options, const Deadline
   SolveOptions last = options;
   double prepared = 0.0;  // [s]
   plan.statistics.reason = problem.proof_of_infeasibility(deadline);
-  if (plan.statistics.reason.empty() && !algorithm->lets_robots_overlap &&
+  if (plan.statistics.reason.empty() && !algorithm->runs_pbcr &&
       !problem.overlapping_pairs().empty()) {
     plan.statistics.reason =
         fmt::format("{}; only escot and pbcr let them", problem.overlapping_pairs().first());
@@ -169,6 +170,7 @@ Plan solve(const Instance& instance, const SolveOptions& options, const Deadline
   plan.trajectories = std::move(solution.trajectories);
   plan.statistics.status = to_string(solution.status);
   plan.statistics.algorithm = options.algorithm;
+  if (algorithm->runs_pbcr && options.pbcr == PbcrScore::kPaper) plan.statistics.pbcr = "paper";
   plan.statistics.seed = last.seed;
   plan.statistics.dt = solution.dt.value_or(instance.dt);
   plan.statistics.solo_makespan = solution.solo_makespan;

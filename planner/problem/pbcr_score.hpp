@@ -10,8 +10,7 @@ enum class PbcrScore : std::uint8_t {
   /// them.
   kStrengthened,
   /// As the paper's authors have it: who has been under way for longest first, the nearest of
-  /// these;
-  /// cost-to-go and the cost of the primitive, higher where the robot has been before.
+  /// these; cost-to-go and the cost of the primitive, higher where the robot has been before.
   /// Source: ESCoT paper, Sec. III-A; Guo et al. 2024 (PBCR), their code.
   kPaper,
 };

@@ -79,6 +79,7 @@ enum class Status {
 struct Statistics {
   std::string status;  ///< to_string(Status)
   std::string algorithm;
+  std::string pbcr;       ///< "paper": PBCR ranked by the paper's score; else empty
   double cost = 0.0;      ///< sum of arrival times [s]; flowtime is the same figure
   double makespan = 0.0;  ///< [s]
   double flowtime = 0.0;  ///< [s]

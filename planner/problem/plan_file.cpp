@@ -44,6 +44,7 @@ Statistics read_statistics(const Value& value, double default_dt) {
   };
   text("status", result.status);
   text("algorithm", result.algorithm);
+  text("pbcr", result.pbcr);
   text("version", result.version);
   text("reason", result.reason);
   number("cost", result.cost, "s");
@@ -172,6 +173,7 @@ std::string statistics_text(const Statistics& statistics, YawSense yaw) {
   };
   line("status", yaml_string(statistics.status));
   line("algorithm", yaml_string(statistics.algorithm));
+  if (!statistics.pbcr.empty()) line("pbcr", yaml_string(statistics.pbcr));
   line("cost", yaml_number(statistics.cost));
   line("makespan", yaml_number(statistics.makespan));
   line("flowtime", yaml_number(statistics.flowtime));

@@ -31,6 +31,16 @@ TEST_P(PaperScores, MakePlansThatSatisfyTheReferee) {
   }
 }
 
+TEST(PaperScores, ArePartOfWhatThePlanSays) {
+  const auto said_by = [](const char* algorithm, PbcrScore score) {
+    return with(score, circle(2), algorithm).statistics.pbcr;
+  };
+  EXPECT_EQ(said_by("escot", PbcrScore::kPaper), "paper");
+  EXPECT_EQ(said_by("pbcr", PbcrScore::kPaper), "paper");
+  EXPECT_EQ(said_by("escot", PbcrScore::kStrengthened), "");
+  EXPECT_EQ(said_by("eccr", PbcrScore::kPaper), "") << "it does not rank by them";
+}
+
 INSTANTIATE_TEST_SUITE_P(Seeds, PaperScores,
                          testing::Range(std::uint64_t{700}, std::uint64_t{708}));
 

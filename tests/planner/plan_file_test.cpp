@@ -51,6 +51,7 @@ Plan example_plan() {
   Plan plan;
   plan.statistics.status = "solved";
   plan.statistics.algorithm = "escot";
+  plan.statistics.pbcr = "paper";
   plan.statistics.runtime = 0.1;
   plan.statistics.lower_bound = 1.5;
   plan.statistics.solo_makespan = 1.75;
@@ -95,6 +96,7 @@ TEST_F(PlanFile, ReadsBackWhatItWritesBitByBit) {
     EXPECT_EQ(again.trajectories, plan.trajectories);
     EXPECT_EQ(again.statistics.status, "solved");
     EXPECT_EQ(again.statistics.algorithm, "escot");
+    EXPECT_EQ(again.statistics.pbcr, "paper");
     EXPECT_EQ(again.statistics.seed, plan.statistics.seed);
     EXPECT_EQ(again.statistics.dt, 0.1);
     EXPECT_EQ(again.statistics.runtime, 0.1);
