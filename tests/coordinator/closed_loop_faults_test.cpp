@@ -70,7 +70,7 @@ INSTANTIATE_TEST_SUITE_P(At, DeadPlanner, testing::Values(12.0, 20.0, 28.0));
 class VanishingVehicles : public testing::TestWithParam<std::size_t> {};
 
 TEST_P(VanishingVehicles, AreForgottenAndTheOthersArrive) {
-  const NetworkShape shape = all_shapes()[GetParam()];
+  const NetworkShape shape = all_shapes()[GetParam()].make();
   ClosedLoop run(shape, cars(shape, 5));
   int vanished = 0;
   for (int step = 0; run.traffic.running() && run.traffic.time() < 250.0; ++step) {

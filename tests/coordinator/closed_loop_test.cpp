@@ -17,7 +17,7 @@ using testing::Values;
 /// Shape, seed, step length [s].
 using Run = std::tuple<std::size_t, unsigned, double>;
 
-std::string name_of(const std::vector<NetworkShape>& shapes, const Run& run) {
+std::string name_of(const std::vector<NamedShape>& shapes, const Run& run) {
   const auto& [shape, seed, step_length] = run;
   return shapes[shape].name + "_seed_" + std::to_string(seed) + "_step_" +
          std::to_string(int(100.0 * step_length)) + "cs";
@@ -41,16 +41,11 @@ void expect_gentle_handbacks(const ClosedLoop& run) {
   EXPECT_EQ(run.audit.figures().hard_brakings_after_handback, 0);
 }
 
-const std::vector<NetworkShape>& tight() {
-  static const std::vector<NetworkShape> shapes = all_shapes();
-  return shapes;
-}
-
 class CarsOnly : public testing::TestWithParam<Run> {};
 
 TEST_P(CarsOnly, ArriveWithoutContact) {
   const auto& [number, seed, step_length] = GetParam();
-  const NetworkShape& shape = tight()[number];
+  const NetworkShape shape = all_shapes()[number].make();
   ClosedLoop run(shape, random_trips(shape, {.seed = seed}), step_length);
   run.run_until(300.0);
   expect_laws(run);
@@ -62,28 +57,24 @@ TEST_P(CarsOnly, ArriveWithoutContact) {
 INSTANTIATE_TEST_SUITE_P(Shapes, CarsOnly,
                          Combine(Range(std::size_t{0}, all_shapes().size()), Values(1U, 2U),
                                  Values(0.1, 0.25, 1.0)),
-                         [](const auto& run) { return name_of(tight(), run.param); });
+                         [](const auto& run) { return name_of(all_shapes(), run.param); });
 
 std::size_t number_of(const std::string& shape) {
-  return std::size_t(std::ranges::find(tight(), shape, &NetworkShape::name) - tight().begin());
+  return std::size_t(std::ranges::find(all_shapes(), shape, &NamedShape::name) -
+                     all_shapes().begin());
 }
 
 // Some leave the network within the metres that they would brake in.
 INSTANTIATE_TEST_SUITE_P(ShortArms, CarsOnly,
                          Combine(Values(number_of("short_arms")), Values(4U, 7U, 18U),
                                  Values(0.25)),
-                         [](const auto& run) { return name_of(tight(), run.param); });
-
-const std::vector<NetworkShape>& roomy() {
-  static const std::vector<NetworkShape> shapes = roomy_shapes();
-  return shapes;
-}
+                         [](const auto& run) { return name_of(all_shapes(), run.param); });
 
 class CarsBusesAndTrucks : public testing::TestWithParam<Run> {};
 
 TEST_P(CarsBusesAndTrucks, ArriveWithoutContact) {
   const auto& [number, seed, step_length] = GetParam();
-  const NetworkShape& shape = roomy()[number];
+  const NetworkShape shape = roomy_shapes()[number].make();
   const Demand demand{.types = {"car", "car", "bus", "truck"}, .guests = false, .seed = seed};
   ClosedLoop run(shape, random_trips(shape, demand), step_length);
   run.run_until(300.0);
@@ -95,13 +86,12 @@ TEST_P(CarsBusesAndTrucks, ArriveWithoutContact) {
 INSTANTIATE_TEST_SUITE_P(ShortSteps, CarsBusesAndTrucks,
                          Combine(Range(std::size_t{0}, roomy_shapes().size()), Values(3U),
                                  Values(0.1)),
-                         [](const auto& run) { return name_of(roomy(), run.param); });
+                         [](const auto& run) { return name_of(roomy_shapes(), run.param); });
 INSTANTIATE_TEST_SUITE_P(LongSteps, CarsBusesAndTrucks,
                          Combine(Range(std::size_t{0}, roomy_shapes().size()), Values(4U, 5U),
                                  Values(0.25)),
-                         [](const auto& run) { return name_of(roomy(), run.param); });
+                         [](const auto& run) { return name_of(roomy_shapes(), run.param); });
 
-// Drivers keep to the left or to the right of their lanes; nobody is pulled aside at a takeover.
 /// PBCR alone is safe in whatever traffic; so few vehicles also arrive.
 class PbcrAlone : public testing::TestWithParam<unsigned> {};
 

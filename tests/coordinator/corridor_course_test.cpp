@@ -17,7 +17,8 @@ namespace {
 /// Every course of a shape from its sources to its sinks, and the corridor of a car along it.
 class EveryCorridor : public testing::TestWithParam<std::size_t> {
  protected:
-  EveryCorridor() : shape(all_shapes()[GetParam()]), walk(shape.network), area(shape.network) {}
+  EveryCorridor()
+      : shape(all_shapes()[GetParam()].make()), walk(shape.network), area(shape.network) {}
 
   template <class Check>
   void for_each(const Check& check) {

@@ -13,7 +13,8 @@ namespace {
 constexpr int kNone = LaneGraph::kNone;
 
 TEST(LaneGraph, NumbersAndIdsLeadToEachOther) {
-  for (const NetworkShape& shape : all_shapes()) {
+  for (const NamedShape& named : all_shapes()) {
+    const NetworkShape shape = named.make();
     const LaneGraph graph(shape.network);
     EXPECT_EQ(graph.lanes(), int(shape.network.lanes.size()));
     EXPECT_EQ(graph.junctions(), int(shape.network.junctions.size()));
@@ -31,7 +32,8 @@ TEST(LaneGraph, NumbersAndIdsLeadToEachOther) {
 }
 
 TEST(LaneGraph, EveryConnectionIsALinkSeenFromAllItsLanes) {
-  for (const NetworkShape& shape : all_shapes()) {
+  for (const NamedShape& named : all_shapes()) {
+    const NetworkShape shape = named.make();
     const LaneGraph graph(shape.network);
     std::size_t connections = 0;
     for (const auto& [id, junction] : shape.network.junctions) {

@@ -29,7 +29,8 @@ std::set<std::set<std::string>> zones_of(const RoadNetwork& network, double chai
 }
 
 TEST(Partition, HasEachCoordinatedJunctionInExactlyOneZone) {
-  for (const NetworkShape& shape : all_shapes()) {
+  for (const NamedShape& named : all_shapes()) {
+    const NetworkShape shape = named.make();
     const LaneGraph graph(shape.network);
     for (const double chain : {0.0, 25.0, 50.0, 200.0}) {
       const std::vector<bool> coordinated = select_junctions(graph, {}, chain);

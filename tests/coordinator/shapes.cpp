@@ -399,14 +399,27 @@ NetworkShape fan_out_shape() {
   return shape;
 }
 
-std::vector<NetworkShape> all_shapes() {
-  return {crossroads_shape(), grid_shape(),  t_shape(),         five_arms_shape(),
-          roundabout_shape(), chain_shape(), two_lanes_shape(), left_hand_shape(),
-          short_arms_shape(), seam_shape()};
+const std::vector<NamedShape>& all_shapes() {
+  static const std::vector<NamedShape> kAll = {{"crossroads", [] { return crossroads_shape(); }},
+                                               {"grid", grid_shape},
+                                               {"t", [] { return t_shape(); }},
+                                               {"five_arms", five_arms_shape},
+                                               {"roundabout", roundabout_shape},
+                                               {"chain", [] { return chain_shape(); }},
+                                               {"two_lanes", two_lanes_shape},
+                                               {"left_hand", left_hand_shape},
+                                               {"short_arms", short_arms_shape},
+                                               {"seam", [] { return seam_shape(); }}};
+  return kAll;
 }
 
-std::vector<NetworkShape> roomy_shapes() {
-  return {crossroads_shape(120.0, 13.0), t_shape(13.0), five_arms_shape(), chain_shape(13.0)};
+const std::vector<NamedShape>& roomy_shapes() {
+  static const std::vector<NamedShape> kRoomy = {
+      {"crossroads", [] { return crossroads_shape(120.0, 13.0); }},
+      {"t", [] { return t_shape(13.0); }},
+      {"five_arms", five_arms_shape},
+      {"chain", [] { return chain_shape(13.0); }}};
+  return kRoomy;
 }
 
 }  // namespace mvtp

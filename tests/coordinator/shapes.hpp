@@ -72,8 +72,14 @@ void add_crossroads(NetworkMaker& maker, NetworkShape& shape, double arm = 120.0
 /// right behind its stop line; under the signal where there is one.
 [[nodiscard]] NetworkShape with_crossings(NetworkShape shape);
 
-[[nodiscard]] std::vector<NetworkShape> all_shapes();
+/// A shape that is made when it is asked for: each test has a process of its own, and needs few.
+struct NamedShape {
+  std::string name;
+  NetworkShape (*make)() = nullptr;
+};
+
+[[nodiscard]] const std::vector<NamedShape>& all_shapes();
 /// Those where bodies of 12 and 18 m can turn.
-[[nodiscard]] std::vector<NetworkShape> roomy_shapes();
+[[nodiscard]] const std::vector<NamedShape>& roomy_shapes();
 
 }  // namespace mvtp
