@@ -79,8 +79,9 @@ void Gate::keep_in_lane(const std::string& id, const Visitor& guest) {
   const Place& place = guest.place;
   const bool enters = place.to_hold <= kInside;
   const bool is_planned = guest.passes && (enters || !guest.is_over);
+  const bool is_too_late = place.to_hold >= 0.0 && !guest.can_stop;
   keeping_.keep(id, LaneKeeping::Reason::kGuest,
-                place.leads_on ? !place.is_clear || is_planned : !guest.can_stop);
+                place.leads_on ? !place.is_clear || is_planned : is_too_late);
 }
 
 void Gate::keep(const std::string& id) {
