@@ -116,8 +116,10 @@ bool Surroundings::stands_blocking(const Other& other, const ContactTable& conta
 
 bool Surroundings::leaves_passages_free(std::int64_t k, const InertialState& state) const {
   count_work();
-  return std::ranges::none_of(
-      others_, [&](const Other& other) { return rests_in_passage(other, k, state); });
+  return std::ranges::none_of(others_, [&](const Other& other) {
+    if (!other.forecast || other.yields) return false;
+    return rests_in_passage(other, k, state) || brakes_into(other, k, state);
+  });
 }
 
 bool Surroundings::rests_in_passage(const Other& other, std::int64_t k,

@@ -298,6 +298,48 @@ TEST_F(WithoutAPlan, WhoWouldBeMetByBrakingKeepsThePlanThatGetsAway) {
   EXPECT_GT(met, 20);
 }
 
+// It gets away from a driver only if it does so on its way, too, not only where it would come to
+// rest far behind the crossing; the driver may go at once, or stand for good.
+TEST_F(WithoutAPlan, WhoDrivesOnBeforeADriverIsNotMetOnItsWay) {
+  const ContactTable& contacts = library.contacts(0, 1);
+  int driven_on = 0;
+  for (const double from : {86.0, 90.0, 94.0}) {
+    const RoadVehicle driver = add(1, from, 2.0);
+    const Forecast passes{.vehicle = driver,
+                          .earliest = at_acceleration(scene, driver.now, kCar.max_accel),
+                          .latest = at_acceleration(scene, driver.now, -kCar.max_decel),
+                          .yields = false};
+    for (double s = 78.0; s < 104.0; s += 0.5) {
+      scene.vehicles.clear();
+      add(0, s, 10.0);
+      scene.forecasts = {passes};
+      const InertialState now = scene.vehicles[0].now;
+      if (contacts.touches(now.s, driver.now.s)) continue;
+      const RoadPairs pairs(scene);
+      const JointPlan nobody;
+      const ProfileOptions options;
+      const RoadStepWorld world(pairs, nobody, options);
+      for (const RoadStepWorld::Motion& m : world.candidates(0, now)) {
+        if (m.acceleration <= -kCar.max_decel) continue;
+        ++driven_on;
+        bool is_safe = false;
+        for (int more = 0; more < 40 && !is_safe; ++more) {  // steps until it brakes
+          SpeedProfile t{.begin = scene.step, .states = {now}, .complete = false};
+          for (int k = 0; k < 250; ++k) {
+            const double a = k < scene.grid.steps_per_decision          ? m.acceleration
+                             : k < scene.grid.steps_per_decision + more ? kCar.max_accel
+                                                                        : -kCar.max_decel;
+            t.states.push_back(advance(t.states.back(), a, scene.grid.dt));
+          }
+          is_safe = !is_met(contacts, t, passes);
+        }
+        EXPECT_TRUE(is_safe) << "at " << s << " by " << m.acceleration << ", driver at " << from;
+      }
+    }
+  }
+  EXPECT_GT(driven_on, 50);
+}
+
 //   From the south it turns into the lane of a driver from the west, who does not yield.
 TEST_F(WithoutAPlan, WhoCannotStopBeforeAPassageLeavesIt) {
   std::vector<Point> turn = {{0, -100}, {0, -6}};
