@@ -21,7 +21,7 @@ class SumoHolds {
   [[nodiscard]] bool contains(const std::string& id) const {
     return stops_.contains(id) || drivers_.stands_still(id);
   }
-  /// Nothing happens where a vehicle is inside a junction, or too close to the end to brake.
+  /// Nothing happens where a vehicle is inside a junction, or moves too close to the end to brake.
   void hold(const std::string& id);
   /// @pre contains(id)
   void release(const std::string& id);
