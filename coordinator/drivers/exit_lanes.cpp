@@ -1,6 +1,7 @@
 #include "coordinator/drivers/exit_lanes.hpp"
 
 #include <algorithm>
+#include <set>
 #include <utility>
 #include <vector>
 
@@ -42,14 +43,9 @@ void ExitLanes::show() {
         lane != LaneGraph::kNone && std::ranges::any_of(rooms, [&](const Room& r) {
           return r.edge == graph_.edge_of(lane) && r.lane != lane && stops_at(*v) < r.end;
         });
-    if (!is_beside) continue;
-    keeping_.keep(v->id, LaneKeeping::Reason::kExit, true);
-    kept.insert(v->id);
+    if (is_beside) kept.insert(v->id);
   }
-  for (const std::string& id : kept_) {
-    if (!kept.contains(id)) keeping_.keep(id, LaneKeeping::Reason::kExit, false);
-  }
-  kept_ = std::move(kept);
+  keeping_.keep_only(kept, LaneKeeping::Reason::kExit);
 }
 
 }  // namespace mvtp

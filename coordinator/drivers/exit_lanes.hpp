@@ -2,7 +2,6 @@
 
 #include <functional>
 #include <optional>
-#include <set>
 #include <string>
 
 #include "coordinator/drivers/lane_keeping.hpp"
@@ -48,7 +47,6 @@ class ExitLanes {
   const LaneGraph& graph_;
   LeavingOf leaving_of_;
   TypeOf type_of_;
-  std::set<std::string> kept_;  ///< drivers kept in their lanes
 };
 
 }  // namespace mvtp

@@ -1,16 +1,31 @@
 #include "coordinator/drivers/lane_keeping.hpp"
 
+#include <algorithm>
+#include <utility>
+
 namespace mvtp {
 
 void LaneKeeping::keep(const std::string& id, Reason reason, bool keep) {
-  const auto known = reasons_.find(id);
   if (keep) {
-    reasons_[id].insert(reason);
-  } else if (known != reasons_.end()) {
-    known->second.erase(reason);
-    if (known->second.empty()) reasons_.erase(known);
+    kept_[reason].insert(id);
+  } else {
+    kept_[reason].erase(id);
   }
-  traffic_.keep_lane(id, reasons_.contains(id));
+  show(id);
+}
+
+void LaneKeeping::keep_only(const std::set<std::string>& ids, Reason reason) {
+  const std::set<std::string> before = std::exchange(kept_[reason], ids);
+  for (const std::string& id : ids) show(id);
+  for (const std::string& id : before) {
+    if (!ids.contains(id)) show(id);
+  }
+}
+
+/// Tells the traffic whether there is any reason to keep him.
+void LaneKeeping::show(const std::string& id) {
+  traffic_.keep_lane(
+      id, std::ranges::any_of(kept_, [&](const auto& entry) { return entry.second.contains(id); }));
 }
 
 }  // namespace mvtp

@@ -23,10 +23,14 @@ class LaneKeeping {
 
   /// From now on there is this reason to keep him in his lane, or there is none.
   void keep(const std::string& id, Reason reason, bool keep);
+  /// From now on there is this reason to keep these in their lanes, and nobody else.
+  void keep_only(const std::set<std::string>& ids, Reason reason);
 
  private:
+  void show(const std::string& id);
+
   Traffic& traffic_;
-  std::map<std::string, std::set<Reason>> reasons_;  ///< of those who are kept
+  std::map<Reason, std::set<std::string>> kept_;
 };
 
 }  // namespace mvtp

@@ -196,22 +196,17 @@ void Straddling::show() {
     // Nobody is planned into a lane but where its driver can stop. He has to begin to.
     for (const PlannedPose& at : soon) find_tails(v, at);
   }
-  if (controlled_.empty() && capped_.empty() && kept_.empty()) return;
+  if (controlled_.empty() && capped_.empty()) drivers.clear();
   std::set<std::string> capped;
   std::set<std::string> kept;
   for (const VehicleState* v : drivers) {
     const double most = most_speed(*v);
     if (most < kInfinity || capped_.contains(v->id)) traffic_.cap_speed(v->id, most);
     if (most < kInfinity) capped.insert(v->id);
-    if (!is_beside_one(*v)) continue;
-    keeping_.keep(v->id, LaneKeeping::Reason::kBeside, true);
-    kept.insert(v->id);
+    if (is_beside_one(*v)) kept.insert(v->id);
   }
-  for (const std::string& id : kept_) {
-    if (!kept.contains(id)) keeping_.keep(id, LaneKeeping::Reason::kBeside, false);
-  }
+  keeping_.keep_only(kept, LaneKeeping::Reason::kBeside);
   capped_ = std::move(capped);
-  kept_ = std::move(kept);
 }
 
 }  // namespace mvtp

@@ -64,7 +64,6 @@ class Straddling {
   std::map<std::string, std::vector<Tail>> tails_;    ///< by lane
   std::map<std::string, std::vector<double>> sides_;  ///< of bodies on or near a lane, along it [m]
   std::set<std::string> capped_;                      ///< drivers
-  std::set<std::string> kept_;                        ///< drivers kept in their lanes
 };
 
 }  // namespace mvtp

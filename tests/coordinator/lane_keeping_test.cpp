@@ -52,6 +52,16 @@ TEST_F(LaneKeepingTest, AReasonCountsOnceHoweverOftenItIsGiven) {
   EXPECT_THAT(traffic.kept, IsEmpty());
 }
 
+TEST_F(LaneKeepingTest, KeepingOnlySomeLetsOthersGoWhoWereKeptForTheSameReason) {
+  keeping.keep_only({"a", "b"}, Reason::kExit);
+  EXPECT_THAT(traffic.kept, ElementsAre("a", "b"));
+  keeping.keep("b", Reason::kGuest, true);
+  keeping.keep_only({"c"}, Reason::kExit);
+  EXPECT_THAT(traffic.kept, ElementsAre("b", "c"));
+  keeping.keep_only({}, Reason::kExit);
+  EXPECT_THAT(traffic.kept, ElementsAre("b"));
+}
+
 TEST_F(LaneKeepingTest, WhatHoldsForOneDoesNotForAnother) {
   keeping.keep("a", Reason::kBeside, true);
   keeping.keep("b", Reason::kBeside, false);
