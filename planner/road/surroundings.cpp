@@ -117,14 +117,14 @@ bool Surroundings::stands_blocking(const Other& other, const ContactTable& conta
 bool Surroundings::leaves_passages_free(std::int64_t k, const InertialState& state) const {
   count_work();
   return std::ranges::none_of(others_, [&](const Other& other) {
-    if (!other.forecast || other.yields) return false;
-    return rests_in_passage(other, k, state) || brakes_into(other, k, state);
+    return other.forecast && !other.yields && is_met_by_braking(other, k, state);
   });
 }
 
-bool Surroundings::rests_in_passage(const Other& other, std::int64_t k,
-                                    const InertialState& state) const {
-  if (!other.forecast || other.yields) return false;
+bool Surroundings::is_met_by_braking(const Other& other, std::int64_t k,
+                                     const InertialState& state) const {
+  if (brakes_into(other, k, state)) return true;
+  if (other.yields) return false;
   const double rest = state.s + stopping_distance(state.v, body_.max_decel);
   const double from = other.hindmost(k);
   const double end = other.profile->states.back().s;
@@ -161,8 +161,7 @@ void Surroundings::add(Other other) {
   }
   if (other.contact.contact->never() && !same_exit && !other.reserved) return;
   other.braking_is_no_help =
-      other.latest != nullptr &&
-      (rests_in_passage(other, now_, vehicle_.now) || brakes_into(other, now_, vehicle_.now));
+      other.latest != nullptr && is_met_by_braking(other, now_, vehicle_.now);
   if (same_exit) on_exit_.push_back(others_.size());
   others_.push_back(other);
   const ContactTable& contacts = other.contact.table();

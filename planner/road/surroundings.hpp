@@ -96,10 +96,10 @@ class Surroundings {
   /// or as the lane on which its path begins.
   [[nodiscard]] std::optional<double> place_on_next(const Other& other,
                                                     const InertialState& state) const;
-  /// Where it stands after braking from `state`, will the driver of a forecast pass who does not
-  /// yield? From step k on.
-  [[nodiscard]] bool rests_in_passage(const Other& other, std::int64_t k,
-                                      const InertialState& state) const;
+  /// Is the driver of a forecast met by braking from `state` at step k, or, unless he yields, does
+  /// he pass where this vehicle then stands?
+  [[nodiscard]] bool is_met_by_braking(const Other& other, std::int64_t k,
+                                       const InertialState& state) const;
   void add(Other other);
   void add_slack(const Forecast& forecast);
 
