@@ -67,8 +67,9 @@ class HumanDrivers {
   [[nodiscard]] bool knows(const std::string& id) const { return agents_.contains(id); }
   /// Has it green, or is it behind its line?
   [[nodiscard]] bool passes(const std::string& id) const;
-  /// Is it shown red, for which it will stop?
-  [[nodiscard]] bool stops_for_red(const std::string& id) const;
+  /// Does it stop before its line, whatever it is shown? A green ends while who has no planned
+  /// passage can still stop.
+  [[nodiscard]] bool has_to_wait(const std::string& id) const;
   /// What it may do if it passes, one forecast for each movement; none if it is not known.
   [[nodiscard]] std::vector<Forecast> passages(const std::string& id) const;
 

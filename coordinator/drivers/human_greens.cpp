@@ -77,10 +77,12 @@ bool HumanDrivers::is_shown_green(const Agent& agent) const {
   return heads_.all_show(agent.links, Light::kGreen);
 }
 
-bool HumanDrivers::stops_for_red(const std::string& id) const {
-  const auto agent = agents_.find(id);
-  return agent != agents_.end() && !agent->second.granted &&
-         heads_.all_show(agent->second.links, Light::kRed);
+bool HumanDrivers::has_to_wait(const std::string& id) const {
+  const auto found = agents_.find(id);
+  if (found == agents_.end()) return false;
+  const Agent& agent = found->second;
+  return !agent.granted && !agent.links.empty() &&
+         std::ranges::all_of(agent.links, [this](int k) { return heads_.owns(k); });
 }
 
 /// Has it green in a phase?

@@ -65,7 +65,7 @@ std::vector<Forecast> Coordinator::predict_one(const VehicleState& v,
   std::vector<Forecast> forecasts =
       predictor_.predict(v, query, type_of(v.type).body, intent, stand_of(v), grid_,
                          step_ - std::int64_t(std::lround(v.age / grid_.dt)));
-  const bool has_to_wait = gate_.holds(v.id) || (humans_ && humans_->stops_for_red(v.id));
+  const bool has_to_wait = gate_.holds(v.id) || (humans_ && humans_->has_to_wait(v.id));
   for (Forecast& f : forecasts) {
     f.told = intent == Intent::kPasses ? Told::kToPass
              : has_to_wait             ? Told::kToWait

@@ -86,6 +86,11 @@ class FakeTraffic : public Traffic {
   void show(const std::string& signal, int index, Light light) override {
     lights_[{signal, index}] = light;
   }
+  /// nullopt: nobody shows one, and the signal runs its own program.
+  [[nodiscard]] std::optional<Light> light(const std::string& signal, int index) const {
+    const auto shown = lights_.find({signal, index});
+    return shown == lights_.end() ? std::nullopt : std::optional(shown->second);
+  }
   void free_signal(const std::string& signal) override {
     std::erase_if(lights_, [&](const auto& shown) { return shown.first.first == signal; });
   }

@@ -98,17 +98,52 @@ TEST(HumanDrivers, AreExpectedToBrakeForRedAtOnce) {
   const HumanDrivers& humans = *run.coordinator.humans();
   int at_red = 0;
   while (run.traffic.running() && run.traffic.time() < 60.0) {
-    const bool was_red = humans.stops_for_red("human");
+    const bool was_red = humans.has_to_wait("human");
     const std::size_t decisions = run.coordinator.replans().size();
     run.step();
     const bool is_new = run.coordinator.replans().size() > decisions;
-    if (!is_new || !was_red || !humans.stops_for_red("human")) continue;
+    if (!is_new || !was_red || !humans.has_to_wait("human")) continue;
     for (const Forecast& f : run.coordinator.forecasts()) {
       ++at_red;
       EXPECT_EQ(f.told, Told::kToWait) << "at t = " << run.traffic.time();
     }
   }
   EXPECT_GT(at_red, 0);
+}
+
+// Lights of a phase turn green together. One ends before a driver whose passage is not planned
+// could not stop any more.
+TEST(HumanDrivers, AreExpectedToWaitAtAGreenThatIsNotMeantForThem) {
+  const NetworkShape shape = crossroads_with_phases();
+  ClosedLoop run(shape, random_trips(shape, {.vehicles = 24, .seed = 3}), 0.1, share(0.5));
+  const auto& connections = shape.network.junctions.at("C").connections;
+  const auto is_at_green = [&](const VehicleState& v) {
+    return std::ranges::any_of(connections, [&](const Connection& c) {
+      return c.from_lane == v.lane && run.traffic.light("C", c.signal_index) == Light::kGreen;
+    });
+  };
+  int at_green = 0;
+  while (run.traffic.running() && run.traffic.time() < 200.0) {
+    std::vector<VehicleState> before;
+    for (const VehicleState& v : run.traffic.vehicles()) {
+      if (is_at_green(v)) before.push_back(v);
+    }
+    const std::size_t decisions = run.coordinator.replans().size();
+    run.step();
+    if (run.coordinator.replans().size() == decisions) continue;
+    const RoadScene scene = run.coordinator.scene();
+    for (const VehicleState& v : before) {
+      const HumanDrivers& humans = *run.coordinator.humans();
+      if (!humans.knows(v.id) || humans.passes(v.id)) continue;
+      for (const Forecast& f : scene.forecasts) {
+        const Pose pose = scene.library->path(f.vehicle.path).at(f.vehicle.now.s);
+        if (distance(pose, v.pose) > 1.0) continue;
+        ++at_green;
+        EXPECT_EQ(f.told, Told::kToWait) << v.id << " at t = " << run.traffic.time();
+      }
+    }
+  }
+  EXPECT_GT(at_green, 0);
 }
 
 // He is too fast to stop before the end of his lane, from which no connection leads where he goes:
