@@ -70,11 +70,14 @@ bool HumanDrivers::let_each_other_pass(const Agent& a, const Agent& b) const {
   return yields_to(a.links, b.links) || yields_to(b.links, a.links);
 }
 
-/// Does it wait for the other one, if it has to yield to him? For those who have green, or come to
-/// one; but nobody comes from behind a vehicle under control that waits, perhaps for this one.
+/// Has it green, or comes to one? Nobody comes from behind a vehicle under control that waits.
+bool HumanDrivers::may_come(const Agent& agent) const {
+  return agent.granted || (is_shown_green(agent) && !is_behind_one_who_waits(agent));
+}
+
+/// Does it wait for the other one, if it has to yield to him?
 bool HumanDrivers::awaits(const Agent& agent, const Agent& other) const {
-  if (agent.goes_before.contains(other.id)) return false;
-  return other.granted || (is_shown_green(other) && !is_behind_one_who_waits(other));
+  return !agent.goes_before.contains(other.id) && may_come(other);
 }
 
 /// Inside the junction it goes before those for whom it does not wait, also if they come after all.
@@ -85,16 +88,29 @@ void HumanDrivers::pass_before_who_waits(Agent& agent) const {
   }
 }
 
+/// May one who yields to it turn before it all the same, so that it has to brake for him? SUMO's
+/// drivers do where somebody comes slowly.
+bool HumanDrivers::may_be_cut_off(const Agent& agent, const Movement& movement, const Agent& other,
+                                  const Movement& theirs) const {
+  if (!agent.granted || !may_come(other) || !yields_to(theirs.links, movement.links)) return false;
+  const ContactTable& contacts =
+      corridors_.library().contacts(movement.driver.road.path, theirs.driver.road.path);
+  return mvtp::may_meet(contacts, tube_of(movement), movement.s_clear, tube_of(theirs),
+                        theirs.s_clear, step_);
+}
+
 /// The step until which it may have to yield; -1: to nobody.
 std::int64_t HumanDrivers::yields_until(const Agent& agent, const Movement& movement) const {
   std::int64_t until = -1;
   const double here = movement.driver.road.now.s;
   if (here >= movement.s_clear) return until;
   for (const auto& [id, other] : agents_) {
-    if (id == agent.id || !awaits(agent, other)) continue;
+    if (id == agent.id) continue;
     for (const Movement& theirs : other.movements) {
       const double there = theirs.driver.road.now.s;
-      if (there >= theirs.s_clear || !yields_to(movement.links, theirs.links)) continue;
+      if (there >= theirs.s_clear) continue;
+      const bool waits = yields_to(movement.links, theirs.links) && awaits(agent, other);
+      if (!waits && !may_be_cut_off(agent, movement, other, theirs)) continue;
       const ContactTable& contacts =
           corridors_.library().contacts(movement.driver.road.path, theirs.driver.road.path);
       if (contacts.empty() || !contacts.meets(here, movement.s_clear, there, theirs.s_clear))

@@ -271,37 +271,6 @@ TEST(HumanDrivers, TurnLeftBeforeThoseBehindAControlledCarThatWaits) {
   EXPECT_GT(inside, 5);
 }
 
-/// The ground of one who drives from the west over a signal that is green for him.
-TEST(HumanDrivers, AreOnTheGroundThatIsExpectedOfThem) {
-  ClosedLoop run = loop({{"a", 0.0, "W-C", "C-E"}}, share(0.0));
-  const std::vector<int> later = {5, 20};  // steps
-  struct Expected {
-    Pose from;
-    ExpectedGround::Reach reach;
-  };
-  std::map<std::int64_t, std::vector<Expected>> at;  // by step
-  int seen = 0;
-  while (run.traffic.running() && run.traffic.time() < 60.0) {
-    run.step();
-    if (run.traffic.vehicles().empty()) continue;
-    const Pose& pose = run.traffic.vehicles().front().pose;
-    const std::int64_t step = run.coordinator.steps();
-    for (const auto& [from, reach] : at[step]) {
-      const double driven = distance(from, pose);
-      EXPECT_GE(driven, reach.least - 0.3) << step;
-      EXPECT_LE(driven, reach.most + 0.3) << step;
-      ++seen;
-    }
-    const auto ground = run.coordinator.humans()->ground_of("a", pose, step, later);
-    if (!ground || !ground->passes) continue;
-    EXPECT_EQ(ground->paths.size(), 1U);
-    for (std::size_t i = 0; i < later.size(); ++i) {
-      at[step + later[i]].push_back({pose, ground->reaches[i]});
-    }
-  }
-  EXPECT_GT(seen, 50);
-}
-
 TEST(HumanDrivers, StayBeforeTheirLineUntilTheyHaveGreen) {
   ClosedLoop run = loop(cars(2), share(0.3));
   const std::vector<int> later = {20};
@@ -325,22 +294,6 @@ TEST(HumanDrivers, StayBeforeTheirLineUntilTheyHaveGreen) {
     }
   }
   EXPECT_GT(seen, 100);
-}
-
-TEST(HumanDrivers, HaveAPathForEachTurnThatIsInQuestion) {
-  CoordinatorOptions options = share(0.0);
-  options.intent = KnownIntent::kLane;
-  ClosedLoop run = loop({{"a", 0.0, "W-C", "C-E"}}, options);
-  std::size_t most = 0;
-  while (run.traffic.running() && run.traffic.time() < 30.0) {
-    run.step();
-    for (const VehicleState& v : run.traffic.vehicles()) {
-      const auto ground =
-          run.coordinator.humans()->ground_of(v.id, v.pose, run.coordinator.steps(), {});
-      if (ground) most = std::max(most, ground->paths.size());
-    }
-  }
-  EXPECT_EQ(most, 3U);
 }
 
 /// Where the paths lead on which a driver from the west is expected behind his line, as heights.
@@ -380,16 +333,6 @@ TEST(HumanDrivers, GoOntoTheirLaneOfSeveral) {
   }
   EXPECT_THAT(expected_exits("C-E_0", KnownIntent::kLane),
               IsSupersetOf({DoubleNear(height("C-E_0"), 0.1), DoubleNear(height("C-E_1"), 0.1)}));
-}
-
-TEST(HumanDrivers, WhatWasExpectedLongAgoIsNoGround) {
-  ClosedLoop run = loop({{"a", 0.0, "W-C", "C-E"}}, share(0.0));
-  const HumanDrivers& humans = *run.coordinator.humans();
-  while (!humans.knows("a")) run.step();
-  const Pose& pose = run.traffic.vehicles().front().pose;
-  EXPECT_TRUE(humans.ground_of("a", pose, run.coordinator.steps(), {}));
-  EXPECT_FALSE(humans.ground_of("a", pose, run.coordinator.steps() + 6, {}));
-  EXPECT_FALSE(humans.ground_of("b", pose, run.coordinator.steps(), {}));
 }
 
 // Beside them, a lorry that swings out before its turn would wait for those who wait for it.
