@@ -32,6 +32,8 @@ TARGETS = {
     "planner/anytime": ["planner_solver_tests"],
     "planner/road": ["planner_road_tests", "planner_reservation_tests"],
     "planner/lot": ["planner_lot_tests"],
+    "coordinator": ["coordinator_measures_tests", "coordinator_greens_tests", "coordinator_controllers_tests",
+                    "coordinator_tests", "coordinator_mixed_tests"],
 }
 FIELDS = ["file", "line", "kind", "code", "old", "new", "result"]
 OPTIONS = ["-DCMAKE_BUILD_TYPE=RelWithDebInfo", "-DCMAKE_CXX_FLAGS_RELWITHDEBINFO=-O1",
