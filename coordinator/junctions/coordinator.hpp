@@ -215,6 +215,7 @@ class Coordinator : public Controller {
   void stay(const std::string& id);
   [[nodiscard]] bool stands_for_good(const Driven& driven) const;
   [[nodiscard]] bool is_inside(const Driven& driven) const;
+  [[nodiscard]] bool leaves_lane(const Driven& driven) const;
   [[nodiscard]] bool ends_soon(const Driven& driven) const;
   [[nodiscard]] bool driver_has_room(const Driven& driven);
   [[nodiscard]] bool nobody_comes_over(const Driven& driven) const;

@@ -126,6 +126,23 @@ TEST(HandBack, IsNotInsideANode) {
   }
 }
 
+/// There SUMO's vehicles may not come as far as they drive.
+TEST(HandBack, IsNotInTheStepInWhichItLeavesItsLane) {
+  for (double seam = 60.0; seam < 90.0; seam += 0.7) {
+    ClosedLoop run(seam_between_crossroads(seam, 170.0),
+                   {{.id = "car", .depart = 1.0, .from = "W-A", .to = "D-B"}});
+    std::string lane;
+    while (run.traffic.running() && run.traffic.time() < 120.0) {
+      run.step();
+      for (const VehicleState& v : run.traffic.vehicles()) {
+        if (!run.coordinator.handed_back().empty()) EXPECT_EQ(v.lane, lane) << seam;
+        lane = v.lane;
+      }
+    }
+    EXPECT_EQ(run.handed_back, 1) << seam;
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(Distances, HandBackBehind,
                          testing::Values(13.0, 15.0, 17.0, 20.0, 23.0, 26.0));
 
