@@ -5,8 +5,9 @@
 
 The networks are generated here (generated.py), or come with the installed SUMO (installed.py), or
 lie in folders of the user (--also). A network passes if the program ends well, every vehicle that
-should have arrived by then has, no coordinated vehicle overlaps another or leaves the road, no
-person is touched, and it takes at most 1 GB (verdict.py).
+should have arrived by then has, no coordinated vehicle overlaps another, leaves the road or
+accelerates more than it can, nobody jumps or brakes hard where he is handed back, no person is
+touched, and it takes at most 1 GB (verdict.py).
 
 In DIR: table.md and table.csv, networks/ (the scenarios), and runs/CONTROLLER/NAME with what each
 run wrote. Runs that are there already are not repeated unless the program or an option changed.

@@ -11,6 +11,7 @@ import xml.etree.ElementTree as ET
 import check_fcd
 
 MEMORY_LIMIT = 1000  # [MB] that a run may take to pass
+JUMP_LIMIT = 0.05  # [m] of a vehicle at its takeover or hand-back
 GRIDLOCK = "gridlock:"
 NO_CONFLICTS = "no junction with conflicting"  # what mvtp says of a road without crossings
 LATE_SHARE = 0.1  # of the vehicles that should have arrived and have not (3 at least): gridlock
@@ -121,9 +122,13 @@ def judge_summary(row, summary, folder, end):
         reasons.append(f"{GRIDLOCK} {late} of {due} late")
     for key, what in (("overlaps_coordinated", "overlapping pairs with a coordinated vehicle"),
                       ("off_road_coordinated", "off-road steps of coordinated vehicles"),
-                      ("people_touched", "people touched")):
+                      ("people_touched", "people touched"),
+                      ("accel_violations", "accelerations beyond the vehicle's"),
+                      ("hard_brakings", "hard brakings after a hand-back")):
         if row[key]:
             reasons.append(f"{row[key]} {what}")
+    if summary["max_jump_m"] > JUMP_LIMIT:
+        reasons.append(f"a jump of {row['max_jump_m']} m")
     return reasons
 
 

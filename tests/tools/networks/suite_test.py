@@ -92,6 +92,11 @@ class Judge(unittest.TestCase):
             row = self.judge(GOOD | {"audit": GOOD["audit"] | {key: 3}}, [("a", 0, 50, 40)])
             self.assertEqual(row["verdict"], "fail")
             self.assertIn(f"3 {what}", row["reasons"])
+        for key, value, what in (("accel_violations", 2, "2 accelerations"),
+                                 ("hard_brakings_after_handback", 1, "1 hard brakings"),
+                                 ("max_jump_m", 0.0612, "a jump of 0.061 m")):
+            row = self.judge(GOOD | {key: value}, [("a", 0, 50, 40)])
+            self.assertEqual((row["verdict"], row["reasons"][:len(what)]), ("fail", what))
 
     def test_crash_timeout_and_memory(self):
         self.assertIn("signal 6", self.judge(None, measured={"exit": -6})["reasons"])
