@@ -21,8 +21,8 @@ std::map<std::string, Driven> Coordinator::leave_corridors(bool may_go_on) {
     const std::optional<Newcomer> next =
         inside || planner_is_dead() ? std::nullopt : next_corridor(driven, believed(id, driven));
     if (!next) {
-      const bool now = !inside && !leaves_lane(driven) && driver_has_room(driven) &&
-                       nobody_comes_over(driven);
+      const bool now =
+          !inside && !leaves_lane(driven) && driver_has_room(driven) && nobody_comes_over(driven);
       if (now || ends_soon(driven)) finished.push_back(id);
     } else if (may_go_on) {
       Driven& arrival = going_on.emplace(id, admit(*next, driven.key)).first->second;
@@ -48,8 +48,8 @@ bool Coordinator::is_inside(const Driven& driven) const {
   return graph_.edge_of(piece.lane) == LaneGraph::kNone;
 }
 
-/// Does it come onto another lane in the next step? Some connections are longer than the ground that
-/// they cover: whoever drives over one does not come as far as he should.
+/// Does it come onto another lane in the next step? Some connections are longer than the ground
+/// that they cover: whoever drives over one does not come as far as he should.
 bool Coordinator::leaves_lane(const Driven& driven) const {
   const Corridor& corridor = corridors_[driven.corridor];
   const InertialState now = here(driven);
