@@ -45,7 +45,7 @@ void ExitLanes::show() {
         });
     if (is_beside) kept.insert(v->id);
   }
-  keeping_.keep_only(kept, LaneKeeping::Reason::kExit);
+  keeping_.keep_only(std::move(kept), LaneKeeping::Reason::kExit);
 }
 
 }  // namespace mvtp

@@ -166,8 +166,6 @@ class HumanDrivers {
   [[nodiscard]] bool may_come(const Agent& agent) const;
   [[nodiscard]] bool awaits(const Agent& agent, const Agent& other) const;
   void pass_before_who_waits(Agent& agent) const;
-  [[nodiscard]] bool may_be_cut_off(const Agent& agent, const Movement& movement,
-                                    const Agent& other, const Movement& theirs) const;
   [[nodiscard]] std::int64_t yields_until(const Agent& agent, const Movement& movement) const;
   [[nodiscard]] bool turns_elsewhere(const Agent& agent, const VehicleState& leader) const;
   [[nodiscard]] std::optional<double> lead_of(const Agent& agent, const Movement& movement,

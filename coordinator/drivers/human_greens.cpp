@@ -74,7 +74,7 @@ bool HumanDrivers::may_turn_green(int link) const {
 }
 
 bool HumanDrivers::is_shown_green(const Agent& agent) const {
-  return heads_.all_show(agent.links, Light::kGreen);
+  return heads_.all_show_green(agent.links);
 }
 
 bool HumanDrivers::has_to_wait(const std::string& id) const {

@@ -88,34 +88,29 @@ void HumanDrivers::pass_before_who_waits(Agent& agent) const {
   }
 }
 
-/// May one who yields to it turn before it all the same, so that it has to brake for him? SUMO's
-/// drivers do where somebody comes slowly.
-bool HumanDrivers::may_be_cut_off(const Agent& agent, const Movement& movement, const Agent& other,
-                                  const Movement& theirs) const {
-  if (!agent.granted || !may_come(other) || !yields_to(theirs.links, movement.links)) return false;
-  const ContactTable& contacts =
-      corridors_.library().contacts(movement.driver.road.path, theirs.driver.road.path);
-  return mvtp::may_meet(contacts, tube_of(movement), movement.s_clear, tube_of(theirs),
-                        theirs.s_clear, step_);
-}
-
-/// The step until which it may have to yield; -1: to nobody.
+/// The step until which it may have to wait for others; -1: for nobody. It waits for those to whom
+/// it yields. Those who yield to it may turn before it all the same, where their tubes meet: SUMO's
+/// drivers do so where a vehicle comes slowly, and it has to brake for them.
 std::int64_t HumanDrivers::yields_until(const Agent& agent, const Movement& movement) const {
   std::int64_t until = -1;
   const double here = movement.driver.road.now.s;
   if (here >= movement.s_clear) return until;
   for (const auto& [id, other] : agents_) {
-    if (id == agent.id) continue;
+    if (id == agent.id || !may_come(other)) continue;
     for (const Movement& theirs : other.movements) {
       const double there = theirs.driver.road.now.s;
-      if (there >= theirs.s_clear) continue;
+      const bool they_yield = yields_to(theirs.links, movement.links);
       const bool waits = yields_to(movement.links, theirs.links) && awaits(agent, other);
-      if (!waits && !may_be_cut_off(agent, movement, other, theirs)) continue;
+      const bool may_be_cut_off = agent.granted && they_yield;
+      if (there >= theirs.s_clear || !(waits || may_be_cut_off)) continue;
       const ContactTable& contacts =
           corridors_.library().contacts(movement.driver.road.path, theirs.driver.road.path);
       if (contacts.empty() || !contacts.meets(here, movement.s_clear, there, theirs.s_clear))
         continue;
-      const double late = kLateYield + (yields_to(theirs.links, movement.links) ? kSorting : 0.0);
+      const bool is_free = !waits && !mvtp::may_meet(contacts, tube_of(movement), movement.s_clear,
+                                                     tube_of(theirs), theirs.s_clear, step_);
+      if (is_free) continue;
+      const double late = kLateYield + (they_yield ? kSorting : 0.0);
       until = std::max(until, arrival_step(*theirs.forecast.latest, theirs.s_clear) +
                                   std::int64_t(std::lround(late / grid_.dt)));
     }

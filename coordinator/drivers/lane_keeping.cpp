@@ -14,11 +14,12 @@ void LaneKeeping::keep(const std::string& id, Reason reason, bool keep) {
   show(id);
 }
 
-void LaneKeeping::keep_only(const std::set<std::string>& ids, Reason reason) {
-  const std::set<std::string> before = std::exchange(kept_[reason], ids);
-  for (const std::string& id : ids) show(id);
+void LaneKeeping::keep_only(std::set<std::string> ids, Reason reason) {
+  std::set<std::string>& kept = kept_[reason];
+  const std::set<std::string> before = std::exchange(kept, std::move(ids));
+  for (const std::string& id : kept) show(id);
   for (const std::string& id : before) {
-    if (!ids.contains(id)) show(id);
+    if (!kept.contains(id)) show(id);
   }
 }
 

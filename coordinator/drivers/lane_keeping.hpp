@@ -24,7 +24,7 @@ class LaneKeeping {
   /// From now on there is this reason to keep him in his lane, or there is none.
   void keep(const std::string& id, Reason reason, bool keep);
   /// From now on there is this reason to keep these in their lanes, and nobody else.
-  void keep_only(const std::set<std::string>& ids, Reason reason);
+  void keep_only(std::set<std::string> ids, Reason reason);
 
  private:
   void show(const std::string& id);

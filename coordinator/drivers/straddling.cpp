@@ -196,7 +196,9 @@ void Straddling::show() {
     // Nobody is planned into a lane but where its driver can stop. He has to begin to.
     for (const PlannedPose& at : soon) find_tails(v, at);
   }
-  if (controlled_.empty() && capped_.empty()) drivers.clear();
+  if (controlled_.empty() && capped_.empty()) {
+    return keeping_.keep_only({}, LaneKeeping::Reason::kBeside);
+  }
   std::set<std::string> capped;
   std::set<std::string> kept;
   for (const VehicleState* v : drivers) {
@@ -205,7 +207,7 @@ void Straddling::show() {
     if (most < kInfinity) capped.insert(v->id);
     if (is_beside_one(*v)) kept.insert(v->id);
   }
-  keeping_.keep_only(kept, LaneKeeping::Reason::kBeside);
+  keeping_.keep_only(std::move(kept), LaneKeeping::Reason::kBeside);
   capped_ = std::move(capped);
 }
 

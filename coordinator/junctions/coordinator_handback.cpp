@@ -1,5 +1,5 @@
-// Vehicles at the end of their corridors: who goes on into the next one, and who gets his driver
-// back, and when.
+// Vehicles at the end of their corridors: which of them go on into the next corridor, and which are
+// handed back to their drivers, and when.
 
 #include <algorithm>
 
@@ -48,8 +48,9 @@ bool Coordinator::is_inside(const Driven& driven) const {
   return graph_.edge_of(piece.lane) == LaneGraph::kNone;
 }
 
-/// Does it come onto another lane in the next step? Some connections are longer than the ground
-/// that they cover: whoever drives over one does not come as far as he should.
+/// Does it come onto another lane in the next step? SUMO gives a connection a length of 0.1 m at
+/// least, also where its shape is a point: a vehicle that crosses it moves less than its speed
+/// says.
 bool Coordinator::leaves_lane(const Driven& driven) const {
   const Corridor& corridor = corridors_[driven.corridor];
   const InertialState now = here(driven);
@@ -64,7 +65,7 @@ bool Coordinator::ends_soon(const Driven& driven) const {
   return planner_is_dead() || now.s + now.v * grid_.dt >= corridors_[driven.corridor].s_latest;
 }
 
-/// Would the driver who gets it back have his headway to whoever is ahead? Else it is driven on
+/// Would its driver have his headway to the vehicle ahead? If not, the vehicle stays under control
 /// for a while, and slows down as gently as its plan can.
 bool Coordinator::driver_has_room(const Driven& driven) {
   constexpr double kRange = 60.0;  // [m]

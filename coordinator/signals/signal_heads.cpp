@@ -151,9 +151,9 @@ bool SignalHeads::is_called_before(int link, std::int64_t came) const {
                              [&](int other) { return heads_[std::size_t(other)].called < came; });
 }
 
-bool SignalHeads::all_show(std::span<const int> links, Light light) const {
+bool SignalHeads::all_show_green(std::span<const int> links) const {
   return !links.empty() &&
-         std::ranges::all_of(links, [&](int k) { return this->light(k) == light; });
+         std::ranges::all_of(links, [&](int k) { return light(k) == Light::kGreen; });
 }
 
 double SignalHeads::shown_for(int link) const {

@@ -50,8 +50,8 @@ class SignalHeads {
   [[nodiscard]] bool owns(int light) const { return heads_[std::size_t(light)].owned; }
   [[nodiscard]] bool owns_any() const { return !signals_.empty(); }
   [[nodiscard]] Light light(int link) const { return heads_[std::size_t(link)].light; }
-  /// Is each of these shown this, and is there one?
-  [[nodiscard]] bool all_show(std::span<const int> links, Light light) const;
+  /// Is each of these green, and is there one?
+  [[nodiscard]] bool all_show_green(std::span<const int> links) const;
   /// Was it shown last as green for those who give way?
   [[nodiscard]] bool yields(int link) const { return heads_[std::size_t(link)].yields; }
   /// For how long it has shown that [s].
