@@ -16,6 +16,11 @@ WatchedLanes::WatchedLanes(const LaneGraph& graph, const CourseFinder& finder)
     watched_[std::size_t(link.from)] = watched_[std::size_t(link.to)] = true;
     for (const int via : link.via) watched_[std::size_t(via)] = true;
   }
+  // Who is let over a junction is let go from as far off as others are taken over, however many
+  // short lanes that is.
+  for (int l = 0; l < graph.lanes(); ++l) {
+    if (finder.may_approach(l, graph.lane(l).length)) watched_[std::size_t(l)] = true;
+  }
 }
 
 void WatchedLanes::add(const Corridor& corridor) {

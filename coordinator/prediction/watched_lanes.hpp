@@ -10,7 +10,8 @@ namespace mvtp {
 /// The lanes on which drivers matter to those under control.
 class WatchedLanes {
  public:
-  /// At first those of coordinated junctions. @param graph  outlives this.
+  /// At first those of coordinated junctions, and those from which they are approached.
+  /// @param graph  outlives this.
   WatchedLanes(const LaneGraph& graph, const CourseFinder& finder);
 
   [[nodiscard]] bool contains(int lane) const { return watched_[std::size_t(lane)]; }

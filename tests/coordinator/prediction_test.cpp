@@ -353,9 +353,13 @@ TEST(HaltedQueues, NobodyGoesOnBeforeTheOneAhead) {
 TEST(Predictor, WatchesTheLanesAroundCoordinatedJunctions) {
   Prediction p(crossroads_shape());
   for (int l = 0; l < p.walk.graph.lanes(); ++l) EXPECT_TRUE(p.predictor.watches(l));
-  const Prediction seam(seam_shape());
-  EXPECT_FALSE(seam.predictor.watches(seam.walk.graph.find_lane("W-D_0")));
-  EXPECT_TRUE(seam.predictor.watches(seam.walk.graph.find_lane("D-C_0")));
+  // Those from which vehicles are taken over are among them, however short the last lane is.
+  const Prediction near(seam_shape());
+  EXPECT_TRUE(near.predictor.watches(near.walk.graph.find_lane("D-C_0")));
+  EXPECT_TRUE(near.predictor.watches(near.walk.graph.find_lane("W-D_0")));
+  const Prediction far(seam_shape({-260, 0}, {-200, 0}));
+  EXPECT_TRUE(far.predictor.watches(far.walk.graph.find_lane("D-C_0")));
+  EXPECT_FALSE(far.predictor.watches(far.walk.graph.find_lane("W-D_0")));
 }
 
 // One at 13.9 m/s who brakes at 4.5 m/s^2 at most needs 21.5 m, and 20.8 m in SUMO's steps.
