@@ -217,7 +217,7 @@ class Coordinator : public Controller {
   [[nodiscard]] bool is_inside(const Driven& driven) const;
   [[nodiscard]] bool leaves_lane(const Driven& driven) const;
   [[nodiscard]] bool ends_soon(const Driven& driven) const;
-  [[nodiscard]] bool driver_has_room(const Driven& driven);
+  [[nodiscard]] bool driver_has_room(const std::string& id, const Driven& driven);
   [[nodiscard]] bool nobody_comes_over(const Driven& driven) const;
   void hand_back(const std::string& id);
   [[nodiscard]] std::optional<Newcomer> next_corridor(const Driven& driven,

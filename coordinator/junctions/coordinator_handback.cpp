@@ -21,8 +21,8 @@ std::map<std::string, Driven> Coordinator::leave_corridors(bool may_go_on) {
     const std::optional<Newcomer> next =
         inside || planner_is_dead() ? std::nullopt : next_corridor(driven, believed(id, driven));
     if (!next) {
-      const bool now =
-          !inside && !leaves_lane(driven) && driver_has_room(driven) && nobody_comes_over(driven);
+      const bool now = !inside && !leaves_lane(driven) && driver_has_room(id, driven) &&
+                       nobody_comes_over(driven);
       if (now || ends_soon(driven)) finished.push_back(id);
     } else if (may_go_on) {
       Driven& arrival = going_on.emplace(id, admit(*next, driven.key)).first->second;
@@ -67,7 +67,7 @@ bool Coordinator::ends_soon(const Driven& driven) const {
 
 /// Would its driver have his headway to the vehicle ahead? If not, the vehicle stays under control
 /// for a while, and slows down as gently as its plan can.
-bool Coordinator::driver_has_room(const Driven& driven) {
+bool Coordinator::driver_has_room(const std::string& id, const Driven& driven) {
   constexpr double kRange = 60.0;  // [m]
   const Corridor& corridor = corridors_[driven.corridor];
   const InertialState now = here(driven);
@@ -75,7 +75,7 @@ bool Coordinator::driver_has_room(const Driven& driven) {
   const Pose here = path_of(driven).at(now.s);
   return std::ranges::none_of(traffic_.vehicles(), [&](const VehicleState& v) {
     const int lane = graph_.find_lane(v.lane);
-    if (lane == LaneGraph::kNone || distance(here, v.pose) > kRange) return false;
+    if (v.id == id || lane == LaneGraph::kNone || distance(here, v.pose) > kRange) return false;
     const std::optional<double> s = corridor.station(lane, v.lane_position, now.s);
     if (!s || *s <= now.s) return false;
     const Vehicle& ahead = type_of(v.type).body;
@@ -109,7 +109,7 @@ bool Coordinator::nobody_comes_over(const Driven& driven) const {
     const double their_decel = corridors_.library().body(other.road.path).max_decel;
     for (std::int64_t k = 1; k <= steps; ++k) {
       const double t = double(k) * grid_.dt;
-      const InertialState there = state_at(plan, step_ + k);
+      const InertialState there = plan.goes_on_at(step_ + k, grid_.dt);
       const double faster = std::min(now.v * t + 0.5 * body.max_accel * t * t, cruise * t);
       const double gap = drivers_gap(driven.road, now.v, body.max_decel, there.v, their_decel);
       if (contacts.blocks(there.s, now.s + now.v * t, now.s + faster + gap)) return true;

@@ -38,6 +38,13 @@ struct SpeedProfile {
     if (k >= end()) return complete ? InertialState{kDeparted, 0.0} : states.back();
     return states[std::size_t(std::max<std::int64_t>(0, k - begin))];
   }
+  /// The same of one that is complete, but the vehicle drives on at the same speed after its last
+  /// state. @param dt  [s] of a step
+  [[nodiscard]] InertialState goes_on_at(std::int64_t k, double dt) const {
+    if (!complete || k < end()) return at(k);
+    const InertialState last = states.back();
+    return {last.s + last.v * double(k - end() + 1) * dt, last.v};
+  }
 };
 
 /// A stretch of a path that is kept free of the vehicle for a while: its rear axle is not there.

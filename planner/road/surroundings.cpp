@@ -187,10 +187,7 @@ void Surroundings::add_slack(const Forecast& forecast) {
 }
 
 InertialState Surroundings::goes_on_at(const Other& other, std::int64_t k) const {
-  const SpeedProfile& plan = *other.profile;
-  if (other.forecast || !plan.complete || k < plan.end()) return plan.at(k);
-  const InertialState last = plan.states.back();
-  return {last.s + last.v * double(k - plan.end() + 1) * grid_.dt, last.v};
+  return other.forecast ? other.profile->at(k) : other.profile->goes_on_at(k, grid_.dt);
 }
 
 bool Surroundings::meets(const Other& other, std::int64_t k, const InertialState& from, double a,

@@ -143,6 +143,27 @@ TEST(HandBack, IsNotInTheStepInWhichItLeavesItsLane) {
   }
 }
 
+/// Nobody is ahead of it: not even itself, where the lanes put it a little further on than its
+/// path.
+TEST(HandBack, IsWhereItIsDueIfNobodyIsAhead) {
+  const NetworkShape shape = crossroads_shape();
+  for (const std::string from : {"W", "S", "E", "N"}) {
+    for (const std::string to : {"W", "S", "E", "N"}) {
+      if (from == to) continue;
+      ClosedLoop run(shape, {{.id = "car", .depart = 1.0, .from = from + "-C", .to = "C-" + to}});
+      double beyond = -1e9;  // [m]
+      while (run.traffic.running() && run.traffic.time() < 60.0) {
+        run.step();
+        for (const auto& [id, driven] : run.coordinator.driven()) {
+          beyond = run.coordinator.scene().vehicle(driven.key).now.s - driven.road.s_handback;
+        }
+      }
+      EXPECT_EQ(run.handed_back, 1) << from << to;
+      EXPECT_LE(beyond, 2.0) << from << to << ": a step and no more";
+    }
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(Distances, HandBackBehind,
                          testing::Values(13.0, 15.0, 17.0, 20.0, 23.0, 26.0));
 

@@ -36,6 +36,16 @@ TEST_F(ContactTables, AreEmptyForPathsThatNeverMeet) {
   EXPECT_FALSE(library.contacts(0, 1).empty());
 }
 
+TEST(SpeedProfile, WhoHasLeftDrivesOnAndWhoWaitsStays) {
+  const SpeedProfile leaves{.begin = 3, .states = {{10.0, 4.0}, {11.0, 5.0}}};
+  EXPECT_EQ(leaves.at(5).s, SpeedProfile::kDeparted);
+  EXPECT_EQ(leaves.goes_on_at(4, 0.2), (InertialState{11.0, 5.0}));
+  EXPECT_EQ(leaves.goes_on_at(5, 0.2), (InertialState{12.0, 5.0}));
+  EXPECT_EQ(leaves.goes_on_at(7, 0.2), (InertialState{14.0, 5.0}));
+  const SpeedProfile waits{.begin = 3, .states = {{10.0, 1.0}, {10.5, 0.0}}, .complete = false};
+  for (const std::int64_t k : {4, 5, 70}) EXPECT_EQ(waits.goes_on_at(k, 0.2), waits.at(k));
+}
+
 TEST_F(Crossing, AloneOnTheRoadAVehicleNeverSlowsDown) {
   const auto plan = plan_vehicle(scene, add(0, 20.0, 13.9), {}, {});
   ASSERT_TRUE(plan);
