@@ -127,6 +127,9 @@ class ContactTable {
   /// none.
   [[nodiscard]] double first() const { return first_; }
   [[nodiscard]] double last() const { return last_; }
+  /// The same of B's path.
+  [[nodiscard]] double b_first() const { return double(bounds_.low); }
+  [[nodiscard]] double b_last() const { return double(bounds_.high); }
 
   /// No contact at any position of the two.
   [[nodiscard]] bool empty() const { return intervals_.empty(); }

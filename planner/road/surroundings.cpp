@@ -1,6 +1,8 @@
 #include "planner/road/surroundings.hpp"
 
 #include <algorithm>
+#include <cstdint>
+#include <limits>
 
 namespace mvtp {
 
@@ -39,6 +41,7 @@ Surroundings::Surroundings(const RoadPairs& pairs, const RoadVehicle& vehicle,
          &scene.body(scene.vehicles[other]), false, Told::kNothing, false, false,
          &scene.library->reserved(vehicle.path, scene.vehicles[other].path)});
   }
+  for (const Other& other : others_) stretches_.push_back(stretch_of(other));
 }
 
 bool Surroundings::step_is_clear(std::int64_t k, const InertialState& from, double a,
@@ -61,7 +64,8 @@ bool Surroundings::step_is_clear(std::int64_t k, const InertialState& from, doub
   // Whoever blocked it the last time will mostly do so again.
   if (last_blocker_ < others_.size() && !is_clear_of(others_[last_blocker_])) return false;
   for (std::size_t i = 0; i < others_.size(); ++i) {
-    if (!stretches_[i].overlaps(from.s, reach) || i == last_blocker_) continue;
+    const Stretch& stretch = stretches_[i];
+    if (k < stretch.begin || !stretch.overlaps(from.s, reach, k) || i == last_blocker_) continue;
     if (is_clear_of(others_[i])) continue;
     last_blocker_ = i;
     return false;
@@ -87,7 +91,7 @@ bool Surroundings::can_wait(std::int64_t k, const InertialState& state) const {
 bool Surroundings::stands_clear(std::int64_t k, const InertialState& state) const {
   const double rest = state.s + stopping_distance(state.v, body_.max_decel);
   for (std::size_t o = 0; o < others_.size(); ++o) {
-    if (!stretches_[o].overlaps(state.s, rest)) continue;
+    if (!stretches_[o].overlaps(state.s, rest, k)) continue;
     const Other& other = others_[o];
     if (other.reserved && stands_blocking(other, *other.reserved, k, state)) return false;
     // Two that are too close now cannot be asked to stand clear of each other.
@@ -164,10 +168,31 @@ void Surroundings::add(Other other) {
       other.latest != nullptr && is_met_by_braking(other, now_, vehicle_.now);
   if (same_exit) on_exit_.push_back(others_.size());
   others_.push_back(other);
+}
+
+Surroundings::Stretch Surroundings::stretch_of(const Other& other) const {
+  constexpr auto kNever = std::numeric_limits<std::int64_t>::max();
   const ContactTable& contacts = other.contact.table();
   const ContactTable& reserved = other.reserved ? *other.reserved : contacts;
-  stretches_.push_back(
-      {std::min(contacts.first(), reserved.first()), std::max(contacts.last(), reserved.last())});
+  const double ours = std::min(contacts.first(), reserved.first());
+  const double ours_end = std::max(contacts.last(), reserved.last());
+  const double theirs = std::min(contacts.b_first(), reserved.b_first());
+  const double theirs_end = std::max(contacts.b_last(), reserved.b_last());
+
+  const SpeedProfile& hindmost = other.latest != nullptr ? *other.latest : *other.profile;
+  const auto passed = std::ranges::upper_bound(hindmost.states, theirs_end, {}, &InertialState::s);
+  std::int64_t end = hindmost.begin + (passed - hindmost.states.begin()) + other.behind;
+  const bool is_known = passed != hindmost.states.end() || (other.forecast && hindmost.complete);
+  if (!is_known) end = kNever;
+  if (other.forecast) return {ours, ours_end, now_, end};
+
+  const SpeedProfile& plan = *other.profile;
+  const auto comes = std::ranges::find_if(plan.states, [&](const InertialState& x) {
+    return x.s + stopping_distance(x.v, other.body->max_decel) >= theirs;
+  });
+  const bool never_comes = comes == plan.states.end() && !plan.complete;
+  const std::int64_t begin = plan.begin + (comes - plan.states.begin());
+  return {ours, ours_end, never_comes ? kNever : begin - grid_.steps_per_decision, end};
 }
 
 /// To the last of the others, if it is this forecast and either it or the plan is new: none where

@@ -79,13 +79,15 @@ class Surroundings {
     [[nodiscard]] double hindmost(std::int64_t k) const { return hindmost_state(k).s; }
   };
 
-  /// Of this vehicle's path [m], where the other one may be met at all: compared before anything
-  /// is looked up.
+  /// Of this vehicle's path [m], where the other one may be met at all, and when: compared before
+  /// anything is looked up.
   struct Stretch {
     double first;
     double last;
-    [[nodiscard]] bool overlaps(double from, double to) const {
-      return from <= last && to >= first;
+    std::int64_t begin;  ///< a decision that begins before this step ends too early to meet it
+    std::int64_t end;    ///< from this step on it has passed
+    [[nodiscard]] bool overlaps(double from, double to, std::int64_t k) const {
+      return k < end && from <= last && to >= first;
     }
   };
 
@@ -101,6 +103,7 @@ class Surroundings {
   [[nodiscard]] bool is_met_by_braking(const Other& other, std::int64_t k,
                                        const InertialState& state) const;
   void add(Other other);
+  [[nodiscard]] Stretch stretch_of(const Other& other) const;
   void add_slack(const Forecast& forecast);
 
   void count_work() const {
