@@ -170,12 +170,16 @@ std::vector<std::string> Gate::propose(const Surroundings& surroundings) {
     if (!waits) visitor.passed_over = 0;
     if (visitor.passes || (!waits && !visitor.place.is_clear)) ahead.push_back(&entry);
   }
-  std::ranges::stable_sort(waiting, {}, [](const Entry* e) { return e->second.asked; });
+  // Who waits between two lines blocks those behind the first: he goes before them.
+  std::ranges::stable_sort(waiting, {}, [](const Entry* e) {
+    return std::pair(!e->second.place.is_between, e->second.asked);
+  });
   std::vector<std::string> proposed;
   for (Entry* entry : waiting) {
     auto& [id, visitor] = *entry;
     const bool meets = std::ranges::any_of(ahead, [&](const Entry* other) {
-      return surroundings.may_meet(id, other->first, visitor.lane == other->second.lane);
+      return !visitor.is_followed_by(other->second) &&
+             surroundings.may_meet(id, other->first, visitor.lane == other->second.lane);
     });
     const bool may_go = !meets && !surroundings.waits_for_people(id);
     if (meets) ++visitor.passed_over;
@@ -183,7 +187,8 @@ std::vector<std::string> Gate::propose(const Surroundings& surroundings) {
       visitor.passed_over = 0;
       proposed.push_back(id);
     }
-    if (may_go || visitor.passed_over > kDueAfter) ahead.push_back(entry);
+    const bool is_due = visitor.place.is_between || visitor.passed_over > kDueAfter;
+    if (may_go || is_due) ahead.push_back(entry);
   }
   return proposed;
 }

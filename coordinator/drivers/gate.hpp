@@ -98,6 +98,11 @@ class Gate {
     int passed_over = 0;     ///< likewise, the first on its lane, for others that it may meet
     std::int64_t asked = 0;  ///< when it was last asked for, or came
     std::int64_t since = 0;  ///< when it was let through
+
+    /// Is the other one behind it on its lane, and gets nowhere before it does?
+    [[nodiscard]] bool is_followed_by(const Visitor& other) const {
+      return place.to_hold >= 0.0 && lane == other.lane && place.to_hold < other.place.to_hold;
+    }
   };
   using Entry = std::map<std::string, Visitor>::value_type;
 

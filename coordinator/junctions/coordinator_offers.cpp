@@ -109,7 +109,7 @@ std::vector<std::string> Coordinator::guests_at_gate() {
         if (!from_one_lane) return may_touch(f, g);
         return corridors_.library()
             .contacts(f.vehicle.path, g.vehicle.path)
-            .parts_and_meets_again(f.vehicle.now.s);
+            .parts_and_meets_again(f.vehicle.now.s, g.vehicle.now.s);
       });
     });
   };
@@ -159,9 +159,9 @@ std::vector<std::vector<std::string>> Coordinator::in_order(
     if (!may_meet_people(with) && !exclude_each_other(all, group)) all = std::move(with);
     offers.push_back(std::move(group));
   }
-  if (offers.size() < 2) return offers;
   offers.resize(std::min(offers.size(), kMost));
   for (const std::string& id : std::views::join(offers)) gate_.asked_for(id);
+  if (offers.size() < 2) return offers;
   if (std::ranges::count(offers, all) == 0) offers.insert(offers.begin(), std::move(all));
   return offers;
 }

@@ -214,10 +214,11 @@ bool ContactTable::meets(double a, double a_end, double b, double b_end) const {
   return false;
 }
 
-bool ContactTable::parts_and_meets_again(double s_a) const {
+bool ContactTable::parts_and_meets_again(double s_a, double s_b) const {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
   bool is_common = false, has_parted = false;
   for (auto row = std::size_t(std::max(row_of(s_a), 0.0)); row < rows(); ++row) {
-    const bool meets = begin_[row] < begin_[row + 1];
+    const bool meets = row_meets(row, s_b, kInfinity);
     if (meets && has_parted) return true;
     has_parted |= is_common && !meets;
     is_common |= meets;

@@ -110,8 +110,9 @@ class ContactTable {
   /// Is there a contact with A anywhere within [a, a_end] and B anywhere within [b, b_end]?
   [[nodiscard]] bool meets(double a, double a_end, double b, double b_end) const;
 
-  /// Do the paths, from `s_a` on along that of A, lie on common ground, then part, and meet again?
-  [[nodiscard]] bool parts_and_meets_again(double s_a) const;
+  /// Do the paths, from `s_a` on along that of A and from `s_b` on along that of B, lie on common
+  /// ground, then part, and meet again?
+  [[nodiscard]] bool parts_and_meets_again(double s_a, double s_b) const;
 
   /// Is there, as far as bounds of 16 rows each tell, a contact with A within [a, a_end] and B
   /// within [b, b_end]? Never false where sweeps(), meets() or blocks() is true.

@@ -90,6 +90,7 @@ class RoadContact {
   [[nodiscard]] bool cuts_off(const InertialState& a, const InertialState& b) const;
 
   [[nodiscard]] bool is_close_now() const { return close_; }
+  [[nodiscard]] bool are_stuck() const { return stuck_; }
   /// Are the true bodies apart now, but not if both brake?
   [[nodiscard]] bool braking_is_too_late() const { return too_late_; }
   /// Are they in these states within what braking now may save them from? Only if they are now.

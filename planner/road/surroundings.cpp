@@ -240,10 +240,13 @@ bool Surroundings::meets(const Other& other, std::int64_t k, const InertialState
   if (is_followed_by(other, from, other_from)) return false;
 
   // Too close to a driver ahead, or beside one who need not brake, there is no choice but full
-  // braking: "no worse than braking now" would begin anew at every decision, nearer each time.
+  // braking: "no worse than braking now" would begin anew at every decision, nearer each time. Not
+  // where both are stuck and he stays at his line: past him a bare gap is enough.
+  const bool stays_stuck = other.contact.contact->are_stuck() && other.told == Told::kToWait;
   const auto must_brake = [&] {
-    return other.forecast && (other.contact.contact->is_behind(from, other_from) ||
-                              comes_over(other, from, other_from));
+    return other.forecast && !stays_stuck &&
+           (other.contact.contact->is_behind(from, other_from) ||
+            comes_over(other, from, other_from));
   };
   const bool lenient = other.contact.is_close(from, other_from) && !must_brake();
   const auto position = [&](int i) { return advance(from, a, i * grid_.dt).s; };

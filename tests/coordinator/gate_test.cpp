@@ -81,6 +81,46 @@ TEST_F(GateTest, ProposesThoseFromOneLaneTogetherUnlessTheirPathsMeetAgain) {
   }
 }
 
+// On a roundabout all of them may wait for somebody who waits behind them.
+TEST_F(GateTest, WhoIsAheadOnItsLaneDoesNotWaitForItsFollower) {
+  for (const bool is_ahead : {true, false}) {
+    const auto see_both = [&](double follower) {
+      gate.begin();
+      for (const auto& [id, to_hold] : {std::pair("waits", 9.0), {"passes", follower}}) {
+        gate.see({.id = id, .type = "car", .speed = 0.0, .lane = "lane"},
+                 {.line = 0, .to_line = to_hold, .to_hold = to_hold}, car);
+      }
+      gate.end();
+    };
+    see_both(is_ahead ? 17.0 : 1.0);
+    gate.let_through("passes");
+    see_both(is_ahead ? 17.0 : 1.0);
+    EXPECT_EQ(gate.propose({first, anybody, nobody}).size(), is_ahead ? 1U : 0U);
+    gate.release_all();
+  }
+}
+
+// Else those from outside fill the room between the lines, and nobody gets out.
+TEST_F(GateTest, WhoWaitsBetweenTwoLinesGoesBeforeThoseOutside) {
+  const auto see_both = [&] {
+    gate.begin();
+    for (const bool is_between : {false, true}) {
+      const std::string id = is_between ? "between" : "outside";
+      gate.see({.id = id, .type = "car", .speed = 0.0, .lane = id},
+               {.line = is_between, .to_line = 1.0, .to_hold = 1.0, .is_between = is_between}, car);
+    }
+    gate.end();
+  };
+  for (int i = 0; i < 3; ++i) {
+    see_both();
+    EXPECT_EQ(propose(), "between") << i;
+  }
+  // Also while it cannot go itself.
+  see_both();
+  const auto waits_for_people = [](const std::string& id) { return id == "between"; };
+  EXPECT_THAT(gate.propose({first, anybody, nobody, waits_for_people}), IsEmpty());
+}
+
 // Between two junctions that are near to each other.
 TEST_F(GateTest, HoldsWhoGoesOnOnlyForOneThatItWouldMeetAndThatWasLetThroughBefore) {
   for (const auto& [meets, leads_on] : {std::pair{false, true}, {true, true}, {true, false}}) {

@@ -118,8 +118,9 @@ TEST(ContactTable, PathsThatPartMayMeetAgain) {
   }
   const ReferencePath around(points);
   const ReferencePath off = bent({-50, 0, 0}, 40.0, -1.0, 12.0);
-  const auto meet_again = [&](const ReferencePath& a, const ReferencePath& b, double from) {
-    return ContactTable(a, kCar, b, kCar, Margins{}).parts_and_meets_again(from);
+  const auto meet_again = [&](const ReferencePath& a, const ReferencePath& b, double from,
+                              double b_from = 0.0) {
+    return ContactTable(a, kCar, b, kCar, Margins{}).parts_and_meets_again(from, b_from);
   };
   EXPECT_TRUE(meet_again(on, around, 0.0));
   EXPECT_TRUE(meet_again(around, on, 0.0));
@@ -127,6 +128,21 @@ TEST(ContactTable, PathsThatPartMayMeetAgain) {
   EXPECT_FALSE(meet_again(on, on, 0.0));
   EXPECT_FALSE(meet_again(on, off, 0.0));
   EXPECT_FALSE(meet_again(off, on, 0.0));
+}
+
+//   A comes round to where B has been before.
+TEST(ContactTable, WhereTheOtherOneHasBeenTheyDoNotMeetAgain) {
+  std::vector<Point> points;
+  for (double x = -40.0; x < 0.0; x += 0.5) points.push_back({x, 0.0});
+  for (double a = 0.0; a < 2.0 * std::numbers::pi; a += 0.03) {
+    points.push_back({15.0 * std::sin(a), 15.0 - 15.0 * std::cos(a)});
+  }
+  const ReferencePath round(points);
+  const ReferencePath on = straight({-40, 0}, {60, 0});
+  const ContactTable table(round, kCar, on, kCar, Margins{});
+  EXPECT_TRUE(table.parts_and_meets_again(0.0, 0.0));
+  EXPECT_TRUE(table.parts_and_meets_again(30.0, 30.0));
+  EXPECT_FALSE(table.parts_and_meets_again(30.0, 60.0));
 }
 
 // At 40 m/s each is 4 m further at the next look: at both looks they are apart.

@@ -150,6 +150,27 @@ TEST_F(TooClose, TwoThatAreStuckPassEachOtherAtAHairsBreadth) {
   }
 }
 
+// A driver's nose at his line, within the margins of somebody's path: if both are stuck, that one
+// passes him; but not one who may drive off.
+TEST_F(TooClose, WhoIsStuckPassesADriverWhoStaysAtHisLine) {
+  const int path = library.add(straight({10, 100}, {10, -100}), kCar);
+  const double at_line = 100.0 - kCar.front - kCar.width / 2.0 - 0.15;  // his nose, 0.15 m aside
+  for (const auto& [told, stuck] :
+       {std::pair(Told::kToWait, true), {Told::kToWait, false}, {Told::kNothing, true}}) {
+    scene.vehicles.clear();
+    Forecast driver{.vehicle = add(path, at_line, 0.0), .earliest = {}, .told = told};
+    scene.vehicles.clear();
+    driver.vehicle.key = -1;
+    driver.vehicle.stuck = true;
+    driver.earliest = {.states = {{at_line, 0.0}}, .complete = false};
+    scene.forecasts = {driver};
+    RoadVehicle& vehicle = add(0, 90.0, 0.0);
+    vehicle.stuck = stuck;
+    const auto plan = plan_vehicle(RoadPairs(scene), vehicle, {}, {});
+    EXPECT_EQ(plan.has_value(), stuck && told == Told::kToWait);
+  }
+}
+
 TEST_F(OrderOfVehicles, WhoBlocksAnotherComesBeforeIt) {
   add(0, 60.0, 5.0);   // 0: before the crossing
   add(2, 80.0, 5.0);   // 1: ahead of it in the same lane
