@@ -214,6 +214,7 @@ class Coordinator : public Controller {
   [[nodiscard]] std::map<std::string, Driven> leave_corridors(bool may_go_on);
   void stay(const std::string& id);
   [[nodiscard]] bool stands_for_good(const Driven& driven) const;
+  [[nodiscard]] bool is_wedged(const std::string& id, const Driven& driven);
   [[nodiscard]] bool is_inside(const Driven& driven) const;
   [[nodiscard]] bool leaves_lane(const Driven& driven) const;
   [[nodiscard]] bool ends_soon(const Driven& driven) const;

@@ -14,7 +14,7 @@ std::map<std::string, Driven> Coordinator::leave_corridors(bool may_go_on) {
   std::vector<std::string> finished;
   for (const auto& [id, driven] : driven_) {
     if (here(driven).s < driven.road.s_handback) {
-      if (stands_for_good(driven)) finished.push_back(id);
+      if (stands_for_good(driven) || is_wedged(id, driven)) finished.push_back(id);
       continue;
     }
     const bool inside = is_inside(driven);
@@ -38,6 +38,12 @@ std::map<std::string, Driven> Coordinator::leave_corridors(bool may_go_on) {
 /// Has it come to rest without a plan how to go on, and nobody makes another one?
 bool Coordinator::stands_for_good(const Driven& driven) const {
   return planner_is_dead() && driven.road.now.v == 0.0 && !plan_.find(driven.key)->complete;
+}
+
+/// Has it stood for long with its body against another one, as where the traffic let somebody
+/// depart beside it? Each may wait for the other; the traffic's drivers drive on.
+bool Coordinator::is_wedged(const std::string& id, const Driven& driven) {
+  return stands_for_good(id) && !is_inside(driven) && touches_somebody(*find_state(id));
 }
 
 /// Is its front inside a junction? Its driver would have to turn, and behind it it may go on into

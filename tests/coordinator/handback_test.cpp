@@ -164,6 +164,29 @@ TEST(HandBack, IsWhereItIsDueIfNobodyIsAhead) {
   }
 }
 
+/// Somebody departs right before it, and stays there for a while: each might wait for the other.
+TEST(HandBack, WhoStandsAgainstAnotherBodyGetsItsDriverBack) {
+  ClosedLoop run(
+      crossroads_shape(),
+      {{.id = "car", .depart = 1.0, .from = "W-C", .to = "C-E", .at = std::pair(40.0, 13.0)},
+       {.id = "other",
+        .depart = 2.0,
+        .from = "W-C",
+        .to = "C-E",
+        .stop = FakeStop{"W-C_0", 79.0, 40.0},
+        .at = std::pair(79.0, 0.0)}});
+  const auto go_on = [&](double end) {
+    while (run.traffic.running() && run.traffic.time() < end) run.step();
+  };
+  go_on(6.0);
+  EXPECT_TRUE(run.coordinator.drives("car"));
+  EXPECT_GT(run.audit.figures().overlap_pairs, 0);
+  go_on(20.0);
+  EXPECT_FALSE(run.coordinator.drives("car"));
+  go_on(120.0);
+  EXPECT_EQ(run.traffic.arrived(), 2);
+}
+
 INSTANTIATE_TEST_SUITE_P(Distances, HandBackBehind,
                          testing::Values(13.0, 15.0, 17.0, 20.0, 23.0, 26.0));
 
