@@ -17,6 +17,7 @@ constexpr double kAtEnd = 1.5;     ///< [m] before the end of a lane that does n
 constexpr int kStuckAfter = 4;     ///< decisions for which one that was let through may stand:
                                    ///< then it is held again, and waits for its next turn
 constexpr int kDueAfter = 40;      ///< decisions for which others may go before the first on a lane
+constexpr int kDueBetween = 8;     ///< likewise between two lines, where he blocks others
 
 }  // namespace
 
@@ -187,7 +188,8 @@ std::vector<std::string> Gate::propose(const Surroundings& surroundings) {
       visitor.passed_over = 0;
       proposed.push_back(id);
     }
-    const bool is_due = visitor.place.is_between || visitor.passed_over > kDueAfter;
+    const int due_after = visitor.place.is_between ? kDueBetween : kDueAfter;
+    const bool is_due = visitor.passed_over > due_after;
     if (may_go || is_due) ahead.push_back(entry);
   }
   return proposed;

@@ -115,10 +115,22 @@ TEST_F(GateTest, WhoWaitsBetweenTwoLinesGoesBeforeThoseOutside) {
     see_both();
     EXPECT_EQ(propose(), "between") << i;
   }
-  // Also while it cannot go itself.
-  see_both();
-  const auto waits_for_people = [](const std::string& id) { return id == "between"; };
-  EXPECT_THAT(gate.propose({first, anybody, nobody, waits_for_people}), IsEmpty());
+  // After a while also when it cannot go itself yet.
+  const Gate::MayMeet meets = [](const std::string& a, const std::string& b, bool) {
+    return a == "between" ? b == "third" : a == "outside" && b == "between";
+  };
+  for (int i = 0; i < 20; ++i) {
+    gate.begin();
+    for (const std::string id : {"between", "outside", "third"}) {
+      gate.see({.id = id, .type = "car", .speed = id == "third" ? 2.0 : 0.0, .lane = id},
+               {.line = 0, .to_line = 1.0, .to_hold = 1.0, .is_between = id == "between"}, car);
+    }
+    gate.end();
+    if (i == 0) gate.let_through("third");
+    const auto proposed = gate.propose({first, meets, nobody});
+    EXPECT_EQ(std::ranges::count(proposed, "between"), 0);
+    EXPECT_EQ(std::ranges::count(proposed, "outside"), i < 8 ? 1 : 0) << i;
+  }
 }
 
 // Between two junctions that are near to each other.
