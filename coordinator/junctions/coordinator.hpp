@@ -213,7 +213,7 @@ class Coordinator : public Controller {
   [[nodiscard]] static bool can_wait(double speed, const Vehicle& body, double to_line);
   [[nodiscard]] std::map<std::string, Driven> leave_corridors(bool may_go_on);
   void stay(const std::string& id);
-  [[nodiscard]] bool stands_for_good(const Driven& driven) const;
+  [[nodiscard]] bool is_left_at_rest(const Driven& driven) const;
   [[nodiscard]] bool is_wedged(const std::string& id, const Driven& driven);
   [[nodiscard]] bool is_inside(const Driven& driven) const;
   [[nodiscard]] bool leaves_lane(const Driven& driven) const;

@@ -14,7 +14,7 @@ std::map<std::string, Driven> Coordinator::leave_corridors(bool may_go_on) {
   std::vector<std::string> finished;
   for (const auto& [id, driven] : driven_) {
     if (here(driven).s < driven.road.s_handback) {
-      if (stands_for_good(driven) || is_wedged(id, driven)) finished.push_back(id);
+      if (is_left_at_rest(driven) || is_wedged(id, driven)) finished.push_back(id);
       continue;
     }
     const bool inside = is_inside(driven);
@@ -36,7 +36,7 @@ std::map<std::string, Driven> Coordinator::leave_corridors(bool may_go_on) {
 }
 
 /// Has it come to rest without a plan how to go on, and nobody makes another one?
-bool Coordinator::stands_for_good(const Driven& driven) const {
+bool Coordinator::is_left_at_rest(const Driven& driven) const {
   return planner_is_dead() && driven.road.now.v == 0.0 && !plan_.find(driven.key)->complete;
 }
 

@@ -13,7 +13,7 @@ WatchedLanes::WatchedLanes(const LaneGraph& graph, const CourseFinder& finder)
   for (int k = 0; k < graph.links(); ++k) {
     const LaneGraph::Link& link = graph.link(k);
     if (!finder.is_coordinated(link.junction)) continue;
-    watched_[std::size_t(link.from)] = watched_[std::size_t(link.to)] = true;
+    watched_[std::size_t(link.to)] = true;
     for (const int via : link.via) watched_[std::size_t(via)] = true;
   }
   // Who is let over a junction is let go from as far off as others are taken over, however many

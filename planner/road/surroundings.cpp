@@ -242,8 +242,8 @@ bool Surroundings::meets(const Other& other, std::int64_t k, const InertialState
   // Too close to a driver ahead, or beside one who need not brake, there is no choice but full
   // braking: "no worse than braking now" would begin anew at every decision, nearer each time. Not
   // where both are stuck and he stays at his line: past him a bare gap is enough.
-  const bool stays_stuck = other.contact.contact->are_stuck() && other.told == Told::kToWait;
   const auto must_brake = [&] {
+    const bool stays_stuck = other.contact.contact->are_stuck() && other.told == Told::kToWait;
     return other.forecast && !stays_stuck &&
            (other.contact.contact->is_behind(from, other_from) ||
             comes_over(other, from, other_from));

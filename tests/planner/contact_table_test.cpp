@@ -118,9 +118,8 @@ TEST(ContactTable, PathsThatPartMayMeetAgain) {
   }
   const ReferencePath around(points);
   const ReferencePath off = bent({-50, 0, 0}, 40.0, -1.0, 12.0);
-  const auto meet_again = [&](const ReferencePath& a, const ReferencePath& b, double from,
-                              double b_from = 0.0) {
-    return ContactTable(a, kCar, b, kCar, Margins{}).parts_and_meets_again(from, b_from);
+  const auto meet_again = [&](const ReferencePath& a, const ReferencePath& b, double from) {
+    return ContactTable(a, kCar, b, kCar, Margins{}).parts_and_meets_again(from, 0.0);
   };
   EXPECT_TRUE(meet_again(on, around, 0.0));
   EXPECT_TRUE(meet_again(around, on, 0.0));
