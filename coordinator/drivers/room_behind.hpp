@@ -10,6 +10,9 @@
 
 namespace mvtp {
 
+/// [m] between the tail of one who waits and the junction behind him, at least.
+inline constexpr double kClearOfJunction = 2.0;
+
 /// The length of a vehicle [m]; none of one that does not matter.
 using LengthOf = std::function<std::optional<double>(const VehicleState&)>;
 

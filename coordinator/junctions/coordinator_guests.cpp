@@ -10,11 +10,6 @@
 #include "coordinator/junctions/referee.hpp"
 
 namespace mvtp {
-namespace {
-
-constexpr double kClear = 2.0;  ///< [m] between the tail of one who waits and a junction
-
-}  // namespace
 
 /// Would one of the guests who are to go touch somebody under control? Who is within their margins
 /// already is not kept clear of them by its plan. Notes who is blocking.
@@ -168,7 +163,7 @@ void Coordinator::see_guest(const VehicleState& v, const CourseQuery& query) {
   const std::optional<CourseFinder::LineAhead> line = finder_.line_ahead(query);
   if (see_human(v, query, line ? std::optional(line->distance) : std::nullopt)) return;
   const Vehicle& body = type_of(v.type).body;
-  const double clear = body.length() + kClear;
+  const double clear = body.length() + kClearOfJunction;
   const Lane& lane = graph_.lane(query.lane);
   const bool is_inside = graph_.edge_of(query.lane) == LaneGraph::kNone;
   Gate::Place place{.is_inside = finder_.is_inside(query.lane),
@@ -205,63 +200,6 @@ bool Coordinator::see_human(const VehicleState& v, const CourseQuery& query,
   ++guest_sightings_;
   humans_->see(v, query, *to_line, type_of(v.type));
   return true;
-}
-
-/// Is nobody ahead of it on its lane but guests who are let through?
-bool Coordinator::is_first_on_lane(const VehicleState& v) const {
-  return std::ranges::none_of(traffic_.vehicles(), [&](const VehicleState& other) {
-    return other.lane_position > v.lane_position && other.lane == v.lane && !gate_.passes(other.id);
-  });
-}
-
-/// The next lane behind a junction where a guest could be held clear of it; nullopt if its path is
-/// not known.
-std::optional<Coordinator::WaitingPlace> Coordinator::waiting_place(const VehicleState& v) {
-  const std::vector<int> route = route_of(v);
-  const CourseQuery query = query_for(v, route);
-  const Vehicle& body = type_of(v.type).body;
-  const std::optional<Predictor::Placed> placed = predictor_.place(v, query, body);
-  if (!placed) return std::nullopt;
-  const std::optional<CourseFinder::LineAhead> line = finder_.line_ahead(query);
-  const bool is_inside = graph_.edge_of(query.lane) == LaneGraph::kNone;
-  const double from = placed->road.now.s + (line && !is_inside ? line->distance : 0.0);
-  const Corridor& corridor = corridors_[placed->corridor];
-  for (std::size_t i = 0; i < corridor.stations.size(); ++i) {
-    const int lane = corridor.course.pieces[i].lane;
-    const bool is_behind = corridor.stations[i] > from && graph_.edge_of(lane) != LaneGraph::kNone;
-    if (!is_behind || graph_.lane(lane).length < body.length() + kClear) continue;
-    return WaitingPlace{placed->corridor, lane, corridor.stations[i]};
-  }
-  return std::nullopt;
-}
-
-Coordinator::WaitingPlaces Coordinator::waiting_places() {
-  WaitingPlaces taken;
-  for (const VehicleState& v : traffic_.vehicles()) {
-    if (!gate_.passes(v.id)) continue;
-    const std::optional<WaitingPlace> place = waiting_place(v);
-    if (place) taken.emplace_back(&v, place->lane);
-  }
-  return taken;
-}
-
-/// Is there room for a guest behind the next junction, should everybody there stop, and those who
-/// are let through?
-bool Coordinator::has_room_behind(const VehicleState& v, const WaitingPlaces& taken) {
-  const std::optional<WaitingPlace> place = waiting_place(v);
-  if (!place) return true;
-  const VehicleType& type = type_of(v.type);
-  double needed = place->from + type.body.length() + kClear;
-  for (const auto& [other, lane] : taken) {
-    if (lane != place->lane || other->id == v.id || !gate_.passes(other->id)) continue;
-    needed += type_of(other->type).body.length() + type_of(other->type).min_gap;
-  }
-  const double tail = first_tail_at_rest(
-      corridors_[place->corridor], graph_, place->from, type.body.max_decel, traffic_.vehicles(),
-      [&](const VehicleState& other) {
-        return other.id == v.id ? std::nullopt : std::optional(type_of(other.type).body.length());
-      });
-  return tail >= needed;
 }
 
 }  // namespace mvtp

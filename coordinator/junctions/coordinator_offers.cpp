@@ -87,49 +87,6 @@ std::vector<std::vector<std::string>> Coordinator::groups_at_lights() {
   return ordered;
 }
 
-/// Guests at the gate who may pass beside each other and those who pass.
-std::vector<std::string> Coordinator::guests_at_gate() {
-  std::map<std::string, std::vector<Forecast>> passages;
-  const auto passages_of = [&](const std::string& id) -> const std::vector<Forecast>& {
-    const auto [known, is_new] = passages.try_emplace(id);
-    const VehicleState* state = is_new ? find_state(id) : nullptr;
-    if (state != nullptr) known->second = predict_one(*state, {id});
-    return known->second;
-  };
-  std::optional<WaitingPlaces> taken;
-  const auto is_first = [&](const std::string& id) {
-    const VehicleState* state = find_state(id);
-    if (state == nullptr || !is_first_on_lane(*state)) return false;
-    if (!taken) taken = waiting_places();
-    return has_room_behind(*state, *taken);
-  };
-  const auto may_meet = [&](const std::string& a, const std::string& b, bool from_one_lane) {
-    return std::ranges::any_of(passages_of(a), [&](const Forecast& f) {
-      return std::ranges::any_of(passages_of(b), [&](const Forecast& g) {
-        if (!from_one_lane) return may_touch(f, g);
-        return corridors_.library()
-            .contacts(f.vehicle.path, g.vehicle.path)
-            .parts_and_meets_again(f.vehicle.now.s, g.vehicle.now.s);
-      });
-    });
-  };
-  const auto blocks = [&](const std::string& a, double to_hold, const std::string& b) {
-    return std::ranges::any_of(passages_of(a), [&](const Forecast& f) {
-      const auto is_over = [&](const RoadVehicle& other) {
-        return corridors_.library()
-            .contacts(f.vehicle.path, other.path)
-            .blocks(f.vehicle.now.s + to_hold, other.now.s, SpeedProfile::kDeparted);
-      };
-      return std::ranges::any_of(passages_of(b),
-                                 [&](const Forecast& g) { return is_over(g.vehicle); }) ||
-             std::ranges::any_of(driven_,
-                                 [&](const auto& entry) { return is_over(entry.second.road); });
-    });
-  };
-  const auto waits_for_people = [&](const std::string& id) { return may_meet_people({id}); };
-  return gate_.propose({is_first, may_meet, blocks, waits_for_people});
-}
-
 /// Those who may go over junctions now, in groups that only go together: guests at the gate,
 /// and those at lights, in turn.
 std::vector<std::vector<std::string>> Coordinator::groups_of_guests() {
