@@ -152,7 +152,9 @@ void Gate::hold_who_would_meet(const Surroundings& surroundings) {
     const bool has_to_wait =
         visitor.goes_on && std::any_of(passing.begin(), later, [&](const Entry* other) {
           return other->second.passes &&
-                 surroundings.may_meet(id, other->first, visitor.lane == other->second.lane) &&
+                 surroundings.may_meet({.id = id,
+                                        .other = other->first,
+                                        .from_one_lane = visitor.lane == other->second.lane}) &&
                  !surroundings.blocks(id, visitor.place.to_hold, other->first);
         });
     if (has_to_wait) hold(id);
@@ -168,6 +170,7 @@ std::vector<std::string> Gate::propose(const Surroundings& surroundings) {
     const bool waits =
         visitor.guest && visitor.held && visitor.waits && surroundings.is_first(entry.first);
     if (waits) waiting.push_back(&entry);
+    visitor.may_go = waits;
     if (!waits) visitor.passed_over = 0;
     if (visitor.passes || (!waits && !visitor.place.is_clear)) ahead.push_back(&entry);
   }
@@ -180,7 +183,10 @@ std::vector<std::string> Gate::propose(const Surroundings& surroundings) {
     auto& [id, visitor] = *entry;
     const bool meets = std::ranges::any_of(ahead, [&](const Entry* other) {
       return !visitor.is_followed_by(other->second) &&
-             surroundings.may_meet(id, other->first, visitor.lane == other->second.lane);
+             surroundings.may_meet({.id = id,
+                                    .other = other->first,
+                                    .other_stays = !other->second.passes && !other->second.may_go,
+                                    .from_one_lane = visitor.lane == other->second.lane});
     });
     const bool may_go = !meets && !surroundings.waits_for_people(id);
     if (meets) ++visitor.passed_over;

@@ -52,9 +52,14 @@ class Gate {
   [[nodiscard]] bool holds_guest(const std::string& id) const;
   /// Is it a guest who does not stand?
   [[nodiscard]] bool is_under_way(const std::string& id) const;
-  /// Could these two meet if both pass? Those who come from one lane follow each other as long as
-  /// they have one path.
-  using MayMeet = std::function<bool(const std::string&, const std::string&, bool from_one_lane)>;
+  /// Two who might meet.
+  struct Pair {
+    const std::string& id;       ///< is to pass
+    const std::string& other;    ///< passes too, but
+    bool other_stays = false;    ///< this one before its line
+    bool from_one_lane = false;  ///< they follow each other as long as they have one path
+  };
+  using MayMeet = std::function<bool(const Pair&)>;
   /// Would the first, held so many metres [m] further on, stand on the path of the second, or of
   /// somebody with a plan?
   using Blocks = std::function<bool(const std::string&, double, const std::string&)>;
@@ -90,6 +95,7 @@ class Gate {
     bool can_stop = true;  ///< before the end of its lane
     bool waits = false;    ///< for its turn, on a lane that leads on
     bool goes_on = false;  ///< over the next line, before which it could be held still
+    bool may_go = false;   ///< over its line, as far as those ahead of it allow
     int line = -1;         ///< for which it was held or let through
     bool is_over = false;  ///< that line
     Place place;

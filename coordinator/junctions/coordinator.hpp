@@ -278,18 +278,6 @@ class Coordinator : public Controller {
   [[nodiscard]] bool see_human(const VehicleState& state, const CourseQuery& query,
                                std::optional<double> to_line);
   void see_guest(const VehicleState& state, const CourseQuery& query);
-  [[nodiscard]] bool is_first_on_lane(const VehicleState& v) const;
-  /// A lane behind a junction, on the path of a guest who could be held there.
-  struct WaitingPlace {
-    int corridor = 0;
-    int lane = 0;
-    double from = 0.0;  ///< [m] station of the front bumper when it enters the lane
-  };
-  [[nodiscard]] std::optional<WaitingPlace> waiting_place(const VehicleState& v);
-  /// Those who pass, and the lanes where they may come to stand.
-  using WaitingPlaces = std::vector<std::pair<const VehicleState*, int>>;
-  [[nodiscard]] WaitingPlaces waiting_places();
-  [[nodiscard]] bool has_room_behind(const VehicleState& v, const WaitingPlaces& taken);
   [[nodiscard]] bool touches_guests(const std::vector<std::string>& guests, const Trial& trial);
   [[nodiscard]] bool waits_inside(const Trial& trial, std::optional<int> zone = {}) const;
   [[nodiscard]] std::vector<Forecast> expect_people(const std::vector<std::string>& crossings);
@@ -307,6 +295,7 @@ class Coordinator : public Controller {
   void find_zones();
   [[nodiscard]] int zone_of(int corridor) const;
   [[nodiscard]] int zone_of(const std::string& guest) const;
+  class GateView;  // coordinator_gate.cpp
   [[nodiscard]] std::vector<std::string> guests_at_gate();
   [[nodiscard]] std::vector<std::vector<std::string>> groups_of_guests();
   [[nodiscard]] std::vector<std::string> crossings_to_offer();

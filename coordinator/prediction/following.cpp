@@ -1,8 +1,11 @@
 #include "coordinator/prediction/following.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
+#include <limits>
 
+#include "coordinator/prediction/tube.hpp"
 #include "planner/road.hpp"
 
 namespace mvtp {
@@ -10,6 +13,7 @@ namespace {
 
 constexpr double kHorizon = 10.0;  ///< [s]
 constexpr double kBraking = 4.5;   ///< [m/s^2] of a driver behind a leader
+constexpr double kReaction = 0.5;  ///< [s] until he brakes for one whom he sees
 
 /// The latest motion of one who passes, as it is delayed.
 struct Follower {
@@ -84,10 +88,61 @@ class Queue {
   std::vector<std::vector<Leader>> leaders_;  ///< of each
 };
 
+/// Does the driver at `b` see `a` ahead in his lane? With its rear axle on his path its whole nose
+/// is there.
+bool is_in_lane_ahead(const PathLibrary& library, const PlaceOnPath& a, const PlaceOnPath& b) {
+  constexpr double kLook = 100.0;  // [m]
+  constexpr double kAside = 0.3;   // [m] as paths of one lane differ
+  constexpr double kTurned = 0.1;  // [rad]
+  const Pose pose = library.path(a.path).at(a.s);
+  const ReferencePath& path = library.path(b.path);
+  const double foot = path.project({pose.x, pose.y}, b.s, b.s + kLook);
+  const Pose local = relative(path.at(foot), pose);
+  return foot > b.s && std::abs(local.y) < kAside && std::abs(local.theta) < kTurned;
+}
+
 }  // namespace
 
 void follow_leaders(std::vector<Forecast>& forecasts, const RoadScene& scene) {
   Queue(forecasts, scene).advance();
+}
+
+bool merges_behind(const Forecast& driver, const Forecast& leader, const PathLibrary& library,
+                   double dt) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  const int path = driver.vehicle.path;
+  const int other_path = leader.vehicle.path;
+  const ContactTable& contacts = library.contacts(path, other_path);
+  const double from = leader.vehicle.now.s;
+  if (contacts.parts_and_meets_again(driver.vehicle.now.s, from)) return false;
+  const double merge = contacts.first_met(driver.vehicle.now.s, from, kInfinity);
+  const SpeedProfile& latest = leader.latest ? *leader.latest : leader.earliest;
+  for (std::int64_t k = driver.earliest.begin; k < driver.earliest.end(); ++k) {
+    const InertialState here = driver.earliest.at(k);
+    const double stop = here.s + kReaction * here.v + braking_gap(here.v, kBraking, dt);
+    if (stop < merge) continue;
+    return is_in_lane_ahead(library, {other_path, latest.at(k).s}, {path, here.s});
+  }
+  return true;
+}
+
+void stay_behind(Forecast& driver, std::span<const HeldVehicle> held, const PathLibrary& library) {
+  const PlaceOnPath here{driver.vehicle.path, driver.vehicle.now.s};
+  double most = std::numeric_limits<double>::infinity();
+  for (const HeldVehicle& h : held) {
+    if (!drives_ahead(library, h.now, here)) continue;
+    const double first =
+        library.contacts(here.path, h.now.path).first_met(here.s, h.furthest, h.furthest);
+    most = std::min(most, std::max(here.s, first));
+  }
+  const auto end_there = [&](SpeedProfile& profile) {
+    const auto beyond = std::ranges::upper_bound(profile.states, most, {}, &InertialState::s);
+    if (beyond == profile.states.end()) return;
+    profile.states.erase(beyond, profile.states.end());
+    profile.complete = false;
+  };
+  end_there(driver.earliest);
+  if (driver.latest) end_there(*driver.latest);
 }
 
 }  // namespace mvtp

@@ -226,6 +226,14 @@ bool ContactTable::parts_and_meets_again(double s_a, double s_b) const {
   return false;
 }
 
+double ContactTable::first_met(double s_a, double s_b, double s_b_end) const {
+  for (auto row = std::size_t(std::max(row_of(s_a), 0.0)); row < rows(); ++row) {
+    if (!row_meets(row, s_b, s_b_end)) continue;
+    return (double(first_row_) + double(row) - 0.5) * ReferencePath::kSpacing;
+  }
+  return std::numeric_limits<double>::infinity();
+}
+
 bool ContactTable::blocks_reach(double from, double to, double b, double b_end) const {
   const std::size_t last = std::size_t(std::min(to, double(rows()) - 1.0)) / kBlock;
   for (std::size_t block = std::size_t(std::max(from, 0.0)) / kBlock; block <= last; ++block) {

@@ -114,6 +114,10 @@ class ContactTable {
   /// ground, then part, and meet again?
   [[nodiscard]] bool parts_and_meets_again(double s_a, double s_b) const;
 
+  /// The first station of A, from `s_a` on, where it may meet a B that drives from `s_b` to
+  /// `s_b_end` [m]; infinite if there is none.
+  [[nodiscard]] double first_met(double s_a, double s_b, double s_b_end) const;
+
   /// Is there, as far as bounds of 16 rows each tell, a contact with A within [a, a_end] and B
   /// within [b, b_end]? Never false where sweeps(), meets() or blocks() is true.
   [[nodiscard]] bool reaches(double a, double a_end, double b, double b_end) const {

@@ -3,6 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
 
 #include "tests/planner/crossing_fixture.hpp"
 
@@ -36,18 +39,37 @@ class Following : public Crossing {
     }
     return t;
   }
+  /// As early as he may be, until half a second after the leader, as late as that may be, is in his
+  /// lane; then he brakes to its speed.
+  SpeedProfile brakes_once_it_is_ahead(const Forecast& driver, const Forecast& leader) {
+    SpeedProfile t{.states = {driver.vehicle.now}};
+    std::int64_t seen = -1;
+    while (t.states.size() < 100) {
+      const InertialState now = t.states.back();
+      const std::int64_t k = t.end() - 1;
+      const InertialState there = leader.latest->at(k);
+      const Pose pose = library.path(leader.vehicle.path).at(there.s);
+      const bool is_ahead = pose.x + 100.0 > now.s && std::abs(pose.y) < 0.3;
+      if (seen < 0 && is_ahead) seen = k;
+      const bool brakes = seen >= 0 && k >= seen + 5 && now.v > there.v;
+      t.states.push_back(advance(now, brakes ? std::max(-4.5, (there.v - now.v) / 0.1) : 0.0, 0.1));
+    }
+    return t;
+  }
   std::vector<Forecast> followed(std::vector<Forecast> forecasts) {
     follow_leaders(forecasts, scene);
     return forecasts;
   }
   /// In the first ten seconds.
+  bool soon_touch(const RoadVehicle& a, SpeedProfile of_a, const RoadVehicle& b,
+                  SpeedProfile of_b) {
+    for (SpeedProfile* t : {&of_a, &of_b}) {
+      t->states.resize(std::min<std::size_t>(t->states.size(), 100));
+    }
+    return ever_touch(a, of_a, b, of_b);
+  }
   bool latest_touch(const Forecast& a, const Forecast& b) {
-    const auto soon = [](const Forecast& f) {
-      SpeedProfile t = *f.latest;
-      t.states.resize(std::min<std::size_t>(t.states.size(), 100));
-      return t;
-    };
-    return ever_touch(a.vehicle, soon(a), b.vehicle, soon(b));
+    return soon_touch(a.vehicle, *a.latest, b.vehicle, *b.latest);
   }
 };
 
@@ -93,6 +115,58 @@ TEST_F(Following, WhoCrossesOrDrivesElsewhereDelaysNobodyThatIsPast) {
   const Forecast driver = passing(1, 60.0, 13.0, 11.0);
   const auto after = followed({past, elsewhere, driver});
   EXPECT_EQ(after[2].latest->states, driver.latest->states);
+}
+
+// A driver who looks at nobody but those ahead in his lane.
+TEST_F(Following, WhoMergesBehindTouchesNobody) {
+  int behind = 0, not_behind = 0;
+  for (double leader_s = 50.0; leader_s < 130.0; leader_s += 5.0) {
+    for (double s = 30.0; s < 100.0; s += 5.0) {
+      const Forecast leader = passing(4, leader_s, 7.0, 4.0);
+      const Forecast driver = passing(0, s, 13.0, 11.0);
+      if (library.contacts(0, 4).touches(s, leader_s)) continue;
+      if (!merges_behind(driver, leader, library, 0.1)) {
+        ++not_behind;
+        continue;
+      }
+      ++behind;
+      EXPECT_FALSE(merges_behind(leader, driver, library, 0.1)) << leader_s << ", " << s;
+      const SpeedProfile follows = brakes_once_it_is_ahead(driver, leader);
+      EXPECT_FALSE(soon_touch(leader.vehicle, *leader.latest, driver.vehicle, follows))
+          << leader_s << ", " << s;
+    }
+  }
+  EXPECT_GT(behind, 30);
+  EXPECT_GT(not_behind, 30);
+}
+
+TEST_F(Following, WhoMeetsItAgainBehindAForkDoesNotMergeBehind) {
+  // Path 5 leaves path 0 to one side, and comes back across it.
+  std::vector<Point> points;
+  for (double x = -100.0; x <= 100.0; x += 0.5) {
+    const double aside = std::abs(x) < 25.0 ? std::cos(x * std::numbers::pi / 50.0) : 0.0;
+    points.push_back({x, 8.0 * aside * aside});
+  }
+  library.add(ReferencePath(points), kCar);
+  const Forecast driver = passing(0, 20.0, 13.0, 11.0);
+  EXPECT_FALSE(merges_behind(driver, passing(5, 60.0, 7.0, 4.0), library, 0.1));
+  EXPECT_TRUE(merges_behind(driver, passing(2, 60.0, 7.0, 4.0), library, 0.1));
+}
+
+//   Held on path 2, which is path 0 again: with its front on 85 m it may move up by 5 m.
+TEST_F(Following, NobodyDrivesThroughWhoIsHeld) {
+  const auto last_of = [&](int path, double s, const HeldVehicle& held) {
+    Forecast driver = passing(path, s, 13.0, 11.0);
+    stay_behind(driver, std::array{held}, library);
+    EXPECT_GE(driver.earliest.at(1000).s, driver.latest->at(1000).s);
+    return driver.latest->at(1000).s;
+  };
+  const double stands = last_of(0, 20.0, {{2, 80.0}, 85.0});
+  EXPECT_LT(stands, 85.0 - kCar.length());
+  EXPECT_GT(stands, 85.0 - kCar.length() - 2.5);
+  EXPECT_EQ(last_of(0, 20.0, {{2, 10.0}, 15.0}), SpeedProfile::kDeparted) << "is behind";
+  EXPECT_EQ(last_of(0, 20.0, {{1, 97.0}, 97.0}), SpeedProfile::kDeparted) << "comes from the side";
+  EXPECT_EQ(last_of(0, 20.0, {{3, 80.0}, 85.0}), SpeedProfile::kDeparted) << "in another lane";
 }
 
 }  // namespace

@@ -68,7 +68,7 @@ class GateTest : public testing::Test {
   }
 
   const Gate::IsFirst first = [](const std::string&) { return true; };
-  const Gate::MayMeet anybody = [](const std::string&, const std::string&, bool) { return true; };
+  const Gate::MayMeet anybody = [](const Gate::Pair&) { return true; };
   const Gate::Blocks nobody = [](const std::string&, double, const std::string&) { return false; };
   const Vehicle car = fake_type("car").body;
   NotedTraffic traffic;

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <map>
 
 #include "tests/coordinator/gate_fixture.hpp"
 
@@ -52,8 +53,8 @@ TEST_F(GateTest, ProposesWhoWouldSoonHaveToBrake) {
 }
 
 TEST_F(GateTest, ProposesAsManyAsCannotMeet) {
-  const Gate::MayMeet crosses = [](const std::string& a, const std::string& b, bool) {
-    return a.front() != b.front();
+  const Gate::MayMeet crosses = [](const Gate::Pair& pair) {
+    return pair.id.front() != pair.other.front();
   };
   decide({"a1", "a2", "b1", "b2"});
   for (const std::string id : {"a1", "a2", "b1", "b2"}) ASSERT_FALSE(gate.passes(id));
@@ -72,8 +73,8 @@ TEST_F(GateTest, ProposesThoseFromOneLaneTogetherUnlessTheirPathsMeetAgain) {
   }
   gate.end();
   for (const bool again : {false, true}) {
-    const auto meets_again = [&](const std::string&, const std::string&, bool from_one_lane) {
-      EXPECT_TRUE(from_one_lane);
+    const auto meets_again = [&](const Gate::Pair& pair) {
+      EXPECT_TRUE(pair.from_one_lane);
       return again;
     };
     const auto proposed = gate.propose({first, meets_again, nobody});
@@ -116,8 +117,9 @@ TEST_F(GateTest, WhoWaitsBetweenTwoLinesGoesBeforeThoseOutside) {
     EXPECT_EQ(propose(), "between") << i;
   }
   // After a while also when it cannot go itself yet.
-  const Gate::MayMeet meets = [](const std::string& a, const std::string& b, bool) {
-    return a == "between" ? b == "third" : a == "outside" && b == "between";
+  const Gate::MayMeet meets = [](const Gate::Pair& pair) {
+    if (pair.id == "between") return pair.other == "third";
+    return pair.id == "outside" && pair.other == "between";
   };
   for (int i = 0; i < 20; ++i) {
     gate.begin();
@@ -131,6 +133,26 @@ TEST_F(GateTest, WhoWaitsBetweenTwoLinesGoesBeforeThoseOutside) {
     EXPECT_EQ(std::ranges::count(proposed, "between"), 0);
     EXPECT_EQ(std::ranges::count(proposed, "outside"), i < 8 ? 1 : 0) << i;
   }
+}
+
+//   "stuck" has its tail in the junction behind it, and is not first on its lane.
+TEST_F(GateTest, WhoCannotGoIsExpectedToStay) {
+  const Gate::IsFirst is_first = [](const std::string& id) { return id != "stuck"; };
+  std::map<std::string, bool> stays;
+  const Gate::MayMeet notes = [&](const Gate::Pair& pair) {
+    if (pair.id == "waits") stays[pair.other] = pair.other_stays;
+    return false;
+  };
+  gate.begin();
+  for (const std::string id : {"first", "passes", "stuck", "waits"}) {
+    gate.see({.id = id, .type = "car", .lane = id},
+             {.line = 0, .to_line = 1.0, .to_hold = 1.0, .is_clear = id != "stuck"}, car);
+  }
+  gate.end();
+  gate.let_through("passes");
+  EXPECT_THAT(gate.propose({is_first, notes, nobody}), UnorderedElementsAre("first", "waits"));
+  EXPECT_EQ(stays,
+            (std::map<std::string, bool>{{"first", false}, {"passes", false}, {"stuck", true}}));
 }
 
 // Between two junctions that are near to each other.
@@ -154,7 +176,7 @@ TEST_F(GateTest, HoldsWhoGoesOnOnlyForOneThatItWouldMeetAndThatWasLetThroughBefo
     see_both({.line = 0, .to_line = 8.0, .to_hold = 8.0});
     gate.let_through("late");
     see_both(between);
-    const auto may_meet = [&](const auto&, const auto&, bool) { return meets; };
+    const auto may_meet = [&](const Gate::Pair&) { return meets; };
     const auto proposed = gate.propose({first, may_meet, nobody});
     EXPECT_THAT(proposed, IsEmpty());
     EXPECT_TRUE(gate.passes("early"));
@@ -388,8 +410,8 @@ TEST_F(GateTest, ProposesNobodyAcrossOneWhoStandsInsideTheJunction) {
 
 //   One after the other comes on the main road, each before the last has left the junction.
 TEST_F(GateTest, AStreamOfGuestsDoesNotStarveWhoWaitsBesideIt) {
-  const Gate::MayMeet crosses = [](const std::string& a, const std::string& b, bool) {
-    return (a == "side") != (b == "side");
+  const Gate::MayMeet crosses = [](const Gate::Pair& pair) {
+    return (pair.id == "side") != (pair.other == "side");
   };
   for (int i = 0; i < 60; ++i) {
     const std::string next = fmt::format("w{}", i);

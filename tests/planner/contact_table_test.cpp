@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <thread>
 
@@ -127,6 +128,18 @@ TEST(ContactTable, PathsThatPartMayMeetAgain) {
   EXPECT_FALSE(meet_again(on, on, 0.0));
   EXPECT_FALSE(meet_again(on, off, 0.0));
   EXPECT_FALSE(meet_again(off, on, 0.0));
+}
+
+//   Bumper to bumper, 0.6 m of margins between them, and half a sample of rounding on both paths.
+TEST(ContactTable, FirstMeetsWhoStandsOrDrivesAhead) {
+  const ReferencePath path = straight({-50, 0}, {50, 0});
+  const ContactTable table(path, kCar, path, kCar, Margins{});
+  const double apart = kCar.length() + Margins{}.along;
+  EXPECT_NEAR(table.first_met(0.0, 50.0, 50.0), 50.0 - apart, 2.0 * ReferencePath::kSpacing);
+  EXPECT_NEAR(table.first_met(0.0, 40.0, 60.0), 40.0 - apart, 2.0 * ReferencePath::kSpacing);
+  EXPECT_NEAR(table.first_met(48.0, 50.0, 50.0), 48.0, ReferencePath::kSpacing);
+  EXPECT_EQ(table.first_met(60.0, 50.0, 50.0), std::numeric_limits<double>::infinity());
+  EXPECT_EQ(ContactTable().first_met(0.0, 0.0, 90.0), std::numeric_limits<double>::infinity());
 }
 
 //   A comes round to where B has been before.
