@@ -8,9 +8,10 @@
 namespace mvtp {
 namespace {
 
-constexpr double kRange = 150.0;  ///< [m] before a line
-constexpr double kAccel = 2.0;    ///< [m/s^2] of a driver who starts
-constexpr double kStands = 0.5;   ///< [m/s]
+constexpr double kRange = 150.0;     ///< [m] before a line
+constexpr double kAccel = 2.0;       ///< [m/s^2] of a driver who starts
+constexpr double kStands = 0.5;      ///< [m/s]
+constexpr double kLongStand = 30.0;  ///< [s] of standing, after which more of it weighs more
 
 }  // namespace
 
@@ -49,10 +50,24 @@ std::vector<QueueDetector::Stretch> QueueDetector::stretches_to(int lane) const 
 
 void QueueDetector::look() {
   for (auto& [lane, vehicles] : vehicles_) vehicles.clear();
+  std::map<std::string, double> stood_now;
   for (const VehicleState& v : traffic_.vehicles()) {
     const auto there = vehicles_.find(graph_.find_lane(v.lane));
-    if (there != vehicles_.end() && !v.halted_by_stop) there->second.push_back(&v);
+    if (there == vehicles_.end() || v.halted_by_stop) continue;
+    there->second.push_back(&v);
+    const auto known = stood_.find(v.id);
+    double& stood = stood_now[v.id];
+    if (known != stood_.end()) stood = known->second;
+    if (v.speed < kStands) stood += traffic_.time() - looked_;
   }
+  stood_ = std::move(stood_now);
+  looked_ = traffic_.time();
+}
+
+/// Who has stood for long loses more by standing on: else a few would wait for ever beside a
+/// stream of others.
+double QueueDetector::weight_of(const VehicleState& v) const {
+  return std::max(1.0, stood_.at(v.id) / kLongStand);
 }
 
 /// The connection by which it goes on from a lane ahead, or its own; LaneGraph::kNone: it does not
@@ -96,7 +111,8 @@ Queues QueueDetector::queues(const std::vector<int>& lanes) const {
       queue.push_back({.link = seen.link,
                        .arrival = arrival(*seen.vehicle, lane, seen.to_line),
                        .stands = stands,
-                       .needs_green = !is_controlled_(seen.vehicle->id)});
+                       .needs_green = !is_controlled_(seen.vehicle->id),
+                       .weight = weight_of(*seen.vehicle)});
       if (stands || queue.back().needs_green) needed = queue.size();
     }
     queue.resize(needed);

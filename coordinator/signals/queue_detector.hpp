@@ -44,6 +44,7 @@ class QueueDetector {
   [[nodiscard]] std::vector<Stretch> stretches_to(int lane) const;
   [[nodiscard]] std::vector<Seen> seen_before(int lane) const;
   [[nodiscard]] int link_of(const VehicleState& vehicle, int lane) const;
+  [[nodiscard]] double weight_of(const VehicleState& vehicle) const;
   [[nodiscard]] double arrival(const VehicleState& vehicle, int lane, double to_line) const;
 
   const Traffic& traffic_;
@@ -52,6 +53,8 @@ class QueueDetector {
   IsControlled is_controlled_;
   std::map<int, std::vector<Stretch>> stretches_;             ///< by lane
   std::map<int, std::vector<const VehicleState*>> vehicles_;  ///< by the lane that they are on
+  std::map<std::string, double> stood_;                       ///< [s] so far
+  double looked_ = 0.0;                                       ///< [s] when
 };
 
 }  // namespace mvtp

@@ -41,7 +41,7 @@ class Discharge {
     }
     for (std::size_t lane = 0; lane < queues_.size(); ++lane) {
       for (std::size_t i = heads_[lane]; i < queues_[lane].size(); ++i) {
-        lost_ += kHorizon - queues_[lane][i].arrival;
+        lost_ += queues_[lane][i].weight * (kHorizon - queues_[lane][i].arrival);
       }
     }
     return lost_;
@@ -64,7 +64,7 @@ class Discharge {
   }
 
   void pass(std::size_t lane, double t) {
-    lost_ += std::max(0.0, t - head(lane)->arrival);
+    lost_ += head(lane)->weight * std::max(0.0, t - head(lane)->arrival);
     last_[lane] = t;
     ++heads_[lane];
     --left_;
@@ -117,7 +117,7 @@ class Discharge {
         for (std::size_t i = heads_[lane]; i < queues_[lane].size(); ++i) {
           const QueuedVehicle& v = queues_[lane][i];
           if (!phases_.has_green(p, v.link)) break;
-          weight += v.arrival <= t ? 1.0 : 1.0 / (1.0 + v.arrival - t);
+          weight += v.weight * (v.arrival <= t ? 1.0 : 1.0 / (1.0 + v.arrival - t));
         }
       }
       if (weight > most) std::tie(best, most) = std::pair(p, weight);

@@ -11,6 +11,7 @@ struct QueuedVehicle {
   double arrival = 0.0;  ///< [s] from now until it is at its line, if nobody hinders it
   bool stands = false;
   bool needs_green = true;  ///< not only those behind it
+  double weight = 1.0;      ///< of what it loses
 };
 
 /// What comes to one signal: the vehicles of each lane, the first first.
@@ -31,9 +32,9 @@ struct QueuePhases {
   std::function<double(int link)> free_in = [](int) { return 0.0; };
 };
 
-/// What the vehicles lose in all [s] if the present phase ends `end` seconds from now and `next`
-/// follows: vertical queues that discharge at saturation; later greens last as long as vehicles
-/// come closely, and go to the phase for which most wait.
+/// What the vehicles lose in all [s], by their weights, if the present phase ends `end` seconds
+/// from now and `next` follows: vertical queues that discharge at saturation; later greens last as
+/// long as vehicles come closely, and go to the phase for which most wait.
 [[nodiscard]] double queue_delay(const Queues& queues, const QueuePhases& phases, double end,
                                  int next);
 /// The same if the present phase lasts as long as vehicles come closely.

@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "coordinator/corridor/corridor_course.hpp"
 #include "coordinator/network/partition.hpp"
 #include "tests/coordinator/fake_traffic.hpp"
@@ -107,6 +109,28 @@ TEST_F(Phases, GoOnWhileAPlatoonComes) {
   EXPECT_TRUE(choice->allows(link("W-C", "C-E")));
 }
 
+TEST_F(Phases, WhoHasStoodForLongWeighsMore) {
+  FakeTrip waits{"waits", 0.0, "S-C", "C-N"};
+  waits.at = std::pair(100.0, 0.0);
+  open({waits});
+  const int lane = graph->link(link("S-C", "C-N")).from;
+  QueueDetector detector(*traffic, *graph, *heads, [](const std::string&) { return false; },
+                         {lane});
+  std::vector<double> weights;
+  for (int i = 0; i < 150; ++i) {
+    for (int k = 0; k < 5; ++k) traffic->step();
+    detector.look();
+    const Queues queues = detector.queues({lane});
+    ASSERT_EQ(queues.front().size(), 1U) << "it has red";
+    weights.push_back(queues.front().front().weight);
+  }
+  EXPECT_EQ(weights[0], 1.0);
+  EXPECT_EQ(weights[50], 1.0) << "25 s";
+  EXPECT_NEAR(weights[149] / weights[99], 1.5, 0.1) << "as it has stood so much longer";
+  EXPECT_GT(weights[99], 1.3) << "50 s";
+  EXPECT_TRUE(std::ranges::is_sorted(weights));
+}
+
 /// Two lanes that cross, a phase for each.
 QueuePhases two_phases() {
   return {.phases = 2,
@@ -128,6 +152,31 @@ TEST(QueueModel, ToCutAPlatoonCostsMoreThanToLetItPass) {
   for (int i = 0; i < 6; ++i) queues[0].push_back({.link = 0, .arrival = 1.0 + 2.0 * i});
   queues[1].push_back({.link = 1, .arrival = 0.0, .stands = true});
   EXPECT_GT(queue_delay(queues, two_phases(), 0.0, 1), queue_delay(queues, two_phases(), 12.0, 1));
+}
+
+TEST(QueueModel, WhoWeighsMoreThanAPlatoonGoesBeforeIt) {
+  Queues queues(2);
+  for (int i = 0; i < 6; ++i) queues[0].push_back({.link = 0, .arrival = 1.0 + 2.0 * i});
+  queues[1].push_back({.link = 1, .arrival = 0.0, .stands = true, .weight = 10.0});
+  EXPECT_LT(queue_delay(queues, two_phases(), 0.0, 1), queue_delay(queues, two_phases(), 12.0, 1));
+  // And counts as so many, whether it goes or not, also where the next phase is chosen.
+  for (const double end : {0.0, 7.0, 300.0}) {
+    const double before = queue_delay(queues, two_phases(), end, 1);
+    for (auto& queue : queues) {
+      for (QueuedVehicle& v : queue) v.weight *= 2.0;
+    }
+    EXPECT_NEAR(queue_delay(queues, two_phases(), end, 1), 2.0 * before, 1e-9) << end;
+  }
+}
+
+//   One of weight 10 in one lane, two of weight 1 in another: 5 s and 14 s if it goes first.
+TEST(QueueModel, TheNextPhaseIsThatOfThoseWhoWeighMost) {
+  QueuePhases phases = two_phases();
+  phases.phases = 3;
+  Queues queues(3);
+  for (int i = 0; i < 2; ++i) queues[1].push_back({.link = 1, .arrival = 0.0, .stands = true});
+  queues[2].push_back({.link = 2, .arrival = 0.0, .stands = true, .weight = 10.0});
+  EXPECT_LT(queue_delay(queues, phases), 10.0 * 6.0 + 2.0 * 20.0);
 }
 
 TEST(QueueModel, ALightThatPeopleKeepRedLetsNobodyPass) {
