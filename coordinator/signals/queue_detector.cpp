@@ -11,7 +11,7 @@ namespace {
 constexpr double kRange = 150.0;     ///< [m] before a line
 constexpr double kAccel = 2.0;       ///< [m/s^2] of a driver who starts
 constexpr double kStands = 0.5;      ///< [m/s]
-constexpr double kLongStand = 30.0;  ///< [s] of standing, after which more of it weighs more
+constexpr double kLongStand = 60.0;  ///< [s] of standing, after which more of it weighs more
 
 }  // namespace
 
