@@ -8,21 +8,26 @@
 #include "coordinator/drivers/room_behind.hpp"
 #include "coordinator/junctions/coordinator.hpp"
 #include "coordinator/junctions/referee.hpp"
+#include "coordinator/prediction/following.hpp"
 
 namespace mvtp {
 
 /// Would one of the guests who are to go touch somebody under control? Who is within their margins
-/// already is not kept clear of them by its plan. Notes who is blocking.
+/// already is not kept clear of them by its plan. At a light, not whom he follows; at the gate
+/// either of them may come to rest inside, where others are let through. Notes who is blocking.
 bool Coordinator::touches_guests(const std::vector<std::string>& guests, const Trial& trial) {
+  const PathLibrary& library = corridors_.library();
   bool touches = false;
   for (const std::string& guest : guests) {
     const VehicleState* state = find_state(guest);
     if (state == nullptr) continue;  // people: see is_clear_of()
+    const bool at_gate = is_at_gate({guest});
     const std::vector<Forecast> passages = predict_one(*state, trial.guests);
     for (const JointPlan::Entry& e : trial.decision.plan.entries) {
+      const int path = trial.paths.at(e.key);
       const bool is_hit = std::ranges::any_of(passages, [&](const Forecast& passage) {
-        return touches_passage(corridors_.library(), trial.paths.at(e.key), *e.profile, passage,
-                               step_);
+        if (!at_gate && follows(passage, {path, e.profile->at(step_).s}, library)) return false;
+        return touches_passage(library, path, *e.profile, passage, step_);
       });
       if (is_hit) blocking_guests_.insert(e.key);
       touches |= is_hit;

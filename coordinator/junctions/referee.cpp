@@ -200,11 +200,6 @@ bool touches_passage(const PathLibrary& library, int path, const SpeedProfile& p
                      const Forecast& passage, std::int64_t step) {
   constexpr double kApart = 0.5;  // [m] between two places of the driver that are looked at
   const ContactTable& contacts = library.contacts(path, passage.vehicle.path);
-  const PlaceOnPath driver{passage.vehicle.path, passage.vehicle.now.s};
-  const PlaceOnPath here{path, plan.at(step).s};
-  const bool follows =
-      drives_ahead(library, here, driver) && !contacts.parts_and_meets_again(here.s, driver.s);
-  if (follows) return false;
   const SpeedProfile& latest = passage.latest ? *passage.latest : passage.earliest;
   for (std::int64_t k = step; k < latest.end(); ++k) {
     const double s = plan.at(k).s;

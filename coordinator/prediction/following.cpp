@@ -88,8 +88,12 @@ class Queue {
   std::vector<std::vector<Leader>> leaders_;  ///< of each
 };
 
-/// Does the driver at `b` see `a` ahead in his lane? With its rear axle on his path its whole nose
-/// is there.
+}  // namespace
+
+void follow_leaders(std::vector<Forecast>& forecasts, const RoadScene& scene) {
+  Queue(forecasts, scene).advance();
+}
+
 bool is_in_lane_ahead(const PathLibrary& library, const PlaceOnPath& a, const PlaceOnPath& b) {
   constexpr double kLook = 100.0;  // [m]
   constexpr double kAside = 0.3;   // [m] as paths of one lane differ
@@ -101,10 +105,10 @@ bool is_in_lane_ahead(const PathLibrary& library, const PlaceOnPath& a, const Pl
   return foot > b.s && std::abs(local.y) < kAside && std::abs(local.theta) < kTurned;
 }
 
-}  // namespace
-
-void follow_leaders(std::vector<Forecast>& forecasts, const RoadScene& scene) {
-  Queue(forecasts, scene).advance();
+bool follows(const Forecast& driver, const PlaceOnPath& leader, const PathLibrary& library) {
+  const PlaceOnPath here{driver.vehicle.path, driver.vehicle.now.s};
+  return is_in_lane_ahead(library, leader, here) &&
+         !library.contacts(here.path, leader.path).parts_and_meets_again(here.s, leader.s);
 }
 
 bool merges_behind(const Forecast& driver, const Forecast& leader, const PathLibrary& library,

@@ -140,8 +140,8 @@ TEST_F(Following, WhoMergesBehindTouchesNobody) {
   EXPECT_GT(not_behind, 30);
 }
 
-TEST_F(Following, WhoMeetsItAgainBehindAForkDoesNotMergeBehind) {
-  // Path 5 leaves path 0 to one side, and comes back across it.
+// Path 5 leaves path 0 to one side, and comes back across it.
+TEST_F(Following, NobodyFollowsOneWhomHeMeetsAgainBehindAFork) {
   std::vector<Point> points;
   for (double x = -100.0; x <= 100.0; x += 0.5) {
     const double aside = std::abs(x) < 25.0 ? std::cos(x * std::numbers::pi / 50.0) : 0.0;
@@ -151,6 +151,17 @@ TEST_F(Following, WhoMeetsItAgainBehindAForkDoesNotMergeBehind) {
   const Forecast driver = passing(0, 20.0, 13.0, 11.0);
   EXPECT_FALSE(merges_behind(driver, passing(5, 60.0, 7.0, 4.0), library, 0.1));
   EXPECT_TRUE(merges_behind(driver, passing(2, 60.0, 7.0, 4.0), library, 0.1));
+  EXPECT_FALSE(follows(driver, {5, 60.0}, library));
+  EXPECT_TRUE(follows(driver, {2, 60.0}, library));
+}
+
+TEST_F(Following, WhoIsBehindOrBesideOrTurnsInIsNotFollowed) {
+  const Forecast driver = passing(0, 80.0, 13.0, 11.0);
+  EXPECT_FALSE(follows(driver, {2, 70.0}, library)) << "behind";
+  EXPECT_FALSE(follows(driver, {3, 95.0}, library)) << "in another lane";
+  EXPECT_FALSE(follows(driver, {1, 100.0}, library)) << "across";
+  EXPECT_FALSE(follows(driver, {4, 56.0}, library)) << "turns in";
+  EXPECT_TRUE(follows(driver, {4, 90.0}, library)) << "has turned in";
 }
 
 //   Held on path 2, which is path 0 again: with its front on 85 m it may move up by 5 m.

@@ -117,7 +117,7 @@ TEST_F(Phases, WhoHasStoodForLongWeighsMore) {
   QueueDetector detector(*traffic, *graph, *heads, [](const std::string&) { return false; },
                          {lane});
   std::vector<double> weights;
-  for (int i = 0; i < 150; ++i) {
+  for (int i = 0; i < 300; ++i) {
     for (int k = 0; k < 5; ++k) traffic->step();
     detector.look();
     const Queues queues = detector.queues({lane});
@@ -125,9 +125,9 @@ TEST_F(Phases, WhoHasStoodForLongWeighsMore) {
     weights.push_back(queues.front().front().weight);
   }
   EXPECT_EQ(weights[0], 1.0);
-  EXPECT_EQ(weights[50], 1.0) << "25 s";
-  EXPECT_NEAR(weights[149] / weights[99], 1.5, 0.1) << "as it has stood so much longer";
-  EXPECT_GT(weights[99], 1.3) << "50 s";
+  EXPECT_EQ(weights[100], 1.0) << "50 s";
+  EXPECT_NEAR(weights[299] / weights[199], 1.5, 0.1) << "as it has stood so much longer";
+  EXPECT_GT(weights[199], 1.3) << "100 s";
   EXPECT_TRUE(std::ranges::is_sorted(weights));
 }
 

@@ -3,9 +3,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <cmath>
-#include <numbers>
-
 namespace mvtp {
 namespace {
 
@@ -82,27 +79,6 @@ TEST_F(RefereeTest, SeesWhoWouldTouchAPassageWheneverItGoes) {
   EXPECT_TRUE(touches(*even(-50.0, 1.0, 150))) << "with the latest";
   EXPECT_FALSE(touches(*even(-70.0, 1.0, 170))) << "behind it";
   EXPECT_FALSE(touches(*even(20.0, 1.0, 80))) << "before it";
-}
-
-// The driver on path 0 has green at s = 20, and keeps behind those in his lane. Path 4 leaves it to
-// one side, and comes back.
-TEST_F(RefereeTest, WhoIsAheadInHisLaneTouchesNoPassage) {
-  std::vector<Point> points;
-  for (double x = -50.0; x <= 50.0; x += 0.5) {
-    const double aside = std::abs(x) < 25.0 ? std::cos(x * std::numbers::pi / 50.0) : 0.0;
-    points.push_back({x, 8.0 * aside * aside});
-  }
-  library.add(ReferencePath(points), kCar);
-  Forecast passage;
-  passage.vehicle = {.key = -1, .path = 0, .now = {20.0, 10.0}, .s_end = 100.0};
-  passage.earliest = *even(20.0, 1.0, 80);
-  const auto touches = [&](int path, const SpeedProfile& t) {
-    return touches_passage(library, path, t, passage, 0);
-  };
-  EXPECT_FALSE(touches(2, *even(26.0, 0.1, 700))) << "crawls ahead of him";
-  EXPECT_TRUE(touches(2, *even(5.0, 2.0, 40))) << "runs into him";
-  EXPECT_TRUE(touches(4, *even(26.0, 0.1, 900))) << "comes back into his lane";
-  EXPECT_TRUE(touches(1, {.states = {{50.0, 0.0}}, .complete = false})) << "stands across it";
 }
 
 // 4 m per step: at the steps both cubes are 2 m before, and then 2 m behind the crossing.
