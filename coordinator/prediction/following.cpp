@@ -88,12 +88,8 @@ class Queue {
   std::vector<std::vector<Leader>> leaders_;  ///< of each
 };
 
-}  // namespace
-
-void follow_leaders(std::vector<Forecast>& forecasts, const RoadScene& scene) {
-  Queue(forecasts, scene).advance();
-}
-
+/// Does the driver at `b` see `a` ahead in his lane? With its rear axle on his path its whole nose
+/// is there. Nobody sees who stands across his lane, or is about to come into it.
 bool is_in_lane_ahead(const PathLibrary& library, const PlaceOnPath& a, const PlaceOnPath& b) {
   constexpr double kLook = 100.0;  // [m]
   constexpr double kAside = 0.3;   // [m] as paths of one lane differ
@@ -103,6 +99,12 @@ bool is_in_lane_ahead(const PathLibrary& library, const PlaceOnPath& a, const Pl
   const double foot = path.project({pose.x, pose.y}, b.s, b.s + kLook);
   const Pose local = relative(path.at(foot), pose);
   return foot > b.s && std::abs(local.y) < kAside && std::abs(local.theta) < kTurned;
+}
+
+}  // namespace
+
+void follow_leaders(std::vector<Forecast>& forecasts, const RoadScene& scene) {
+  Queue(forecasts, scene).advance();
 }
 
 bool follows(const Forecast& driver, const PlaceOnPath& leader, const PathLibrary& library) {

@@ -13,13 +13,8 @@ namespace mvtp {
 /// @param scene  of the moment, with tables of all paths
 void follow_leaders(std::vector<Forecast>& forecasts, const RoadScene& scene);
 
-/// Does the driver at `b` see `a` ahead in his lane? With its rear axle on his path its whole nose
-/// is there. Nobody sees who stands across his lane, or is about to come into it.
-[[nodiscard]] bool is_in_lane_ahead(const PathLibrary& library, const PlaceOnPath& a,
-                                    const PlaceOnPath& b);
-
-/// Does a driver follow somebody who is at `leader`, as long as it is on his path? Not if their
-/// paths part and meet again.
+/// Does a driver follow somebody who is at `leader`, in his lane? Not one who stands across it or
+/// is about to come into it, nor if their paths part and meet again.
 [[nodiscard]] bool follows(const Forecast& driver, const PlaceOnPath& leader,
                            const PathLibrary& library);
 

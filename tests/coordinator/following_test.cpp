@@ -131,8 +131,8 @@ TEST_F(Following, WhoMergesBehindTouchesNobody) {
       }
       ++behind;
       EXPECT_FALSE(merges_behind(leader, driver, library, 0.1)) << leader_s << ", " << s;
-      const SpeedProfile follows = brakes_once_it_is_ahead(driver, leader);
-      EXPECT_FALSE(soon_touch(leader.vehicle, *leader.latest, driver.vehicle, follows))
+      const SpeedProfile braked = brakes_once_it_is_ahead(driver, leader);
+      EXPECT_FALSE(soon_touch(leader.vehicle, *leader.latest, driver.vehicle, braked))
           << leader_s << ", " << s;
     }
   }
@@ -164,7 +164,7 @@ TEST_F(Following, WhoIsBehindOrBesideOrTurnsInIsNotFollowed) {
   EXPECT_TRUE(follows(driver, {4, 90.0}, library)) << "has turned in";
 }
 
-//   Held on path 2, which is path 0 again: with its front on 85 m it may move up by 5 m.
+//   Held at 80 m of path 2, which is path 0 again: it may move up by 5 m.
 TEST_F(Following, NobodyDrivesThroughWhoIsHeld) {
   const auto last_of = [&](int path, double s, const HeldVehicle& held) {
     Forecast driver = passing(path, s, 13.0, 11.0);
