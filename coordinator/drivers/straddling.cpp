@@ -11,7 +11,7 @@ namespace mvtp {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kHalfWidth = 1.0;   ///< [m] beside the middle of its lane that a driver needs
+constexpr double kMargin = 0.1;      ///< [m] beside a body that its driver needs
 constexpr double kNear = 2.0;        ///< [m] beside it a body may be there soon
 constexpr double kRoom = 5.0;        ///< [m] that those who change lanes keep ahead and behind
 constexpr double kTailRange = 60.0;  ///< [m] behind a tail in which drivers matter
@@ -101,19 +101,23 @@ void Straddling::find_tails(const VehicleState& v, const PlannedPose& at) {
 /// A body on or near a lane. Who moves over has but its nose there: drivers keep behind all of it,
 /// not beside it.
 void Straddling::add_body(const std::vector<Point>& body, int lane, double speed) {
-  std::vector<Tail> tails;
-  double rear = kInfinity;
+  std::vector<Tail>& tails = tails_[graph_.lane(lane).id];
+  Tail rear{.along = kInfinity, .aside = kInfinity, .speed = speed};
   for (const Point& p : body) {
     const std::optional<Beside> place = beside(graph_.lane(lane), p);
     if (!place || place->aside >= kNear) continue;
-    rear = std::min(rear, place->along);
+    rear.along = std::min(rear.along, place->along);
+    rear.aside = std::min(rear.aside, place->aside);
     sides_[graph_.lane(lane).id].push_back(place->along);
-    if (place->aside < kHalfWidth) tails.push_back({place->along, speed});
+    tails.push_back({place->along, place->aside, speed});
   }
-  if (tails.empty()) return;
-  tails.push_back({rear, speed});
-  std::vector<Tail>& all = tails_[graph_.lane(lane).id];
-  all.insert(all.end(), tails.begin(), tails.end());
+  if (rear.along < kInfinity) tails.push_back(rear);
+}
+
+/// Would it touch it if it went on in its lane?
+bool Straddling::is_met(const VehicleState& driver, const Tail& tail) const {
+  return tail.along > driver.lane_position &&
+         tail.aside < type_of_(driver.type).body.width / 2.0 + kMargin;
 }
 
 /// From which the driver can stop behind it, braking as it does [Krauss 1998].
@@ -130,8 +134,8 @@ double Straddling::most_speed(const VehicleState& driver) const {
   const auto tails = tails_.find(driver.lane);
   if (tails == tails_.end()) return most;
   for (const Tail& tail : tails->second) {
-    const double ahead = tail.along - driver.lane_position;
-    if (ahead > 0.0 && ahead < kTailRange) most = std::min(most, safe_speed(driver, tail));
+    if (tail.along - driver.lane_position >= kTailRange || !is_met(driver, tail)) continue;
+    most = std::min(most, safe_speed(driver, tail));
   }
   return most;
 }
@@ -141,7 +145,7 @@ std::optional<double> Straddling::stop_position(const VehicleState& driver) cons
   if (tails == tails_.end()) return std::nullopt;
   double most = kInfinity;
   for (const Tail& tail : tails->second) {
-    if (tail.speed > kStanding || tail.along <= driver.lane_position) continue;
+    if (tail.speed > kStanding || !is_met(driver, tail)) continue;
     most = std::min(most, tail.along - type_of_(driver.type).min_gap);
   }
   if (most == kInfinity) return std::nullopt;

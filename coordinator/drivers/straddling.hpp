@@ -42,6 +42,7 @@ class Straddling {
   /// A point of a body on a lane that its front is not on.
   struct Tail {
     double along = 0.0;  ///< [m] from the start of the lane
+    double aside = 0.0;  ///< [m] from its middle, for a rear that of the nearest point of the body
     double speed = 0.0;  ///< [m/s] along the lane
   };
   [[nodiscard]] bool is_clear(const Pose& pose, const Vehicle& body, int lane, int from) const;
@@ -50,6 +51,7 @@ class Straddling {
   [[nodiscard]] bool enters_junction(const VehicleState& driver, int lane) const;
   [[nodiscard]] bool is_near_one(const VehicleState& driver) const;
   [[nodiscard]] bool is_beside_one(const VehicleState& driver) const;
+  [[nodiscard]] bool is_met(const VehicleState& driver, const Tail& tail) const;
   [[nodiscard]] double safe_speed(const VehicleState& driver, const Tail& tail) const;
   [[nodiscard]] double most_speed(const VehicleState& driver) const;
 

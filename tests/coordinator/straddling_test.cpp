@@ -76,10 +76,8 @@ class StraddlingTest : public testing::Test {
               return poses;
             },
             [this](const VehicleState&) { return reaction; },
-            [](const std::string& type) -> const VehicleType& {
-              static const VehicleType kCar = fake_type("car");
-              EXPECT_EQ(type, "car");
-              return kCar;
+            [this](const std::string& type) -> const VehicleType& {
+              return types.try_emplace(type, fake_type(type)).first->second;
             },
             [this](const std::string&) { return graph.find_lane("W-C_1"); }) {
     traffic.insert_now();
@@ -102,6 +100,7 @@ class StraddlingTest : public testing::Test {
   double reaction = fake_type("car").tau;  ///< [s] of all drivers
   Pose middle;                             ///< of "across" in its lane
   std::vector<Pose> soon = {Pose{}};       ///< of "across" later, seen from where it is
+  std::map<std::string, VehicleType> types;
   LaneKeeping keeping{traffic};
   LaneGraph graph;
   Straddling straddling;
@@ -123,6 +122,19 @@ TEST_F(StraddlingTest, DriversBehindATailOnTheirLaneCanStopBehindIt) {
   const double gap = tail - at("behind").lane_position - type.min_gap;
   EXPECT_NEAR(v * type.tau + v * v / (2.0 * type.body.max_decel), gap, 1.5);
   EXPECT_GT(v, 5.0);
+}
+
+// Its side is 1.2 m from the middle of their lane.
+TEST_F(StraddlingTest, WideVehiclesStopWhereNarrowOnesPassBeside) {
+  FakeTrip bus = car("bus", "C-E", 0, 15.0);
+  bus.type = "bus";
+  traffic.add(bus);
+  traffic.insert_now();
+  put_aside(0.9);
+  straddling.show();
+  EXPECT_THAT(traffic.caps, ElementsAre(Key("bus")));
+  EXPECT_TRUE(straddling.stop_position(at("bus")).has_value());
+  EXPECT_FALSE(straddling.stop_position(at("behind")).has_value());
 }
 
 // Else they come level with it while it moves over, and neither can stop in time.
