@@ -37,6 +37,23 @@ HumanDrivers::~HumanDrivers() = default;
 
 bool HumanDrivers::is_inside(int lane) const { return graph_.is_inside(lane, coordinated_); }
 
+/// The connection by which it goes on to the next edge of its route: from its lane, if one leads
+/// there, and onto a lane from which it can go on; LaneGraph::kNone: none.
+int HumanDrivers::link_ahead(const CourseQuery& query) const {
+  int best = LaneGraph::kNone;
+  int most = -1;
+  for (const int lane : graph_.lanes_of(query.edges[0])) {
+    for (const int k : graph_.links_between(lane, query.edges[1])) {
+      const bool leads_on = query.edges.size() < 3 ||
+                            !graph_.links_between(graph_.link(k).to, query.edges[2]).empty();
+      const int worth = (lane == query.lane ? 2 : 0) + (leads_on ? 1 : 0);
+      if (worth > most) best = k;
+      most = std::max(most, worth);
+    }
+  }
+  return best;
+}
+
 /// As it will be on the last edge before its line, from where it is on its route now. Whose lane
 /// does not lead there changes to one that does.
 CourseQuery HumanDrivers::before_line(const CourseQuery& query) const {
@@ -48,11 +65,7 @@ CourseQuery HumanDrivers::before_line(const CourseQuery& query) const {
   }
   while (there.edges.size() > 1 &&
          !coordinated_[std::size_t(graph_.junction_behind(there.edges[0]))]) {
-    int link = LaneGraph::kNone;
-    for (const int lane : graph_.lanes_of(there.edges[0])) {
-      const std::vector<int> links = graph_.links_between(lane, there.edges[1]);
-      if (!links.empty() && (link == LaneGraph::kNone || lane == there.lane)) link = links.front();
-    }
+    const int link = link_ahead(there);
     if (link == LaneGraph::kNone) break;
     there.lane = graph_.link(link).to;
     there.edges = there.edges.subspan(1);

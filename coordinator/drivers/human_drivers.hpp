@@ -147,6 +147,7 @@ class HumanDrivers {
   [[nodiscard]] static TubeView tube_of(const Movement& movement) {
     return {movement.forecast.earliest, *movement.forecast.latest};
   }
+  [[nodiscard]] int link_ahead(const CourseQuery& query) const;
   [[nodiscard]] CourseQuery before_line(const CourseQuery& query) const;
   [[nodiscard]] std::vector<int> links_of(const CourseQuery& query) const;
   [[nodiscard]] std::vector<int> links_in_question(const CourseQuery& query, double to_line) const;

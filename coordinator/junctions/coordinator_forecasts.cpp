@@ -59,8 +59,10 @@ std::vector<Forecast> Coordinator::predict_one(const VehicleState& v,
                            step_ - std::int64_t(std::lround(v.age / grid_.dt)));
   }
   const bool passes = gate_.passes(v.id) || is_let_pass;
+  const bool has_red = owns_signals() && humans_->knows(v.id);
   const Intent intent = lost_.contains(v.id) ? Intent::kUnknown
                         : passes             ? Intent::kPasses
+                        : has_red            ? Intent::kHasRed
                                              : Intent::kWaits;
   std::vector<Forecast> forecasts =
       predictor_.predict(v, query, type_of(v.type).body, intent, stand_of(v), grid_,

@@ -294,12 +294,12 @@ std::vector<Forecast> Predictor::predict(const VehicleState& v, const CourseQuer
     expected_on_[v.id] = {placed->corridor, s};
     return {forecast};
   }
-  bool is_held = false;
+  const bool is_held = at_line && !is_inside;
   if (to_line) {
     // It is held at the end of its lane, or driven as soon as it is nearer.
+    const bool at_end = is_held && intent == Intent::kWaits;
     const double to_end = graph_.lane(query.lane).length - query.position;
-    is_held = at_line && !is_inside;
-    const double line = s + (is_held ? std::min(*to_line, to_end) : *to_line);
+    const double line = s + (at_end ? std::min(*to_line, to_end) : *to_line);
     if (!stop || line < stop->s - kSame) {
       stop = StopLine{.s = line, .hardest = body.max_decel};
       if (is_held) stop->braking = body.max_decel;  // SUMO's drivers brake as late as they can

@@ -21,9 +21,10 @@ struct ExitRoot {
   double offset = 0.0;
 };
 
-/// What a driver does at a coordinated stop line: waits, as it is held at the end of its lane; goes
-/// over it, as it is let through; or nobody knows, of one that does not do what it was told to.
-enum class Intent { kWaits, kPasses, kUnknown };
+/// What a driver does at a coordinated stop line: waits, as it is held at the end of its lane, or
+/// at the line, where the light is red; goes over it, as it is let through; or nobody knows, of one
+/// that does not do what it was told to.
+enum class Intent { kWaits, kHasRed, kPasses, kUnknown };
 
 /// Where a driver stands for long.
 struct StopLine {

@@ -167,39 +167,6 @@ TEST(HumanDrivers, NeverPassTheEndOfALaneThatDoesNotLeadOn) {
   EXPECT_EQ(run.coordinator.humans()->unplanned_passages(), 0);
 }
 
-/// The western arm is straight; its last edge is 11 m long.
-NetworkShape short_last_edge_shape() { return with_signals(seam_shape({-140, 0}, {-20, 0}, 1.5)); }
-
-// When he is on it, it is too late to stop.
-TEST(HumanDrivers, AreExpectedFromBeforeAShortLastEdge) {
-  ClosedLoop run(short_last_edge_shape(), {{"a", 0.0, "W-D", "C-E"}}, 0.1, share(0.0));
-  double least = 1e9;
-  int before = 0;
-  while (run.traffic.running() && run.traffic.time() < 60.0) {
-    run.step();
-    for (const VehicleState& v : run.traffic.vehicles()) {
-      least = std::min(least, v.speed);
-      before += int(v.lane == "W-D_0" && run.coordinator.humans()->passes("a"));
-    }
-  }
-  EXPECT_GT(before, 5);
-  EXPECT_GT(least, 12.0);
-  EXPECT_EQ(run.coordinator.humans()->greens(), 1);
-  EXPECT_EQ(run.coordinator.humans()->unplanned_passages(), 0);
-}
-
-TEST(HumanDrivers, ArriveWithoutContactOverAShortLastEdge) {
-  for (const unsigned seed : {1U, 2U, 3U}) {
-    const NetworkShape shape = short_last_edge_shape();
-    ClosedLoop run(shape, random_trips(shape, {.seed = seed}), 0.1, share(0.5));
-    run.run_until(600.0);
-    EXPECT_THAT(run.broken, IsEmpty()) << seed;
-    EXPECT_EQ(run.audit.figures().overlap_pairs_coordinated, 0) << seed;
-    EXPECT_EQ(run.traffic.arrived(), run.number_of_trips) << seed;
-    EXPECT_EQ(run.coordinator.humans()->unplanned_passages(), 0) << seed;
-  }
-}
-
 // They stand further from their lines than they would from a leader.
 TEST(HumanDrivers, WhoStandAtTheirLinesGetGreen) {
   const NetworkShape shape = crossroads_with_phases();

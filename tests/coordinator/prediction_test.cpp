@@ -64,6 +64,22 @@ TEST(Predictor, WhoIsHeldBrakesAsLateAsHeCan) {
   }
 }
 
+// Whoever is held stops at the end of its lane, wherever that is.
+TEST(Predictor, WhoHasRedStopsAtTheLineAlsoIfItsLaneEndsBefore) {
+  Prediction p(seam_shape({-140, 0}, {-30, 0}, 1.5));
+  const double end = p.shape.network.lanes.at("W-D_0").shape.back().x;
+  const double line = p.shape.network.lanes.at("D-C_0").shape.back().x;
+  const auto stands_at = [&](Intent intent) {
+    const auto forecasts = p.predict("W-D_0", 70.0, 10.0, {"W-D", "D-C", "C-E"}, intent);
+    EXPECT_THAT(forecasts, SizeIs(1));
+    EXPECT_EQ(forecasts[0].earliest.at(7 + 400).v, 0.0);
+    EXPECT_TRUE(forecasts[0].held);
+    return p.place(forecasts[0], 7 + 400).x;
+  };
+  EXPECT_NEAR(stands_at(Intent::kWaits), end, 2.0);
+  EXPECT_NEAR(stands_at(Intent::kHasRed), line, 2.0);
+}
+
 // Only the left of two lanes leads where it wants to go: until it can change over, it waits.
 TEST(Predictor, WhoIsInAWrongLaneStopsAtItsEndEvenIfItMayPass) {
   Prediction p(two_lanes_shape());
