@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <map>
 #include <optional>
 #include <span>
@@ -24,10 +25,12 @@ struct VehicleType {
 /// One vehicle on the road after a step.
 struct VehicleState {
   std::string id;
-  std::string type;             ///< VehicleType::id
-  Pose pose;                    ///< rear axle
-  double speed = 0.0;           ///< [m/s]
-  double speed_factor = 1.0;    ///< its own multiple of every speed limit
+  std::string type;           ///< VehicleType::id
+  Pose pose;                  ///< rear axle
+  double speed = 0.0;         ///< [m/s]
+  double speed_factor = 1.0;  ///< its own multiple of every speed limit
+  /// [m/s] that its driver does not exceed, whatever the limit and though it could: bicycles
+  double top_speed = std::numeric_limits<double>::infinity();
   std::string lane;             ///< empty while off every lane
   double lane_position = 0.0;   ///< of the front bumper from the start of the lane [m]
   bool halted_by_stop = false;  ///< it stands at a scheduled stop, and waits there for its time

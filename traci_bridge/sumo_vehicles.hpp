@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <map>
 #include <string>
 
@@ -28,8 +29,11 @@ class SumoVehicles {
     std::string type;
     double front = 0.0;  ///< Vehicle::front [m]
     double speed_factor = 1.0;
+    double top_speed = std::numeric_limits<double>::infinity();  ///< VehicleState::top_speed
+    std::string lane = {};                                       ///< where that was last looked up
   };
-  [[nodiscard]] const Constant& known(const std::string& id);
+  [[nodiscard]] Constant& known(const std::string& id);
+  static void look_up_top_speed(const std::string& id, const std::string& lane, Constant& vehicle);
 
   const SumoControlled& controlled_;
   const SumoHolds& holds_;

@@ -113,7 +113,7 @@ std::vector<HumanDrivers::Movement> HumanDrivers::movements_of(const VehicleStat
     Movement& movement = movements.emplace_back();
     movement.links = std::move(links);
     movement.corridor = placed->corridor;
-    set_driver(movement, placed->road, to_line, v.speed_factor, type);
+    set_driver(movement, placed->road, to_line, v, type);
   };
   for (const int k : links_in_question(query, to_line)) {
     const LaneGraph::Link& link = graph_.link(k);
@@ -217,7 +217,7 @@ void HumanDrivers::see(const VehicleState& v, const CourseQuery& query, double t
 
 /// What bounds its motion, and where its tail is clear of the junction.
 void HumanDrivers::set_driver(Movement& movement, const RoadVehicle& road, double to_line,
-                              double speed_factor, const VehicleType& type) const {
+                              const VehicleState& v, const VehicleType& type) const {
   const Corridor& corridor = corridors_[movement.corridor];
   movement.driver = {.road = road,
                      .limits = corridor.lane_limits,
@@ -227,7 +227,7 @@ void HumanDrivers::set_driver(Movement& movement, const RoadVehicle& road, doubl
   movement.driver.road.min_gap = type.min_gap;
   movement.driver.road.tau = type.tau;
   for (double& limit : movement.driver.limits) {
-    limit = std::min(limit * speed_factor, type.body.max_speed);
+    limit = std::min({limit * v.speed_factor, type.body.max_speed, v.top_speed});
   }
   const std::vector<CorridorPiece>& pieces = corridor.course.pieces;
   const auto is_inside = [&](std::size_t i) {

@@ -154,8 +154,8 @@ class HumanDrivers {
   [[nodiscard]] std::vector<Movement> movements_of(const VehicleState& v, const CourseQuery& query,
                                                    double to_line, const VehicleType& type) const;
   void check_tube(Agent& agent, const Pose& front);
-  void set_driver(Movement& movement, const RoadVehicle& road, double to_line, double speed_factor,
-                  const VehicleType& type) const;
+  void set_driver(Movement& movement, const RoadVehicle& road, double to_line,
+                  const VehicleState& v, const VehicleType& type) const;
   void remember_lanes();
   [[nodiscard]] std::vector<std::string> who_waits_for(const Agent& agent) const;
   void predict_all();

@@ -103,9 +103,10 @@ Driven Coordinator::admit(const Newcomer& newcomer, std::int64_t key) {
   }
   const Corridor& c = corridors_[driven.corridor];
 
+  const double top_speed = std::min(type.body.max_speed, v.top_speed);
   std::vector<double> limits = c.lateral_limits;
   for (std::size_t i = 0; i < limits.size(); ++i) {
-    limits[i] = std::min({limits[i], v.speed_factor * c.lane_limits[i], type.body.max_speed});
+    limits[i] = std::min({limits[i], v.speed_factor * c.lane_limits[i], top_speed});
   }
   RoadVehicle& road = driven.road;
   road.key = driven.key;
@@ -114,7 +115,7 @@ Driven Coordinator::admit(const Newcomer& newcomer, std::int64_t key) {
   road.now = {driven.approach.begin(), v.speed * c.ratios[c.piece_at(expected)]};
   driven.since = step_;
   delay(driven, v);
-  road.cruise_speed = std::min(v.speed_factor * c.lane_limits.back(), type.body.max_speed);
+  road.cruise_speed = std::min(v.speed_factor * c.lane_limits.back(), top_speed);
   road.envelope =
       std::make_shared<SpeedEnvelope>(std::move(limits), comfortable_braking(type.body));
   road.weight = options_.priority.weight_of(type);

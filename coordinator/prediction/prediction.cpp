@@ -179,8 +179,8 @@ std::optional<Predictor::Placed> Predictor::place(const VehicleState& v, const C
   road.path = corridor.path;
   road.now = {s, v.speed};
   road.stuck = v.speed == 0.0;
-  road.cruise_speed =
-      std::max(1.0, std::min(v.speed_factor * corridor.lane_limits.back(), body.max_speed));
+  road.cruise_speed = std::max(
+      1.0, std::min({v.speed_factor * corridor.lane_limits.back(), body.max_speed, v.top_speed}));
   const ExitRoot root = exit_roots_[std::size_t(query.lane)];
   if (root.lane != LaneGraph::kNone) {
     road.exit_lane = root.lane;

@@ -22,7 +22,7 @@ struct ExitRoot {
 };
 
 /// What a driver does at a coordinated stop line: waits, as it is held at the end of its lane, or
-/// at the line, where the light is red; goes over it, as it is let through; or nobody knows, of one
+/// at the line, where his signal is red; goes over it, as it is let through; or nobody knows, of one
 /// that does not do what it was told to.
 enum class Intent { kWaits, kHasRed, kPasses, kUnknown };
 

@@ -28,6 +28,7 @@ void TripLog::begin(const Snapshot& now, const Observation& observation, Entry& 
   const double depart = now.time - traffic_.step_length();
   const auto wanted = wanted_.find(v.id);
   entry.route = traffic_.route(v.id);
+  entry.top_speed = v.top_speed;
   entry.trip = {.id = v.id,
                 .type = v.type,
                 .depart = depart,
@@ -79,9 +80,10 @@ std::vector<VehicleRecord> TripLog::records(
       v.stopped = entry.stopped;
       v.movement = entry.route.front() + ">" + entry.route.back();
       const double last = network.lanes.at(first_lane(entry.route.back())).length;
-      v.free_flow = free_flow.duration(entry.route, trip.depart_lane, trip.depart_position,
-                                       trip.arrival ? trip.arrival_position : last,
-                                       trip.speed_factor, max_speed(trip.type));
+      v.free_flow =
+          free_flow.duration(entry.route, trip.depart_lane, trip.depart_position,
+                             trip.arrival ? trip.arrival_position : last, trip.speed_factor,
+                             std::min(max_speed(trip.type), entry.top_speed));
     }
     records.push_back(std::move(v));
   }
@@ -108,7 +110,8 @@ std::map<std::string, double> TripLog::times_at_gate(
       times[trip.id] =
           intended + free_flow.duration(std::span(route.begin(), edge + 1), trip.depart_lane,
                                         trip.depart_position, entry.offset + body.length(),
-                                        trip.speed_factor, body.max_speed);
+                                        trip.speed_factor,
+                                        std::min(body.max_speed, known->second.top_speed));
     }
   }
   return times;

@@ -46,6 +46,7 @@ class TripLog {
   struct Entry {
     Trip trip;
     std::vector<std::string> route;
+    double top_speed = 0.0;  ///< VehicleState::top_speed [m/s]
     bool coordinated = false;
     double stopped = 0.0;  ///< [s]
     double last_seen = 0.0;

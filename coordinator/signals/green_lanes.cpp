@@ -170,7 +170,7 @@ void GreenLanes::sense(const VehicleState& v, int edge, int lane, double to_line
   types_.try_emplace(type.id, type);
   if (to_line > kSensors) return;
   const double limit = v.speed_factor * graph_.lane(graph_.lanes_of(edge).front()).speed_limit;
-  const double wanted = std::max(1.0, std::min(limit, type.body.max_speed));
+  const double wanted = std::max(1.0, std::min({limit, type.body.max_speed, v.top_speed}));
   const Sensed driver{v.id, to_line, least_time(to_line, v.speed, type.body.max_accel, wanted)};
   for (const int other : graph_.lanes_of(edge)) {
     if (lane == LaneGraph::kNone || lane == other) sensed_[other].push_back(driver);

@@ -238,6 +238,21 @@ TEST(Predictor, WhoPassesMaySpeedUpAsItsTypeCan) {
   }
 }
 
+// Bicycles of SUMO could drive at 14 m/s, but do not.
+TEST(Predictor, NobodyDrivesFasterThanHeWants) {
+  Prediction p(crossroads_shape());
+  p.top_speed = 5.5;
+  for (const Intent intent : {Intent::kPasses, Intent::kWaits}) {
+    const auto forecasts = p.predict("C-E_0", 20.0, 4.0, {"C-E"}, intent);
+    ASSERT_THAT(forecasts, SizeIs(1));
+    EXPECT_NEAR(forecasts[0].earliest.states.back().v, 5.5, p.grid.dt);
+  }
+  const auto passes = p.predict("W-C_0", 100.0, 4.0, {"W-C", "C-E"}, Intent::kPasses);
+  ASSERT_THAT(passes, SizeIs(1));
+  EXPECT_NEAR(passes[0].earliest.states.back().v, 5.5, 1e-9);
+  EXPECT_LT(passes[0].latest->states.back().v, 5.5);
+}
+
 // SUMO's drivers who start, at sigma 0.5, take three quarters of what their vehicles can on
 // average.
 TEST(Predictor, WhoPassesTakesHalfOfWhatItsTypeCanAtLeast) {

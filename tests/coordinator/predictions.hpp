@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cmath>
+#include <limits>
 #include <string>
 #include <utility>
 #include <vector>
@@ -28,6 +29,7 @@ class Prediction {
                          .type = "car",
                          .pose = compose({b.x, b.y, theta}, {-back, 0.0, 0.0}),
                          .speed = speed,
+                         .top_speed = top_speed,
                          .lane = lane,
                          .lane_position = position};
     CourseQuery query = walk.at(lane, position, std::move(edges));
@@ -47,6 +49,7 @@ class Prediction {
   CorridorMap map{walk.graph, area, {}};
   Predictor predictor{walk.graph, walk.finder, map, CorridorOptions{}.takeover};
   Vehicle car = fake_type("car").body;
+  double top_speed = std::numeric_limits<double>::infinity();  ///< [m/s] of the vehicle
   DecisionGrid grid;
 };
 

@@ -123,6 +123,26 @@ TEST(TripLog, KnowsWhenVehiclesCameWentAndStood) {
   EXPECT_NEAR(delay_of(records[1], 20.0), 20.0 - 10.0 - 8.0, 1e-9);
 }
 
+// Else a bicycle that nobody holds up would be late.
+TEST(TripLog, FreeFlowIsNoFasterThanTheDriverWants) {
+  const auto free_flow_at = [](double top_speed) {
+    StandingTraffic traffic(0.0);
+    TripLog log(traffic);
+    Simulation simulation(traffic);
+    simulation.add([&](const Snapshot& now) { log.observe(now); });
+    traffic.states = {standing("v")};
+    traffic.states[0].top_speed = top_speed;
+    simulation.step();
+    const FreeFlow free_flow(traffic.network());
+    const auto max_speed = [](const std::string&) { return 50.0; };
+    return log.records(log.trips(), free_flow, 1.0, max_speed, {}).at(0).free_flow;
+  };
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  EXPECT_GT(free_flow_at(kInfinity), 0.0);
+  EXPECT_NEAR(free_flow_at(1.0), free_flow_at(2.0) * 2.0, 1e-9);
+  EXPECT_EQ(free_flow_at(100.0), free_flow_at(kInfinity));
+}
+
 /// Drives one vehicle.
 class OneDriver : public Controller {
  public:

@@ -417,6 +417,22 @@ TEST_F(SumoTrafficTest, ALowerLimitHoldsForEveryDriver) {
   EXPECT_NEAR(traffic->network().lanes.at("Wi_0").posted_limit.value(), 13.89, 1e-9);
 }
 
+// A bicycle could drive at 50 km/h, and wants 20; in a lane for 10 nothing of that is seen.
+TEST_F(SumoTrafficTest, KnowsHowFastDriversWantToBe) {
+  const auto traffic =
+      open(R"(<vType id="bike" vClass="bicycle" speedFactor="0.9" speedDev="0"/>)" +
+           vehicle("a", 0, "Wi Eo", "departPos=\"100\"") +
+           R"(<vehicle id="b" type="bike" depart="0" departPos="20"><route edges="Wi Eo"/></vehicle>
+              <vehicle id="c" type="bike" depart="0" departPos="190"><route edges="Ni So"/></vehicle>)");
+  traffic->limit_speed("Ni_0", 10.0 / 3.6);
+  traffic->step();
+  EXPECT_EQ(at(*traffic, "a").top_speed, std::numeric_limits<double>::infinity());
+  EXPECT_NEAR(at(*traffic, "b").top_speed, 0.9 * 20.0 / 3.6, 1e-6);
+  EXPECT_EQ(at(*traffic, "c").top_speed, std::numeric_limits<double>::infinity());
+  while (at(*traffic, "c").lane == "Ni_0" && traffic->time() < 60.0) traffic->step();
+  EXPECT_NEAR(at(*traffic, "c").top_speed, 0.9 * 20.0 / 3.6, 1e-6);
+}
+
 TEST_F(SumoTrafficTest, CountsEachPairThatCollidesOnce) {
   const auto traffic = open(vehicle("a", 0, "Wi Eo", "departPos=\"50\"") +
                             vehicle("b", 0, "Wi Eo", "departPos=\"100\""));
