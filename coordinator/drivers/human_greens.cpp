@@ -65,8 +65,9 @@ bool HumanDrivers::may_have_green(const Agent& agent) const {
 
 bool HumanDrivers::may_turn_green(int link) const {
   if (!phases_) return heads_.may_turn_green(link);
-  return heads_.may_turn_green(
-      link, [&](int other) { return other < graph_.links() && phases_->go_together(link, other); });
+  return heads_.may_turn_green(link, [&](int other) {
+    return other < graph_.links() && phases_->may_be_green_together(link, other);
+  });
 }
 
 bool HumanDrivers::is_shown_green(const Agent& agent) const {
@@ -276,9 +277,12 @@ bool HumanDrivers::may_meet(const std::vector<std::string>& ids, int path,
     const Agent& agent = found->second;
     return std::ranges::any_of(agent.movements, [&](const Movement& movement) {
       const RoadVehicle& road = movement.forecast.vehicle;
-      const bool follows =
-          drives_ahead(corridors_.library(), {path, plan.at(step_).s}, {road.path, road.now.s});
-      if (follows) return false;
+      // Of two in one lane the one behind keeps its distance, also if it stands closer than that.
+      const PlaceOnPath driver{road.path, road.now.s};
+      const PlaceOnPath other{path, plan.at(step_).s};
+      const PathLibrary& library = corridors_.library();
+      if (drives_ahead(library, other, driver) || drives_ahead(library, driver, other))
+        return false;
       const ContactTable& contacts = corridors_.library().contacts(road.path, path);
       return mvtp::may_meet(contacts, tube_of(movement), movement.s_clear, {plan, plan},
                             SpeedProfile::kDeparted / 2.0, step_, slack_before(), slack_behind());

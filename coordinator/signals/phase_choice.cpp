@@ -75,6 +75,11 @@ bool PhaseChoice::go_together(int link, int other) const {
   return says_so(link, other) && says_so(other, link);
 }
 
+bool PhaseChoice::may_be_green_together(int link, int other) const {
+  return go_together(link, other) ||
+         (is_on(link) && is_on(other) && phases_.protects_both(link, other));
+}
+
 void PhaseChoice::decide() {
   detector_->look();
   for (std::size_t s = 0; s < choices_.size(); ++s) decide(int(s));

@@ -16,7 +16,10 @@ SignalPhases::SignalPhases(const Traffic& traffic, const LaneGraph& graph,
     std::vector<GreenPhase> phases = read_program(traffic, graph, signal, own);
     if (phases.empty()) continue;
     for (const int k : own) signal_of_[std::size_t(k)] = int(signals_.size());
-    for (const GreenPhase& phase : phases) find_who_yields(phase, heads);
+    for (const GreenPhase& phase : phases) {
+      find_who_yields(phase, heads);
+      find_protected(phase, heads);
+    }
     signals_.push_back({signal, std::move(phases)});
   }
 }
@@ -45,6 +48,15 @@ void SignalPhases::find_who_yields(const GreenPhase& phase, const SignalHeads& h
   for (const int k : phase.yielding) {
     for (const int other : phase.links) {
       if (heads.cross(k, other)) yields_.insert({k, other});
+    }
+  }
+}
+
+void SignalPhases::find_protected(const GreenPhase& phase, const SignalHeads& heads) {
+  for (const int k : phase.links) {
+    for (const int other : phase.links) {
+      const bool is_protected = !phase.yielding.contains(k) && !phase.yielding.contains(other);
+      if (k < other && is_protected && heads.cross(k, other)) protected_.insert({k, other});
     }
   }
 }

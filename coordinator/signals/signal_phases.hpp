@@ -1,7 +1,9 @@
 #pragma once
 
+#include <algorithm>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "coordinator/signals/signal_heads.hpp"
@@ -21,7 +23,8 @@ struct PhasedSignal {
 };
 
 /// Which movements may have green together: those that do in a phase of the signal's own program.
-/// Movements that cross are together only where one of them yields there.
+/// Of movements that cross mostly one yields there. Where none does, as of two who turn side by
+/// side, both have green, but not everybody has room beside everybody.
 class SignalPhases {
  public:
   SignalPhases(const Traffic& traffic, const LaneGraph& graph, const SignalHeads& heads);
@@ -37,16 +40,22 @@ class SignalPhases {
   [[nodiscard]] bool permits(int link, int other) const {
     return yields_to(link, other) || yields_to(other, link);
   }
+  /// Have two connections that come near each other green together, and neither yields?
+  [[nodiscard]] bool protects_both(int link, int other) const {
+    return protected_.contains(std::minmax(link, other));
+  }
 
  private:
   [[nodiscard]] std::vector<GreenPhase> read_program(const Traffic& traffic, const LaneGraph& graph,
                                                      const std::string& signal,
                                                      const std::vector<int>& links) const;
   void find_who_yields(const GreenPhase& phase, const SignalHeads& heads);
+  void find_protected(const GreenPhase& phase, const SignalHeads& heads);
 
   std::vector<PhasedSignal> signals_;
   std::vector<int> signal_of_;
   std::set<std::pair<int, int>> yields_;
+  std::set<std::pair<int, int>> protected_;
 };
 
 }  // namespace mvtp

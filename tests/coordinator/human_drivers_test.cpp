@@ -238,6 +238,36 @@ TEST(HumanDrivers, TurnLeftBeforeThoseBehindAControlledCarThatWaits) {
   EXPECT_GT(inside, 5);
 }
 
+// A light that stays green as long as its phase does must not keep the others of it red.
+TEST(HumanDrivers, AllGoInAPhaseInWhichNobodyYields) {
+  NetworkShape shape = crossroads_with_phases();
+  for (SignalPhase& phase : shape.programs.at("C")) std::ranges::replace(phase.lights, 'g', 'G');
+  const double line = shape.network.lanes.at("W-C_0").length - 1.0;
+  std::vector<FakeTrip> trips = {
+      {"left", 0.0, "W-C", "C-N"}, {"oncoming", 0.0, "E-C", "C-W"}, {"across", 0.0, "S-C", "C-N"}};
+  for (FakeTrip& trip : trips) trip.at = std::pair(line, 0.0);
+  ClosedLoop run(shape, trips, 0.1, share(0.0));
+  run.run_until(50.0);
+  EXPECT_THAT(run.broken, IsEmpty());
+  EXPECT_EQ(run.traffic.arrived(), 3);
+}
+
+// It stands within the margins behind him, and can go only after him.
+TEST(HumanDrivers, GetGreenBeforeAControlledCarThatStandsCloseBehind) {
+  CoordinatorOptions options = share(1.0);
+  options.share.human_types = {"bike"};
+  const NetworkShape shape = crossroads_with_phases();
+  const double line = shape.network.lanes.at("W-C_0").length - 0.5;
+  FakeTrip human{"human", 0.0, "W-C", "C-E", "bike"};
+  human.at = std::pair(line, 0.0);
+  FakeTrip car{"car", 0.0, "W-C", "C-E"};
+  car.at = std::pair(line - fake_type("bike").body.length() - 0.15, 0.0);
+  ClosedLoop run(shape, {human, car}, 0.1, options);
+  run.run_until(120.0);
+  EXPECT_THAT(run.broken, IsEmpty());
+  EXPECT_EQ(run.traffic.arrived(), 2);
+}
+
 TEST(HumanDrivers, StayBeforeTheirLineUntilTheyHaveGreen) {
   ClosedLoop run = loop(cars(2), share(0.3));
   const std::vector<int> later = {20};

@@ -15,8 +15,12 @@ namespace {
 /// Crossroads whose signal has two phases; vehicles stand where they are put.
 class Phases : public testing::Test {
  protected:
-  void open(std::vector<FakeTrip> trips) {
-    const NetworkShape shape = crossroads_with_phases();
+  /// @param protects_all  in its phase everybody is told that nobody who crosses has green.
+  void open(std::vector<FakeTrip> trips, bool protects_all = false) {
+    NetworkShape shape = crossroads_with_phases();
+    for (SignalPhase& phase : shape.programs.at("C")) {
+      if (protects_all) std::ranges::replace(phase.lights, 'g', 'G');
+    }
     traffic = std::make_unique<FakeTraffic>(shape.network, std::move(trips), 0.1, shape.programs);
     graph = std::make_unique<LaneGraph>(traffic->network());
     heads = std::make_unique<SignalHeads>(*traffic, *graph, select_junctions(*graph, {}, 50.0),
@@ -56,6 +60,28 @@ TEST_F(Phases, MovementsGoTogetherThatDoInTheProgram) {
   EXPECT_FALSE(phases.yields_to(oncoming, left));
   EXPECT_TRUE(phases.permits(oncoming, left));
   EXPECT_FALSE(phases.permits(left, link("S-C", "C-N")));  // they merge, in different phases
+}
+
+// As where two turn side by side: their signal knows that there is room for both.
+TEST_F(Phases, HaveAllTheirLightsGreenWhereNobodyYields) {
+  FakeTrip left_turner{"b", 0.0, "W-C", "C-N"};
+  left_turner.at = std::pair(90.0, 13.0);
+  FakeTrip across{"a", 0.0, "S-C", "C-N"};
+  across.at = std::pair(60.0, 13.0);
+  open({across, left_turner}, /*protects_all=*/true);
+  const int left = link("W-C", "C-N");
+  const int oncoming = link("E-C", "C-W");
+  EXPECT_TRUE(choice->phases().protects_both(left, oncoming));
+  EXPECT_TRUE(choice->phases().protects_both(oncoming, left));
+  EXPECT_FALSE(choice->phases().protects_both(left, link("S-C", "C-N")));
+  EXPECT_FALSE(choice->phases().permits(left, oncoming));
+  EXPECT_FALSE(choice->may_be_green_together(left, oncoming)) << "no phase is on";
+  traffic->insert_now();
+  choice->decide();
+  ASSERT_TRUE(choice->is_on(left));
+  EXPECT_TRUE(choice->may_be_green_together(left, oncoming));
+  EXPECT_FALSE(choice->go_together(left, oncoming)) << "their drivers may meet";
+  EXPECT_FALSE(choice->may_be_green_together(left, link("S-C", "C-N")));
 }
 
 FakeTrip near_its_line(const std::string& id, const std::string& from, const std::string& to) {
