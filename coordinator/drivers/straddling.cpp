@@ -11,7 +11,10 @@ namespace mvtp {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kMargin = 0.1;      ///< [m] beside a body that its driver needs
+/// [m] that a driver leaves beside a body: as much as plans keep, for it could not be planned away
+/// from one who stands nearer;
+constexpr double kMargin = 0.4;
+constexpr double kBeside = 0.1;      ///< [m] and who is beside it already, as little as he needs
 constexpr double kNear = 2.0;        ///< [m] beside it a body may be there soon
 constexpr double kRoom = 5.0;        ///< [m] that those who change lanes keep ahead and behind
 constexpr double kTailRange = 60.0;  ///< [m] behind a tail in which drivers matter
@@ -101,7 +104,7 @@ void Straddling::find_tails(const VehicleState& v, const PlannedPose& at) {
 /// A body on or near a lane. Who moves over has but its nose there: drivers keep behind all of it,
 /// not beside it.
 void Straddling::add_body(const std::vector<Point>& body, int lane, double speed) {
-  std::vector<Tail>& tails = tails_[graph_.lane(lane).id];
+  std::vector<Tail> tails;
   Tail rear{.along = kInfinity, .aside = kInfinity, .speed = speed};
   for (const Point& p : body) {
     const std::optional<Beside> place = beside(graph_.lane(lane), p);
@@ -109,21 +112,34 @@ void Straddling::add_body(const std::vector<Point>& body, int lane, double speed
     rear.along = std::min(rear.along, place->along);
     rear.aside = std::min(rear.aside, place->aside);
     sides_[graph_.lane(lane).id].push_back(place->along);
-    tails.push_back({place->along, place->aside, speed});
+    tails.push_back({.along = place->along, .aside = place->aside, .speed = speed});
   }
-  if (rear.along < kInfinity) tails.push_back(rear);
+  if (tails.empty()) return;
+  tails.push_back(rear);
+  for (Tail& tail : tails) tail.rear = rear.along;
+  std::vector<Tail>& all = tails_[graph_.lane(lane).id];
+  all.insert(all.end(), tails.begin(), tails.end());
 }
 
-/// Would it touch it if it went on in its lane?
-bool Straddling::is_met(const VehicleState& driver, const Tail& tail) const {
-  return tail.along > driver.lane_position &&
-         tail.aside < type_of_(driver.type).body.width / 2.0 + kMargin;
+/// Those that it would touch if it went on in its lane, seen from its front bumper.
+std::vector<Straddling::Tail> Straddling::tails_ahead(const VehicleState& driver) const {
+  std::vector<Tail> ahead;
+  const auto tails = tails_.find(driver.lane);
+  if (tails == tails_.end()) return ahead;
+  const double half = type_of_(driver.type).body.width / 2.0;
+  for (Tail tail : tails->second) {
+    tail.along -= driver.lane_position;
+    tail.rear -= driver.lane_position;
+    const double needs = half + (tail.rear > 0.0 ? kMargin : kBeside);
+    if (tail.along > 0.0 && tail.aside < needs) ahead.push_back(tail);
+  }
+  return ahead;
 }
 
 /// From which the driver can stop behind it, braking as it does [Krauss 1998].
 double Straddling::safe_speed(const VehicleState& driver, const Tail& tail) const {
   const VehicleType& type = type_of_(driver.type);
-  const double gap = std::max(0.0, tail.along - driver.lane_position - type.min_gap);
+  const double gap = std::max(0.0, tail.along - type.min_gap);
   const double lost = type.body.max_decel * reaction_(driver);
   return std::sqrt(lost * lost + tail.speed * tail.speed + 2.0 * type.body.max_decel * gap) - lost;
 }
@@ -131,25 +147,19 @@ double Straddling::safe_speed(const VehicleState& driver, const Tail& tail) cons
 /// The speed at which it may go at most; infinity: nobody's tail is ahead of it.
 double Straddling::most_speed(const VehicleState& driver) const {
   double most = kInfinity;
-  const auto tails = tails_.find(driver.lane);
-  if (tails == tails_.end()) return most;
-  for (const Tail& tail : tails->second) {
-    if (tail.along - driver.lane_position >= kTailRange || !is_met(driver, tail)) continue;
-    most = std::min(most, safe_speed(driver, tail));
+  for (const Tail& tail : tails_ahead(driver)) {
+    if (tail.along < kTailRange) most = std::min(most, safe_speed(driver, tail));
   }
   return most;
 }
 
 std::optional<double> Straddling::stop_position(const VehicleState& driver) const {
-  const auto tails = tails_.find(driver.lane);
-  if (tails == tails_.end()) return std::nullopt;
   double most = kInfinity;
-  for (const Tail& tail : tails->second) {
-    if (tail.speed > kStanding || !is_met(driver, tail)) continue;
-    most = std::min(most, tail.along - type_of_(driver.type).min_gap);
+  for (const Tail& tail : tails_ahead(driver)) {
+    if (tail.speed <= kStanding) most = std::min(most, tail.along);
   }
   if (most == kInfinity) return std::nullopt;
-  return std::max(most, driver.lane_position);
+  return driver.lane_position + std::max(0.0, most - type_of_(driver.type).min_gap);
 }
 
 /// Is it inside a junction, or may it be after the next step? Not who stands at the line: there

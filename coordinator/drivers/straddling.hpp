@@ -44,6 +44,7 @@ class Straddling {
     double along = 0.0;  ///< [m] from the start of the lane
     double aside = 0.0;  ///< [m] from its middle, for a rear that of the nearest point of the body
     double speed = 0.0;  ///< [m/s] along the lane
+    double rear = 0.0;   ///< [m] where the body begins
   };
   [[nodiscard]] bool is_clear(const Pose& pose, const Vehicle& body, int lane, int from) const;
   void find_tails(const VehicleState& v, const PlannedPose& at);
@@ -51,7 +52,7 @@ class Straddling {
   [[nodiscard]] bool enters_junction(const VehicleState& driver, int lane) const;
   [[nodiscard]] bool is_near_one(const VehicleState& driver) const;
   [[nodiscard]] bool is_beside_one(const VehicleState& driver) const;
-  [[nodiscard]] bool is_met(const VehicleState& driver, const Tail& tail) const;
+  [[nodiscard]] std::vector<Tail> tails_ahead(const VehicleState& driver) const;
   [[nodiscard]] double safe_speed(const VehicleState& driver, const Tail& tail) const;
   [[nodiscard]] double most_speed(const VehicleState& driver) const;
 

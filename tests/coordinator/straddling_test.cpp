@@ -124,17 +124,33 @@ TEST_F(StraddlingTest, DriversBehindATailOnTheirLaneCanStopBehindIt) {
   EXPECT_GT(v, 5.0);
 }
 
-// Its side is 1.2 m from the middle of their lane.
+// Its side is 1.4 m from the middle of their lane.
 TEST_F(StraddlingTest, WideVehiclesStopWhereNarrowOnesPassBeside) {
   FakeTrip bus = car("bus", "C-E", 0, 15.0);
   bus.type = "bus";
   traffic.add(bus);
   traffic.insert_now();
-  put_aside(0.9);
+  put_aside(0.7);
   straddling.show();
   EXPECT_THAT(traffic.caps, ElementsAre(Key("bus")));
   EXPECT_TRUE(straddling.stop_position(at("bus")).has_value());
   EXPECT_FALSE(straddling.stop_position(at("behind")).has_value());
+}
+
+// Else it could not move on for them, nor they for it.
+TEST_F(StraddlingTest, WhoIsBesideItAlreadyGoesOnIfItCan) {
+  put_aside(0.7);
+  const double tail = at("across").lane_position - fake_type("car").body.length();
+  FakeTrip bus = car("bus behind", "C-E", 0, tail - 2.0);
+  bus.type = "bus";
+  traffic.add(bus);
+  bus.id = "bus beside";
+  bus.at->first = tail + 1.0;
+  traffic.add(bus);
+  traffic.insert_now();
+  straddling.show();
+  EXPECT_TRUE(traffic.caps.contains("bus behind"));
+  EXPECT_FALSE(traffic.caps.contains("bus beside"));
 }
 
 // Else they come level with it while it moves over, and neither can stop in time.
