@@ -39,7 +39,8 @@ SumoVehicles::Constant& SumoVehicles::known(const std::string& id) {
                        .speed_factor = api::Vehicle::getSpeedFactor(id)};
 }
 
-/// It shows on lanes that allow more: SUMO tells only how fast the vehicle may be where it is.
+/// It shows on lanes that allow more: SUMO tells only how fast the vehicle may be where it is. Who
+/// is faster later on was held back by a limit of that lane for its kind.
 void SumoVehicles::look_up_top_speed(const std::string& id, const std::string& lane,
                                      Constant& vehicle) {
   constexpr double kRounding = 1e-3;  // [m/s]
@@ -49,8 +50,7 @@ void SumoVehicles::look_up_top_speed(const std::string& id, const std::string& l
   const double allowed = api::Vehicle::getAllowedSpeed(id);
   if (allowed < limit - kRounding) {
     vehicle.top_speed = allowed;
-  } else if (limit >
-             vehicle.top_speed) {  // what held it back was a limit of that lane for its kind
+  } else if (limit > vehicle.top_speed) {
     vehicle.top_speed = std::numeric_limits<double>::infinity();
   }
 }
