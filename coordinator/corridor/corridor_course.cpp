@@ -16,7 +16,6 @@ constexpr double kObservedBehind = 20.0;  ///< [m] behind that in which others s
 constexpr double kBeforeEnd = 9.0;        ///< [m] that a hand-back keeps from the end of its lane
 constexpr double kArrives = 0.5;          ///< [m] before the end of its route, if that is near
 constexpr double kDriverChanges = 80.0;   ///< [m] that a driver needs to change lanes and to stop
-constexpr double kEarly = 60.0;           ///< [m] that a takeover may be earlier, before a junction
 constexpr double kBeforeJunction = 10.0;  ///< [m] before it, then
 constexpr double kBridge = 100.0;         ///< [m] more behind a junction, up to the next takeover
 
@@ -33,43 +32,8 @@ CourseFinder::CourseFinder(const LaneGraph& graph, std::vector<bool> coordinated
     const LaneGraph::Link& link = graph.link(k);
     links_[pair_key(graph.edge_of(link.from), graph.edge_of(link.to))].push_back(k);
   }
-  to_line_.assign(std::size_t(graph.lanes()), kInfinity);
-  // Backwards from the stop lines, as far as vehicles are taken over.
-  std::vector<int> open;
-  const auto reach = [&](int lane, double distance) {
-    const int edge = graph.edge_of(lane);
-    const std::span<const int> beside =
-        edge == kNone ? std::span<const int>(&lane, 1) : graph.lanes_of(edge);
-    for (const int l : beside) {
-      if (distance >= to_line_[std::size_t(l)] || distance > options_.takeover + kEarly) continue;
-      to_line_[std::size_t(l)] = distance;
-      open.push_back(l);
-    }
-  };
-  for (int k = 0; k < graph.links(); ++k) {
-    if (is_coordinated(graph.link(k).junction)) reach(graph.link(k).from, 0.0);
-  }
-  while (!open.empty()) {
-    const int lane = open.back();
-    open.pop_back();
-    double distance = to_line_[std::size_t(lane)] + graph.lane(lane).length;
-    for (const int k : graph.links_to(lane)) {
-      const LaneGraph::Link& link = graph.link(k);
-      double behind = distance;
-      for (auto via = link.via.rbegin(); via != link.via.rend(); ++via) {
-        to_line_[std::size_t(*via)] = std::min(to_line_[std::size_t(*via)], behind);
-        behind += graph.lane(*via).length;
-      }
-      const bool foreign =
-          !is_coordinated(link.junction) && graph.junction(link.junction).has_conflicts;
-      if (!foreign) reach(link.from, behind);
-    }
-  }
-}
-
-bool CourseFinder::may_approach(int lane, double position) const {
-  return graph_.lane(lane).length - position + to_line_[std::size_t(lane)] <=
-         options_.takeover + kEarly;
+  find_takeovers();
+  measure_to_lines();
 }
 
 std::span<const int> CourseFinder::links_between(int from_edge, int to_edge) const {
@@ -134,7 +98,7 @@ CourseFinder::Exit CourseFinder::exit_behind(const CourseQuery& query, std::size
                                              double driven) const {
   using Kind = Exit::Kind;
   // Up to where a next takeover still puts off the hand-back.
-  const double far = options_.exit + kBridge + options_.takeover;
+  const double far = options_.exit + kBridge + furthest_;
   Exit exit{.kind = Kind::kOpen, .room = 0.0, .edge = edge};
   for (std::size_t i = edge;; ++i) {
     exit.edge = i;
@@ -149,6 +113,7 @@ CourseFinder::Exit CourseFinder::exit_behind(const CourseQuery& query, std::size
     const int junction = graph_.junction_behind(query.edges[i]);
     if (junction == kNone) return exit;
     exit.kind = is_coordinated(junction) ? Kind::kLine : Kind::kForeign;
+    exit.takeover = takeover_before(query.edges[i]);
     if (is_coordinated(junction) || graph_.junction(junction).has_conflicts) break;
     exit.kind = Kind::kOpen;
     if (exit.room > far) return exit;
@@ -167,7 +132,7 @@ double CourseFinder::handback_at(const Exit& exit, double body_length) const {
   double at = options_.exit;
   if (exit.kind == Exit::Kind::kLine) {
     // Where the next takeover is near, nobody drives on its own in between.
-    at = std::clamp(exit.room - options_.takeover, 15.0, options_.exit + kBridge);
+    at = std::clamp(exit.room - exit.takeover, 15.0, options_.exit + kBridge);
   } else if (exit.kind == Exit::Kind::kForeign || exit.kind == Exit::Kind::kStop) {
     at = std::min(exit.room - kDriverBrakes, options_.exit);
   } else if (exit.kind == Exit::Kind::kRouteEnd && exit.room < options_.exit) {
@@ -233,20 +198,20 @@ bool CourseFinder::is_due(const CourseQuery& query, const Start& start, std::siz
                           double distance) const {
   const double bent = to_straight(query, start);
   if (bent > 0.0 && distance - bent > kDriverBrakes) return false;
-  if (distance <= options_.takeover) return true;
+  const double takeover = takeover_before(query.edges[line]);
+  if (distance <= takeover) return true;
   if (start.edge == line || start.position < 0.0) return false;
   const double to_end = length(query.edges[start.edge]) - start.position;
   const double inside = length_between(query.edges[start.edge], query.edges[start.edge + 1]);
   const double behind = distance - to_end - inside - query.length - 3.0;
-  return to_end <= kBeforeJunction && behind <= options_.takeover;
+  return to_end <= kBeforeJunction && behind <= takeover;
 }
 
 std::optional<CorridorCourse> CourseFinder::find(const CourseQuery& query) const {
   const std::optional<Start> start = start_of(query);
   double distance = 0.0;
   if (!start) return std::nullopt;
-  const std::optional<std::size_t> line =
-      first_line(query, *start, options_.takeover + kEarly, distance);
+  const std::optional<std::size_t> line = first_line(query, *start, furthest_ + kEarly, distance);
   if (!line || !is_due(query, *start, *line, distance)) return std::nullopt;
 
   const Exit exit = exit_behind(query, *line + 1, 0.0);
@@ -290,7 +255,7 @@ std::optional<CorridorCourse> CourseFinder::find(const CourseQuery& query) const
   for (const Turn& turn : turns) {
     if (turn.begin > course.handback) course.slow_places.push_back({turn.begin, turn.speed});
   }
-  course.start = query.position + distance - options_.takeover - kLeadIn;
+  course.start = query.position + distance - takeover_before(query.edges[*line]) - kLeadIn;
   if (course.start <= 0.0) lay_lead_in(query, course);
   return course;
 }
@@ -334,7 +299,9 @@ std::optional<CourseFinder::LineAhead> CourseFinder::line_ahead(const CourseQuer
   if (!start) return std::nullopt;
   double distance = 0.0;
   const std::optional<std::size_t> line = first_line(query, *start, kInfinity, distance);
-  return line ? std::optional(LineAhead{query.edges[*line], distance}) : std::nullopt;
+  if (!line) return std::nullopt;
+  const int edge = query.edges[*line];
+  return LineAhead{edge, distance, takeover_before(edge)};
 }
 
 std::optional<double> CourseFinder::distance_to_line(const CourseQuery& query) const {

@@ -49,7 +49,8 @@ struct CorridorCourse {
 };
 
 struct CorridorOptions {
-  double takeover = 80.0;  ///< [m] before a stop line
+  double takeover = 80.0;  ///< [m] before a stop line, or more: CourseFinder::takeover_before()
+  double latency = 0.0;    ///< [s] more than a decision until a vehicle answers
   double exit = 60.0;      ///< [m] behind a junction where a vehicle is handed back at the latest
   double chain = 50.0;     ///< [m] junctions nearer to each other share a corridor
   double longest = 350.0;  ///< [m] of a corridor from its first stop line on
@@ -94,10 +95,19 @@ class CourseFinder {
   /// The course of a vehicle that nobody controls, for `reach` metres along its route.
   [[nodiscard]] CorridorCourse follow(const CourseQuery& query, double reach) const;
 
+  /// Where vehicles are taken over before the line at the end of an edge [m]: as far as the
+  /// options say, or as who keeps to the fastest limit there needs to stop.
+  [[nodiscard]] double takeover_before(int edge) const { return takeover_[std::size_t(edge)]; }
+
+  /// The largest of these [m].
+  [[nodiscard]] double furthest_takeover() const { return furthest_; }
+
   /// A coordinated stop line ahead on a route.
   struct LineAhead {
     int edge = LaneGraph::kNone;  ///< that ends there
     double distance = 0.0;        ///< [m] from the vehicle
+    double takeover = 0.0;        ///< [m] before it
+    [[nodiscard]] bool is_near() const { return distance <= takeover; }
   };
   /// The next one, if there is one before the route of the vehicle ends.
   [[nodiscard]] std::optional<LineAhead> line_ahead(const CourseQuery& query) const;
@@ -105,6 +115,7 @@ class CourseFinder {
   [[nodiscard]] std::optional<double> distance_to_line(const CourseQuery& query) const;
 
  private:
+  static constexpr double kEarly = 60.0;  ///< [m] that a takeover may be earlier, before a junction
   static constexpr double kDriverBrakes = 45.0;  ///< [m] that a driver needs to stop comfortably
 
   /// Where a vehicle joins its route.
@@ -126,10 +137,15 @@ class CourseFinder {
   struct Exit {
     enum class Kind { kOpen, kLine, kForeign, kStop, kRouteEnd };
     Kind kind = Kind::kOpen;
-    double room = 0.0;     ///< [m] from the start of the exit edge to what ends it
-    std::size_t edge = 0;  ///< at the end of this one
+    double room = 0.0;      ///< [m] from the start of the exit edge to what ends it
+    std::size_t edge = 0;   ///< at the end of this one
+    double takeover = 0.0;  ///< [m] before a line there
   };
 
+  [[nodiscard]] double stopping_room(double limit) const;
+  [[nodiscard]] double find_takeover(int edge, double furthest) const;
+  void find_takeovers();
+  void measure_to_lines();
   [[nodiscard]] std::span<const int> links_between(int from_edge, int to_edge) const;
   [[nodiscard]] double length(int edge) const;
   [[nodiscard]] double length_between(int from_edge, int to_edge) const;
@@ -168,7 +184,9 @@ class CourseFinder {
   std::vector<bool> coordinated_;
   CorridorOptions options_;
   std::unordered_map<std::uint64_t, std::vector<int>> links_;
-  std::vector<double> to_line_;  ///< [m] from the end of each lane to the nearest stop line
+  std::vector<double> takeover_;  ///< [m] by edge; see takeover_before()
+  double furthest_ = 0.0;         ///< of these
+  std::vector<double> to_line_;   ///< [m] from the end of each lane to the nearest stop line
 };
 
 }  // namespace mvtp

@@ -276,7 +276,7 @@ class Coordinator : public Controller {
   void let_pass(const std::string& guest);
   void admit_guests_freely();
   [[nodiscard]] bool see_human(const VehicleState& state, const CourseQuery& query,
-                               std::optional<double> to_line);
+                               const std::optional<CourseFinder::LineAhead>& line);
   void see_guest(const VehicleState& state, const CourseQuery& query);
   [[nodiscard]] bool touches_guests(const std::vector<std::string>& guests, const Trial& trial);
   [[nodiscard]] bool waits_inside(const Trial& trial, std::optional<int> zone = {}) const;

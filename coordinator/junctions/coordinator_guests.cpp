@@ -166,7 +166,7 @@ void Coordinator::admit_guests_freely() {
 /// A human-driven vehicle near a stop line, or behind one.
 void Coordinator::see_guest(const VehicleState& v, const CourseQuery& query) {
   const std::optional<CourseFinder::LineAhead> line = finder_.line_ahead(query);
-  if (see_human(v, query, line ? std::optional(line->distance) : std::nullopt)) return;
+  if (see_human(v, query, line)) return;
   const Vehicle& body = type_of(v.type).body;
   const double clear = body.length() + kClearOfJunction;
   const Lane& lane = graph_.lane(query.lane);
@@ -175,7 +175,7 @@ void Coordinator::see_guest(const VehicleState& v, const CourseQuery& query) {
                     .leads_on = is_inside || query.edges.size() < 2 ||
                                 !graph_.links_between(query.lane, query.edges[1]).empty(),
                     .is_clear = !is_inside && query.position > clear};
-  if (line && line->distance <= options_.corridors.takeover) {
+  if (line && line->is_near()) {
     ++guest_sightings_;
     place.line = line->edge;
     place.to_line = line->distance;
@@ -191,7 +191,7 @@ void Coordinator::see_guest(const VehicleState& v, const CourseQuery& query) {
 
 /// A driver who gets his green from us, or who has had it and is still inside the junction.
 bool Coordinator::see_human(const VehicleState& v, const CourseQuery& query,
-                            std::optional<double> to_line) {
+                            const std::optional<CourseFinder::LineAhead>& line) {
   if (greens_ && greens_->governs(query)) return true;
   if (!humans_) return false;
   if (!owns_signals()) return humans_->decides_for(query);  // the signal's own program does
@@ -200,10 +200,9 @@ bool Coordinator::see_human(const VehicleState& v, const CourseQuery& query,
     humans_->see(v, query, 0.0, type_of(v.type));
     return true;
   }
-  const bool near = to_line && *to_line <= options_.corridors.takeover;
-  if (!near || !humans_->decides_for(query)) return false;
+  if (!line || !line->is_near() || !humans_->decides_for(query)) return false;
   ++guest_sightings_;
-  humans_->see(v, query, *to_line, type_of(v.type));
+  humans_->see(v, query, line->distance, type_of(v.type));
   return true;
 }
 

@@ -20,7 +20,8 @@ void tolerate(const FaultTolerance& tolerance, const RoadNetwork& network, doubl
   for (const auto& [id, lane] : network.lanes) {
     if (lane.drivable) fastest = std::max(fastest, lane.speed_limit);
   }
-  options.corridors.takeover += fastest * tolerance.latency(step_length);
+  options.corridors.latency = tolerance.latency(step_length);
+  options.corridors.takeover += fastest * options.corridors.latency;
   options.limits.margins.along += tolerance.more.along;
   options.limits.margins.across += tolerance.more.across;
 }

@@ -37,6 +37,7 @@ class LaneGraph {
 
   [[nodiscard]] const RoadNetwork& network() const { return network_; }
   [[nodiscard]] int lanes() const { return int(lanes_.size()); }
+  [[nodiscard]] int edges() const { return int(lanes_of_.size()); }
   [[nodiscard]] int junctions() const { return int(junctions_.size()); }
 
   /// kNone if there is none with this id.

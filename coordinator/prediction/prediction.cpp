@@ -88,20 +88,15 @@ std::optional<SpeedProfile> held_at_line(const SpeedProfile& t, const DecisionGr
 }
 
 constexpr double kNearEnd = 60.0;     ///< [m] before the end of its corridor it needs a longer path
-constexpr double kHorizon = 120.0;    ///< [m] along its route for which a vehicle is predicted
+constexpr double kHorizon = 40.0;     ///< [m] behind its line for which a vehicle is predicted
 constexpr double kRest = 1.0;         ///< [m] of path that there is at least ahead of it
 constexpr double kAlongside = 40.0;   ///< [m] behind the place of the takeover
 constexpr double kExitRange = 250.0;  ///< [m] behind a junction in which leaders matter
 
 }  // namespace
 
-Predictor::Predictor(const LaneGraph& graph, const CourseFinder& finder, CorridorMap& corridors,
-                     double takeover)
-    : graph_(graph),
-      finder_(finder),
-      corridors_(corridors),
-      takeover_(takeover),
-      watched_(graph, finder) {
+Predictor::Predictor(const LaneGraph& graph, const CourseFinder& finder, CorridorMap& corridors)
+    : graph_(graph), finder_(finder), corridors_(corridors), watched_(graph, finder) {
   for (int l = 0; l < graph.lanes(); ++l) exit_roots_.push_back(find_exit_root(l, kExitRange));
 }
 
@@ -160,7 +155,8 @@ int Predictor::path_of(const VehicleState& v, const CourseQuery& query, const Ve
     }
     expected_on_.erase(known);
   }
-  const int own = corridors_.corridor_for(finder_.follow(query, kHorizon), body);
+  const int own =
+      corridors_.corridor_for(finder_.follow(query, finder_.furthest_takeover() + kHorizon), body);
   const Corridor& corridor = corridors_[own];
   if (place_on(corridor, corridor.stations.front(), kRest)) return own;
   if (!corridor.course.dead_end) return LaneGraph::kNone;
@@ -259,12 +255,12 @@ std::vector<Forecast> Predictor::predict(const VehicleState& v, const CourseQuer
                                          const Vehicle& body, Intent intent, const Stand& stand,
                                          const DecisionGrid& grid, std::int64_t step) {
   const ExitRoot root = exit_roots_[std::size_t(query.lane)];
-  const std::optional<double> to_line = finder_.distance_to_line(query);
+  const std::optional<CourseFinder::LineAhead> line = finder_.line_ahead(query);
   const bool is_inside = graph_.edge_of(query.lane) == LaneGraph::kNone;
   // Whoever is further from the next line than those under control is not ahead of them there, but
   // may be in the lane beside them.
   const bool is_unknown = intent == Intent::kUnknown;
-  const bool is_far = !is_unknown && to_line && *to_line > takeover_ + kAlongside;
+  const bool is_far = !is_unknown && line && line->distance > line->takeover + kAlongside;
   if (is_far && root.lane == LaneGraph::kNone && !is_inside) return {};
   std::optional<Placed> placed = place(v, query, body);
   if (!placed) return {};
@@ -284,10 +280,10 @@ std::vector<Forecast> Predictor::predict(const VehicleState& v, const CourseQuer
     forecast.yields = false;
     return {forecast};
   }
-  const bool at_line = to_line && *to_line <= takeover_ && s + *to_line < road.s_end;
+  const bool at_line = line && line->is_near() && s + line->distance < road.s_end;
   std::optional<StopLine> stop = lane_end(*placed);
   constexpr double kSame = 1.0;  // [m] between the end of a lane and the line there
-  const bool ends_before_line = stop && at_line && stop->s < s + *to_line + kSame;
+  const bool ends_before_line = stop && at_line && stop->s < s + line->distance + kSame;
   if (intent == Intent::kPasses && !ends_before_line && (at_line || is_inside)) {
     let_pass(forecast, *placed, v.speed_factor, body, lines_ahead(*placed, query, stand, stop),
              grid);
@@ -295,13 +291,13 @@ std::vector<Forecast> Predictor::predict(const VehicleState& v, const CourseQuer
     return {forecast};
   }
   const bool is_held = at_line && !is_inside;
-  if (to_line) {
+  if (line) {
     // It is held at the end of its lane, or driven as soon as it is nearer.
     const bool at_end = is_held && intent == Intent::kWaits;
     const double to_end = graph_.lane(query.lane).length - query.position;
-    const double line = s + (at_end ? std::min(*to_line, to_end) : *to_line);
-    if (!stop || line < stop->s - kSame) {
-      stop = StopLine{.s = line, .hardest = body.max_decel};
+    const double stands = s + (at_end ? std::min(line->distance, to_end) : line->distance);
+    if (!stop || stands < stop->s - kSame) {
+      stop = StopLine{.s = stands, .hardest = body.max_decel};
       if (is_held) stop->braking = body.max_decel;  // SUMO's drivers brake as late as they can
     }
   }

@@ -22,8 +22,8 @@ struct ExitRoot {
 };
 
 /// What a driver does at a coordinated stop line: waits, as it is held at the end of its lane, or
-/// at the line, where his signal is red; goes over it, as it is let through; or nobody knows, of one
-/// that does not do what it was told to.
+/// at the line, where his signal is red; goes over it, as it is let through; or nobody knows, of
+/// one that does not do what it was told to.
 enum class Intent { kWaits, kHasRed, kPasses, kUnknown };
 
 /// Where a driver stands for long.
@@ -47,8 +47,7 @@ struct Stand {
 /// What vehicles that nobody controls are expected to do.
 class Predictor {
  public:
-  Predictor(const LaneGraph& graph, const CourseFinder& finder, CorridorMap& corridors,
-            double takeover);
+  Predictor(const LaneGraph& graph, const CourseFinder& finder, CorridorMap& corridors);
 
   /// The vehicle was handed back on this corridor.
   void handed_back(const std::string& id, int corridor) {
@@ -109,7 +108,6 @@ class Predictor {
   const LaneGraph& graph_;
   const CourseFinder& finder_;
   CorridorMap& corridors_;
-  double takeover_;
   WatchedLanes watched_;
   std::vector<ExitRoot> exit_roots_;
   HaltedQueues queues_;

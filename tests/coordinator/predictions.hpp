@@ -47,7 +47,7 @@ class Prediction {
   Walk walk{shape.network};
   DrivableArea area{shape.network};
   CorridorMap map{walk.graph, area, {}};
-  Predictor predictor{walk.graph, walk.finder, map, CorridorOptions{}.takeover};
+  Predictor predictor{walk.graph, walk.finder, map};
   Vehicle car = fake_type("car").body;
   double top_speed = std::numeric_limits<double>::infinity();  ///< [m/s] of the vehicle
   DecisionGrid grid;

@@ -139,7 +139,8 @@ void declare_run_options(CLI::App& app, CoordinateOptions& o) {
       ->allow_extra_args(false)
       ->type_name("ID,ID,...")
       ->group("Control");
-  app.add_option("--zone-radius", o.zone_radius, "Takeover this far before the stop line [m]")
+  app.add_option("--zone-radius", o.zone_radius,
+                 "Takeover this far before the stop line; more where limits exceed 73 km/h [m]")
       ->check(number_between(20.0, 1000.0))
       ->capture_default_str()
       ->group("Control");
