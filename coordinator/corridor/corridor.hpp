@@ -4,6 +4,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -95,6 +96,8 @@ class CorridorMap {
   using Shape = std::array<double, 4>;  ///< of a body, and how tightly it turns
 
   [[nodiscard]] static Shape shape_of(const Vehicle& body);
+  [[nodiscard]] double reach_on_ground(const CorridorCourse& course, std::span<const double> begins,
+                                       double whole) const;
   [[nodiscard]] Line centre_line(const CorridorCourse& course) const;
   [[nodiscard]] RoadNetwork road_along(const CorridorCourse& course) const;
   [[nodiscard]] static FreeCourse free_course(const Line& line, const CorridorCourse& course,

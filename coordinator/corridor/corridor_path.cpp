@@ -41,6 +41,20 @@ void append_change(BrokenLine& line, const CorridorPiece& piece, const Lane& fro
 
 }  // namespace
 
+/// How far along the line of a course what lies ahead matters [m]: lanes may be shorter or longer
+/// than the ground that they cover.
+double CorridorMap::reach_on_ground(const CorridorCourse& course, std::span<const double> begins,
+                                    double whole) const {
+  double left = course.reach;
+  for (auto i = std::size_t(course.exit_piece); i < course.pieces.size(); ++i) {
+    const double ground = (i + 1 < begins.size() ? begins[i + 1] : whole) - begins[i];
+    const double length = graph_.lane(course.pieces[i].lane).length;
+    if (left <= length) return begins[i] + left * ground / length;
+    left -= length;
+  }
+  return whole + left;
+}
+
 CorridorMap::Line CorridorMap::centre_line(const CorridorCourse& course) const {
   BrokenLine whole;
   Line line;
@@ -54,8 +68,9 @@ CorridorMap::Line CorridorMap::centre_line(const CorridorCourse& course) const {
       append_change(whole, piece, lane, graph_.lane(piece.target));
     }
   }
-  const double kept =
-      line.begins[std::size_t(course.exit_piece)] + std::max(course.reach, course.end) + 1.0;
+  const double kept = std::max(line.begins[std::size_t(course.exit_piece)] + course.end,
+                               reach_on_ground(course, line.begins, whole.length)) +
+                      1.0;
   line.points = shortened(without_jumps(whole), whole.length - kept);
   const Lane& first = graph_.lane(course.pieces.front().lane);
   const double scale = course.start > 0.0 ? length_of(first.shape) / first.length : 1.0;

@@ -466,5 +466,22 @@ TEST(Predictor, SeesWhoComesAlongsideThoseTakenOver) {
   EXPECT_THAT(p.predict("W-C_1", takeover - 3.5, 13.9, {"W-C", "C-N"}, Intent::kWaits), SizeIs(1));
 }
 
+// A lane's length need not be that of its ground: at the end of his route a driver is expected
+// until he is there.
+TEST(Predictor, ExpectsDriversUntilTheirRouteEndsOnLanesOfAnyLength) {
+  for (const double share : {0.8, 1.0, 1.25}) {
+    NetworkShape shape = crossroads_shape();
+    Lane& last = shape.network.lanes.at("C-E_0");
+    last.length *= share;
+    const Point end = last.shape.back();
+    Prediction p(shape);
+    for (const double left : {40.0, 20.0, 6.0, 2.0}) {
+      const auto forecasts = p.predict("C-E_0", last.length - left, 5.0, {"C-E"}, Intent::kWaits);
+      ASSERT_THAT(forecasts, SizeIs(1)) << share << ": " << left;
+      EXPECT_GE(p.place(forecasts[0], 7 + 200).x, end.x - 1.0) << share << ": " << left;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace mvtp
