@@ -181,7 +181,9 @@ class HumanDrivers {
   [[nodiscard]] bool must_end(int link) const;
   [[nodiscard]] double latest_at_line(const Agent& agent) const;
   [[nodiscard]] double green_left(const Agent& first) const;
-  [[nodiscard]] bool may_turn_green(int link) const;
+  /// Those who may have green beside a light that they cross.
+  enum class Beside { kDrivers, kPeople };
+  [[nodiscard]] bool may_turn_green(int link, Beside beside) const;
   [[nodiscard]] bool is_shown_green(const Agent& agent) const;
   [[nodiscard]] bool is_in_phase(const Agent& agent) const;
   [[nodiscard]] bool goes_on_ahead(const VehicleState& v) const;

@@ -94,7 +94,8 @@ void HumanDrivers::complete_phases() {
     const bool begins = std::ranges::any_of(phases_->beside(k), [&](int other) {
       return heads_.light(other) == Light::kGreen && heads_.shown_for(other) <= kTogether;
     });
-    if (begins && may_turn_green(k) && !heads_.is_called_before(k, step_) && !must_end(k)) {
+    if (begins && may_turn_green(k, Beside::kDrivers) && !heads_.is_called_before(k, step_) &&
+        !must_end(k)) {
       heads_.turn_green(k, phases_->yields(k));
     }
   }

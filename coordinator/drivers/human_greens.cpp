@@ -58,15 +58,17 @@ bool HumanDrivers::may_have_green(const Agent& agent) const {
     if (!heads_.owns(k)) return false;
     if (heads_.light(k) == Light::kYellow || heads_.is_called_before(k, agent.came)) return false;
     if (phases_ && !phases_->allows(k)) return false;
-    if (heads_.light(k) != Light::kGreen) return may_turn_green(k);
+    if (heads_.light(k) != Light::kGreen) return may_turn_green(k, Beside::kPeople);
     return phases_ || heads_.shown_for(k) < heads_.timing().most_green;
   });
 }
 
-bool HumanDrivers::may_turn_green(int link) const {
+/// @param beside  kPeople: for one driver whose passage between the people is planned.
+bool HumanDrivers::may_turn_green(int link, Beside beside) const {
   if (!phases_) return heads_.may_turn_green(link);
   return heads_.may_turn_green(link, [&](int other) {
-    return other < graph_.links() && phases_->may_be_green_together(link, other);
+    if (other < graph_.links()) return phases_->may_be_green_together(link, other);
+    return beside == Beside::kPeople && phases_->phases().yields_to(link, other);
   });
 }
 
@@ -218,7 +220,8 @@ double HumanDrivers::waited(const std::string& id) const {
 std::vector<std::string> HumanDrivers::first_at_lines() const {
   const auto is_barred = [this](const Agent& agent) {
     return std::ranges::any_of(agent.links, [&](int k) {
-      return heads_.barred_until(k) > traffic_.time() || heads_.is_called_before(k, agent.came) ||
+      const double until = phases_ ? phases_->barred_until(k) : heads_.barred_until(k);
+      return until > traffic_.time() || heads_.is_called_before(k, agent.came) ||
              (phases_ && !phases_->allows(k));
     });
   };

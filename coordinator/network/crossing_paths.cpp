@@ -10,9 +10,12 @@ namespace {
 constexpr double kBehind = 3.0;  ///< [m] of path behind the other kerb, at least
 constexpr double kStep = 0.2;    ///< [m] between the places aside at which people stand
 /// Half of what somebody covers along his path [m]. With the margins of the planner, those who walk
-/// have half a metre around them, those who stand a tenth: they see the vehicle.
+/// have half a metre around them.
 constexpr double kWalker = 0.3;
-constexpr double kStander = 0.06;
+/// Those who stand see the vehicle: less of the margin is theirs, so that a bus that keeps to its
+/// lane passes those at its kerb.
+constexpr double kStander = 0.18;
+constexpr double kNotTheirs = 0.4;
 constexpr double kShoulders = 0.26;  ///< half of what somebody covers across it
 /// [m] from the sides of a crossing that those may stand who are walked around, if the person stays
 /// in its middle; he may keep as far to either side of that.
@@ -76,7 +79,10 @@ int CrossingPaths::path(int crossing, bool forward, Room room, double aside) {
   const auto [found, is_new] = paths_.try_emplace({crossing, forward, room, steps});
   if (!is_new) return found->second;
   const double half = graph_.crossing(crossing).crossing->width / 2.0 - kInside;
-  return found->second = library_.add(line(crossing, forward, steps * kStep), body(room, half));
+  Margins margins = library_.margins();
+  if (room == Room::kComes || room == Room::kStands) margins.along -= kNotTheirs;
+  return found->second =
+             library_.add(line(crossing, forward, steps * kStep), body(room, half), margins);
 }
 
 double CrossingPaths::end(int crossing, bool forward) {

@@ -67,6 +67,10 @@ bool PhaseChoice::yields(int link) const {
   return phase != nullptr && phase->yielding.contains(link);
 }
 
+double PhaseChoice::barred_until(int link) const {
+  return heads_.barred_until(link, [&](int other) { return phases_.yields_to(link, other); });
+}
+
 bool PhaseChoice::go_together(int link, int other) const {
   if (!is_on(link) || !is_on(other) || !phases_.permits(link, other)) return false;
   const auto says_so = [&](int k, int to) {
@@ -203,7 +207,7 @@ QueuePhases PhaseChoice::model_of(int signal, const Choice& choice) const {
           .least_green = heads_.timing().least_green,
           .has_green = [&phases](int p, int k) { return phases[std::size_t(p)].links.contains(k); },
           .yields_to = [this](int k, int other) { return phases_.yields_to(k, other); },
-          .free_in = [this](int k) { return heads_.barred_until(k) - traffic_.time(); }};
+          .free_in = [this](int k) { return barred_until(k) - traffic_.time(); }};
 }
 
 }  // namespace mvtp

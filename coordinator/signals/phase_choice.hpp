@@ -35,6 +35,8 @@ class PhaseChoice {
   /// May two lights that cross be green together now? Not while one who has to yield has a green
   /// that does not say so.
   [[nodiscard]] bool go_together(int link, int other) const;
+  /// Until when people keep this light red [s]: not those to whom one with it gives way.
+  [[nodiscard]] double barred_until(int link) const;
   /// Do these two not exclude each other's green? Some who drive there may.
   [[nodiscard]] bool may_be_green_together(int link, int other) const;
 

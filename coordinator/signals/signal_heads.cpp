@@ -137,10 +137,10 @@ void SignalHeads::expect_people(int crossing, double until) {
   heads_[std::size_t(light_of_crossing(crossing))].people_until = until;
 }
 
-double SignalHeads::barred_until(int link) const {
+double SignalHeads::barred_until(int link, const std::function<bool(int)>& beside) const {
   double until = -1e300;
   for (const int other : heads_[std::size_t(link)].crossing) {
-    until = std::max(until, heads_[std::size_t(other)].people_until);
+    if (!beside(other)) until = std::max(until, heads_[std::size_t(other)].people_until);
   }
   return until;
 }

@@ -77,7 +77,9 @@ class SignalHeads {
   /// People are expected on the crossing until then [s].
   void expect_people(int crossing, double until);
   /// Until when lights of crossings and people on them keep this light red [s].
-  [[nodiscard]] double barred_until(int link) const;
+  /// @param beside  lights that may be green beside it though they cross.
+  [[nodiscard]] double barred_until(
+      int link, const std::function<bool(int)>& beside = [](int) { return false; }) const;
   /// Is somebody before them who came at this step and want this light?
   [[nodiscard]] bool is_called_before(int link, std::int64_t came) const;
 

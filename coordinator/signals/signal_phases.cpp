@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <map>
+#include <string_view>
 
 namespace mvtp {
 
@@ -16,6 +17,7 @@ SignalPhases::SignalPhases(const Traffic& traffic, const LaneGraph& graph,
     std::vector<GreenPhase> phases = read_program(traffic, graph, signal, own);
     if (phases.empty()) continue;
     for (const int k : own) signal_of_[std::size_t(k)] = int(signals_.size());
+    find_who_yields_to_people(traffic, graph, heads, own);
     for (const GreenPhase& phase : phases) {
       find_who_yields(phase, heads);
       find_protected(phase, heads);
@@ -48,6 +50,31 @@ void SignalPhases::find_who_yields(const GreenPhase& phase, const SignalHeads& h
   for (const int k : phase.yielding) {
     for (const int other : phase.links) {
       if (heads.cross(k, other)) yields_.insert({k, other});
+    }
+  }
+}
+
+/// Those who turn over a crossing while people there have green, too.
+void SignalPhases::find_who_yields_to_people(const Traffic& traffic, const LaneGraph& graph,
+                                             const SignalHeads& heads,
+                                             const std::vector<int>& links) {
+  const std::string& signal = graph.link(links.front()).signal;
+  for (const SignalPhase& phase : traffic.signal_phases(signal)) {
+    const auto shows = [&phase](int index, std::string_view lights) {
+      return std::size_t(index) < phase.lights.size() &&
+             lights.find(phase.lights[std::size_t(index)]) != std::string_view::npos;
+    };
+    for (int c = 0; c < graph.crossings(); ++c) {
+      const PedestrianCrossing& crossing = *graph.crossing(c).crossing;
+      const bool walks =
+          crossing.signal == signal && !crossing.lights.empty() &&
+          std::ranges::all_of(crossing.lights, [&](int i) { return shows(i, "Gg"); });
+      if (!walks) continue;
+      const int light = heads.light_of_crossing(c);
+      for (const int k : links) {
+        const bool turns = shows(graph.link(k).signal_index, "g") && heads.cross(k, light);
+        if (turns) yields_.insert({k, light});
+      }
     }
   }
 }

@@ -32,7 +32,8 @@ class SignalPhases {
   [[nodiscard]] const std::vector<PhasedSignal>& signals() const { return signals_; }
   /// The number of the signal that a connection obeys; LaneGraph::kNone: one without phases.
   [[nodiscard]] int signal_of(int link) const { return signal_of_[std::size_t(link)]; }
-  /// Does somebody on the first connection give way to those on the other, if both have green?
+  /// Does somebody on the first connection give way to those with the other light, of a connection
+  /// or a crossing, if both have green?
   [[nodiscard]] bool yields_to(int link, int other) const {
     return yields_.contains({link, other});
   }
@@ -50,6 +51,8 @@ class SignalPhases {
                                                      const std::string& signal,
                                                      const std::vector<int>& links) const;
   void find_who_yields(const GreenPhase& phase, const SignalHeads& heads);
+  void find_who_yields_to_people(const Traffic& traffic, const LaneGraph& graph,
+                                 const SignalHeads& heads, const std::vector<int>& links);
   void find_protected(const GreenPhase& phase, const SignalHeads& heads);
 
   std::vector<PhasedSignal> signals_;

@@ -89,7 +89,8 @@ ContactTable::ContactTable(const ReferencePath& path_a, const Vehicle& body_a,
 ContactTable::ContactTable(const SweptPath& a, const SweptPath& b) {
   std::vector<std::pair<std::size_t, std::size_t>> near;
   std::vector<Run> runs;
-  const double slack = std::max(0.0, (a.stride() + b.stride()) / 2.0 + kUneven - a.least_margin());
+  const double apart = (a.least_margin() + b.least_margin()) / 2.0;
+  const double slack = std::max(0.0, (a.stride() + b.stride()) / 2.0 + kUneven - apart);
   const Boxes on_a(a, b.bounds());
   const Boxes on_b(b, a.bounds());
   for (std::size_t i = on_a.first(); i < on_a.behind(); ++i) {

@@ -23,10 +23,10 @@ std::unique_ptr<const ContactTable> transpose_of(const ContactTable& table) {
 
 }  // namespace
 
-int PathLibrary::add(ReferencePath path, const Vehicle& body,
+int PathLibrary::add(ReferencePath path, const Vehicle& body, const Margins& margins,
                      std::vector<JunctionStretch> stretches) {
   const int number = int(grounds_.size());
-  auto added = std::make_unique<Ground>(std::move(path), body, margins_, std::move(stretches));
+  auto added = std::make_unique<Ground>(std::move(path), body, margins, std::move(stretches));
   for (int g = 0; g < number; ++g) {
     const auto& other = grounds_[std::size_t(g)];
     if (other && other->swept.bounds().overlaps(added->swept.bounds())) added->near.push_back(g);

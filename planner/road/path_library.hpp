@@ -5,6 +5,7 @@
 #include <mutex>
 #include <span>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include "planner/road/contact_table.hpp"
@@ -25,7 +26,12 @@ class PathLibrary {
 
   /// Returns the number of the new path.
   /// @param stretches  over junctions, for reservations there.
-  int add(ReferencePath path, const Vehicle& body, std::vector<JunctionStretch> stretches = {});
+  int add(ReferencePath path, const Vehicle& body, std::vector<JunctionStretch> stretches = {}) {
+    return add(std::move(path), body, margins_, std::move(stretches));
+  }
+  /// The same with margins of its own.
+  int add(ReferencePath path, const Vehicle& body, const Margins& margins,
+          std::vector<JunctionStretch> stretches = {});
   /// The path numbered `like`, for a body of the same shape that moves otherwise: the two share
   /// their contacts. Returns its number.
   int add_like(int like, const Vehicle& body);
@@ -35,6 +41,7 @@ class PathLibrary {
   /// Is there what add_like() needs of the path numbered so?
   [[nodiscard]] bool holds(int p) const { return grounds_[std::size_t(ground_of(p))] != nullptr; }
 
+  [[nodiscard]] const Margins& margins() const { return margins_; }
   /// Paths so far, with those removed.
   [[nodiscard]] int size() const { return int(entries_.size()); }
   [[nodiscard]] const ReferencePath& path(int p) const { return ground(p).path; }

@@ -168,6 +168,41 @@ TEST_F(PeopleAtLights, NeedWhatIsOnTheirOwnSideWhenTheyHaveWaitedForVeryLong) {
   }
 }
 
+// Lanes lie right beside sidewalks: if nobody in them passed those at the kerb, each would wait for
+// the other.
+TEST_F(PeopleAtLights, LetABusPassThatKeepsToTheLaneBesideTheirKerb) {
+  const Point& kerb = crossing().shape.front();
+  const Pose across{kerb.x, kerb.y, heading(kerb, crossing().shape.back())};
+  const auto lane_at = [&](double from_kerb) {
+    const Pose begin = compose(across, {from_kerb, -30.0, 0.0});
+    const Pose end = compose(across, {from_kerb, 30.0, 0.0});
+    return library.add(ReferencePath({{begin.x, begin.y}, {end.x, end.y}}), fake_type("bus").body);
+  };
+  const int in_lane = lane_at(1.6);
+  const int too_near = lane_at(1.2);
+  const auto meets = [&](int lane, const Forecast& person) {
+    const ContactTable& contacts = library.contacts(lane, person.vehicle.path);
+    return contacts.reaches(0.0, library.path(lane).length(), person.vehicle.now.s,
+                            person.vehicle.s_end);
+  };
+  for (const double back : {0.1, 3.0}) {  // [m] before the kerb: he stands there, or comes to it
+    for (const double aside : {-1.2, 0.0, 1.0}) {
+      const Pose place = compose(across, {-back, aside, 0.0});
+      Pedestrian person = at_kerb();
+      person.position = {place.x, place.y};
+      person.speed = back < 1.0 ? 0.0 : 1.3;
+      traffic.people = {person};
+      decide();
+      const Forecast waits = people.expect({}).front().forecast;
+      EXPECT_FALSE(meets(in_lane, waits)) << back << ", " << aside;
+      EXPECT_TRUE(meets(too_near, waits)) << back << ", " << aside;
+      EXPECT_TRUE(meets(in_lane, people.expect({crossing().id}).front().forecast));
+      traffic.people.clear();
+      decide();
+    }
+  }
+}
+
 TEST_F(PeopleAtLights, KeepTheLightsOfThoseRedWhoCrossThem) {
   traffic.people = {at_kerb()};
   decide();
