@@ -40,8 +40,8 @@ bool Coordinator::is_left_at_rest(const Driven& driven) const {
   return planner_is_dead() && driven.road.now.v == 0.0 && !plan_.find(driven.key)->complete;
 }
 
-/// Has it stood for long with its body against another one, as where the traffic let somebody
-/// depart beside it? Each may wait for the other; the traffic's drivers drive on.
+/// Has it stood for long with its body against another one, or somebody on foot, as where the
+/// traffic let them depart beside it? Each may wait for the other; the traffic's drivers drive on.
 bool Coordinator::is_wedged(const std::string& id, const Driven& driven) {
   return stands_for_good(id) && !is_inside(driven) && touches_somebody(*find_state(id));
 }

@@ -249,11 +249,14 @@ bool Coordinator::is_entering(const VehicleState& v) {
          area_.share_outside(v.pose, type_of(v.type).body, Audit::kRoadTolerance) > 0.0;
 }
 
-/// Does its body overlap another one, as those of two drivers may? Its plan could not help it.
+/// Does its body overlap another one, as those of two drivers may, or somebody on foot? Its plan
+/// could not help it.
 bool Coordinator::touches_somebody(const VehicleState& v) {
   constexpr double kLongest = 30.0;  // [m] of a road vehicle
   const Vehicle& body = type_of(v.type).body;
   const OrientedBox box = footprint(body, v.pose);
+  const auto is_in_it = [&](const Pedestrian& p) { return separation(box, p.position) < p.radius; };
+  if (std::ranges::any_of(traffic_.pedestrians(), is_in_it)) return true;
   return std::ranges::any_of(traffic_.vehicles(), [&](const VehicleState& other) {
     if (&other == &v || distance(v.pose, other.pose) > body.length() + kLongest) return false;
     return separation(box, footprint(type_of(other.type).body, other.pose)) < -Audit::kTolerance;

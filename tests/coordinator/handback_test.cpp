@@ -2,6 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <span>
+#include <utility>
+#include <vector>
+
 #include "tests/coordinator/closed_loop.hpp"
 #include "tests/coordinator/shapes.hpp"
 
@@ -185,6 +190,46 @@ TEST(HandBack, WhoStandsAgainstAnotherBodyGetsItsDriverBack) {
   EXPECT_FALSE(run.coordinator.drives("car"));
   go_on(120.0);
   EXPECT_EQ(run.traffic.arrived(), 2);
+}
+
+/// As a vehicle leaves the junction somebody stands beside it, within the turn of its body, from
+/// one moment to the next, as where people depart right at a crossing.
+class WithOneWhoAppears : public FakeTraffic {
+ public:
+  WithOneWhoAppears(const NetworkShape& shape, std::vector<FakeTrip> trips)
+      : FakeTraffic(shape.network, std::move(trips)), shape_(shape) {}
+  void step() override {
+    FakeTraffic::step();
+    const auto leaves = [](const VehicleState& v) { return v.lane == "C-E_0"; };
+    if (!people_.empty() || std::ranges::none_of(vehicles(), leaves)) return;
+    for (const PedestrianCrossing& c : shape_.network.junctions.at("C").crossings) {
+      if (c.shape.front().x < 5.0) continue;
+      people_.push_back({.id = "p", .position = {7.0, -0.4}, .edge = c.id});
+    }
+  }
+  std::span<const Pedestrian> pedestrians() const override { return people_; }
+
+ private:
+  NetworkShape shape_;
+  std::vector<Pedestrian> people_;
+};
+
+TEST(HandBack, WhoStandsAgainstSomebodyOnFootGetsItsDriverBack) {
+  WithOneWhoAppears traffic(with_crossings(crossroads_shape()),
+                            {{"bus", 0.0, "N-C", "C-E", "bus"}});
+  const DrivableArea area(traffic.network());
+  Coordinator coordinator(traffic, area, {});
+  Simulation simulation(traffic);
+  simulation.add(coordinator);
+  bool stood = false;
+  while (traffic.running() && traffic.time() < 90.0) {
+    simulation.step();
+    for (const VehicleState& v : traffic.vehicles()) {
+      stood |= coordinator.drives(v.id) && v.speed == 0.0;
+    }
+  }
+  EXPECT_TRUE(stood);
+  EXPECT_EQ(traffic.arrived(), 1);
 }
 
 INSTANTIATE_TEST_SUITE_P(Distances, HandBackBehind,
