@@ -267,8 +267,8 @@ Forecast People::stays(const Person& person, double to) {
   // People stand a hand before the kerb. Contact tables take half a sample before and behind as
   // one, and keep as much room again: at the last sample before the kerb he has enough of it.
   constexpr double kLastSample = CrossingPaths::kKerb - ReferencePath::kSpacing / 2.0 - 0.01;
-  if (person.where != Where::kOnIt) to = std::min(to, kLastSample);
   const bool stands = person.speed < kStands && person.s > CrossingPaths::kKerb - kAtKerb;
+  if (stands && person.where != Where::kOnIt) to = std::min(to, kLastSample);
   const int path = paths_.path(person.crossing, person.forward,
                                stands ? CrossingPaths::Room::kStands : CrossingPaths::Room::kComes,
                                person.aside);
