@@ -19,6 +19,17 @@ std::vector<std::pair<double, double>> inside_junctions(const Corridor& corridor
   return inside;
 }
 
+std::vector<std::pair<double, double>> lanes_between(const LaneGraph& graph,
+                                                     const Corridor& corridor) {
+  std::vector<std::pair<double, double>> lanes;
+  const auto exit = std::size_t(corridor.course.exit_piece);
+  for (auto i = std::size_t(corridor.course.lines.front()) + 1; i < exit; ++i) {
+    const bool is_normal = graph.edge_of(corridor.course.pieces[i].lane) != LaneGraph::kNone;
+    if (is_normal) lanes.emplace_back(corridor.stations[i], corridor.stations[i + 1]);
+  }
+  return lanes;
+}
+
 std::vector<std::pair<double, double>> run_ups(const Corridor& corridor, double length) {
   constexpr double kLongest = 20.0;   // [m]: a car that starts there is 10 m/s fast at its line
   constexpr double kShare = 0.3;      // at most, of the road from one junction to the next

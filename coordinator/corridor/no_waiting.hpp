@@ -7,6 +7,11 @@
 
 namespace mvtp {
 
+/// Where the front bumper is on a lane between two of its junctions: the rear axle, from and to
+/// [m].
+[[nodiscard]] std::vector<std::pair<double, double>> lanes_between(const LaneGraph& graph,
+                                                                   const Corridor& corridor);
+
 /// From `before` [m] ahead of each stop line until the tail of a vehicle has left the junction,
 /// from and to [m] of its rear axle: who waits there blocks people, or others at the next green.
 [[nodiscard]] std::vector<std::pair<double, double>> inside_junctions(const Corridor& corridor,

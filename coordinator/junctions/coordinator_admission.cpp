@@ -128,6 +128,7 @@ Driven Coordinator::admit(const Newcomer& newcomer, std::int64_t key) {
     road.no_waiting = inside_junctions(c, type.body.length(), kBeforeCrossing);
   }
   if (!heads_ && !reserves) road.run_ups = run_ups(c, type.body.length());
+  road.between = lanes_between(graph_, c);
   road.asks_again = humans_ != nullptr;  // the further they are, the less is uncertain of drivers
   road.entry_lanes = entry_lanes(c, predictor_, type.body.length());
   road.exit_lane = c.exit_lane;

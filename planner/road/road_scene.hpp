@@ -83,6 +83,8 @@ struct RoadVehicle {
   /// Likewise before junctions, for who can still stop before them with half its deceleration: from
   /// further back it is faster on the junction, and sooner off it.
   std::vector<std::pair<double, double>> run_ups;
+  /// Rear axle while the front bumper is on lanes between two junctions, from and to [m].
+  std::vector<std::pair<double, double>> between;
   std::vector<ClosedStretch> closed;  ///< ground that others have a right to
   /// Its plan gives way to a better one around all others at every decision, as soon as there is
   /// one; else only where the order of passage is searched.
@@ -109,6 +111,14 @@ struct RoadVehicle {
   [[nodiscard]] bool may_wait_at(double s) const {
     return std::ranges::none_of(
         no_waiting, [s](const auto& inside) { return s > inside.first && s < inside.second; });
+  }
+  /// Is it inside the junctions of its path, and not on a lane between two of them?
+  [[nodiscard]] bool is_on_junction() const {
+    const auto is_there = [this](const auto& lane) {
+      return now.s >= lane.first && now.s <= lane.second;
+    };
+    return !stop_lines.empty() && now.s > stop_lines.front() &&
+           std::ranges::none_of(between, is_there);
   }
   /// Does it leave onto a lane on which the other one may be a leader?
   [[nodiscard]] bool exits_with(const RoadVehicle& other) const {

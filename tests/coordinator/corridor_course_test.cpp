@@ -7,6 +7,7 @@
 #include <set>
 
 #include "coordinator/corridor/corridor.hpp"
+#include "coordinator/corridor/no_waiting.hpp"
 #include "coordinator/network/partition.hpp"
 #include "tests/coordinator/fake_traffic.hpp"
 #include "tests/coordinator/walk.hpp"
@@ -129,6 +130,22 @@ TEST(CourseFinder, HandsBackBehindTheLastOfNearJunctions) {
   ASSERT_TRUE(course);
   EXPECT_EQ(course->lines.size(), 2U);
   EXPECT_EQ(walk.graph.lane(course->pieces[std::size_t(course->exit_piece)].lane).id, "B-E_0");
+}
+
+TEST(Corridor, KnowsItsLanesBetweenTwoJunctions) {
+  const NetworkShape chain = chain_shape();
+  Walk walk(chain.network);
+  const DrivableArea area(chain.network);
+  CorridorMap map(walk.graph, area, {});
+  const auto course = walk.finder.find(walk.at("W-A_0", 60.0, {"W-A", "A-B", "B-E"}));
+  ASSERT_TRUE(course);
+  const Corridor& c = map[map.corridor_for(*course, fake_type("car").body)];
+  const auto lanes = lanes_between(walk.graph, c);
+  ASSERT_EQ(lanes.size(), 1U) << "neither the one before the first nor the one behind the last";
+  EXPECT_EQ(lanes.front().second, c.lines.back());
+  EXPECT_GT(lanes.front().first, c.lines.front());
+  EXPECT_EQ(walk.graph.lane(c.course.pieces[c.piece_at(lanes.front().first + 0.1)].lane).id,
+            "A-B_0");
 }
 
 // W ──A──────(B)──────C── E   Whether a road is one piece or two, where nobody meets anybody

@@ -95,12 +95,12 @@ class GuestsUnderWay : public Guests {};
 // Somebody without a plan may come to rest where they have to pass.
 TEST_P(GuestsUnderWay, AreLetThroughOnlyWhereEverybodyHasAPlan) {
   ClosedLoop run(crossroads_shape(),
-                 random_trips(crossroads_shape(), {.vehicles = 60,
-                                                   .duration = 60.0,
+                 random_trips(crossroads_shape(), {.vehicles = 34,
+                                                   .duration = 34.0,
                                                    .types = {"car", "bike", "truck"},
                                                    .seed = GetParam()}));
   int let_through = 0;
-  while (run.traffic.running() && run.traffic.time() < 65.0) {
+  while (run.traffic.running() && run.traffic.time() < 36.0) {
     std::set<std::string> held;
     for (const VehicleState& v : run.traffic.vehicles()) {
       if (run.traffic.is_held(v.id) && v.speed > 1.0) held.insert(v.id);
@@ -270,6 +270,24 @@ TEST(GuestsAtTheGate, ChangeLanesBehindTheJunctionWhereTheyHaveTo) {
   EXPECT_TRUE(was_kept);
   EXPECT_GT(behind, 5);
   EXPECT_EQ(run.traffic.arrived(), 1);
+}
+
+// Drivers keep behind whoever is on their lane there, wherever it turns off.
+TEST(GuestsAtTheGate, WillFindWhoIsOnALaneBetweenTwoJunctionsOnIt) {
+  ClosedLoop run(chain_shape(), {{"car", 0.0, "W-A", "B-E"}});
+  int between = 0;
+  while (run.traffic.running() && run.traffic.time() < 100.0) {
+    run.step();
+    for (const auto& [id, driven] : run.coordinator.driven()) {
+      const auto& states = run.traffic.vehicles();
+      const bool is_there = !states.empty() && states.front().lane == "A-B_0" &&
+                            states.front().lane_position > 2.0;  // [m]: a step further
+      if (!is_there || driven.road.now.s > driven.road.stop_lines.back()) continue;
+      EXPECT_FALSE(driven.road.is_on_junction()) << run.traffic.time();
+      between += driven.road.now.s > driven.road.stop_lines.front() ? 1 : 0;
+    }
+  }
+  EXPECT_GT(between, 0);
 }
 
 }  // namespace

@@ -103,11 +103,15 @@ class TurnsOff : public Crossing {
   }
 
   /// Its rear axle is at `s`, its line is at 90 m; he is 8 m behind it.
-  [[nodiscard]] bool is_followed(double s, Told told, int path) {
+  /// @param between  rear axle on lanes between two junctions, from and to [m].
+  [[nodiscard]] bool is_followed(double s, Told told, int path,
+                                 const std::vector<std::pair<double, double>>& between = {}) {
     scene.vehicles.clear();
     const RoadVehicle driver = add(0, s - 8.0, 5.0);
     scene.vehicles.clear();
-    add(path, s, 3.0).stop_lines = {90.0};
+    RoadVehicle& ours = add(path, s, 3.0);
+    ours.stop_lines = {90.0};
+    ours.between = between;
     scene.forecasts = {
         {.vehicle = driver, .earliest = {.states = {driver.now}}, .yields = false, .told = told}};
     return RoadPairs(scene).follows(0, 0);
@@ -122,6 +126,8 @@ TEST_F(TurnsOff, WhoIsToldToPassDoesNotFollowItOnTheJunction) {
   EXPECT_TRUE(is_followed(88.0, Told::kToPass, path_)) << "before its line";
   EXPECT_TRUE(is_followed(92.0, Told::kNothing, path_));
   EXPECT_TRUE(is_followed(92.0, Told::kToPass, 2)) << "it goes straight on, too";
+  EXPECT_TRUE(is_followed(92.0, Told::kToPass, path_, {{91.0, 93.0}})) << "it is on his lane";
+  EXPECT_FALSE(is_followed(92.0, Told::kToPass, path_, {{94.0, 120.0}})) << "and here not yet";
 }
 
 }  // namespace
