@@ -57,9 +57,11 @@ void CourseFinder::find_takeovers() {
   }
   takeover_.assign(std::size_t(graph_.edges()), options_.takeover);
   furthest_ = options_.takeover;
+  const double furthest = stopping_room(fastest);
+  if (furthest <= options_.takeover) return;  // nobody is so fast
   for (const int edge : before_lines) {
     double& takeover = takeover_[std::size_t(edge)];
-    takeover = find_takeover(edge, stopping_room(fastest));
+    takeover = find_takeover(edge, furthest);
     furthest_ = std::max(furthest_, takeover);
   }
 }

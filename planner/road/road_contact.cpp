@@ -194,7 +194,8 @@ bool keeps_behind(const RoadScene& scene, const Forecast& driver, const RoadVehi
                   const RoadContact& contact) {
   const RoadVehicle& b = driver.vehicle;
   // Who has been told to pass looks at nobody who leaves his path on the junction.
-  if (driver.told == Told::kToPass && a.is_on_junction() && !contact.a_blocks({a.s_exit_lane, 0.0}, b.now)) {
+  if (driver.told == Told::kToPass && a.is_on_junction() &&
+      !contact.a_blocks({a.s_exit_lane, 0.0}, b.now)) {
     return false;
   }
   // Who has only a part of it in his path follows it if he can still stop behind it; if he

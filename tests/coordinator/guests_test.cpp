@@ -272,8 +272,8 @@ TEST(GuestsAtTheGate, ChangeLanesBehindTheJunctionWhereTheyHaveTo) {
   EXPECT_EQ(run.traffic.arrived(), 1);
 }
 
-// Drivers keep behind whoever is on their lane there, wherever it turns off.
-TEST(GuestsAtTheGate, WillFindWhoIsOnALaneBetweenTwoJunctionsOnIt) {
+// A driver keeps behind a vehicle on his lane there, even if it turns off at the next junction.
+TEST(GuestsAtTheGate, KnowWhoIsOnALaneBetweenTwoJunctions) {
   ClosedLoop run(chain_shape(), {{"car", 0.0, "W-A", "B-E"}});
   int between = 0;
   while (run.traffic.running() && run.traffic.time() < 100.0) {

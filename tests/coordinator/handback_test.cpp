@@ -2,12 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
-#include <span>
-#include <utility>
-#include <vector>
-
 #include "tests/coordinator/closed_loop.hpp"
+#include "tests/coordinator/placed_people.hpp"
 #include "tests/coordinator/shapes.hpp"
 
 namespace mvtp {
@@ -192,31 +188,11 @@ TEST(HandBack, WhoStandsAgainstAnotherBodyGetsItsDriverBack) {
   EXPECT_EQ(run.traffic.arrived(), 2);
 }
 
-/// As a vehicle leaves the junction somebody stands beside it, within the turn of its body, from
-/// one moment to the next, as where people depart right at a crossing.
-class WithOneWhoAppears : public FakeTraffic {
- public:
-  WithOneWhoAppears(const NetworkShape& shape, std::vector<FakeTrip> trips)
-      : FakeTraffic(shape.network, std::move(trips)), shape_(shape) {}
-  void step() override {
-    FakeTraffic::step();
-    const auto leaves = [](const VehicleState& v) { return v.lane == "C-E_0"; };
-    if (!people_.empty() || std::ranges::none_of(vehicles(), leaves)) return;
-    for (const PedestrianCrossing& c : shape_.network.junctions.at("C").crossings) {
-      if (c.shape.front().x < 5.0) continue;
-      people_.push_back({.id = "p", .position = {7.0, -0.4}, .edge = c.id});
-    }
-  }
-  std::span<const Pedestrian> pedestrians() const override { return people_; }
-
- private:
-  NetworkShape shape_;
-  std::vector<Pedestrian> people_;
-};
-
+/// As it leaves the junction somebody stands beside it, within the turn of its body, from one
+/// moment to the next, as where people depart right at a crossing.
 TEST(HandBack, WhoStandsAgainstSomebodyOnFootGetsItsDriverBack) {
-  WithOneWhoAppears traffic(with_crossings(crossroads_shape()),
-                            {{"bus", 0.0, "N-C", "C-E", "bus"}});
+  const NetworkShape shape = with_crossings(crossroads_shape());
+  PlacedPeople traffic(shape.network, {{"bus", 0.0, "N-C", "C-E", "bus"}});
   const DrivableArea area(traffic.network());
   Coordinator coordinator(traffic, area, {});
   Simulation simulation(traffic);
@@ -226,6 +202,9 @@ TEST(HandBack, WhoStandsAgainstSomebodyOnFootGetsItsDriverBack) {
     simulation.step();
     for (const VehicleState& v : traffic.vehicles()) {
       stood |= coordinator.drives(v.id) && v.speed == 0.0;
+      if (v.lane != "C-E_0" || !traffic.people.empty()) continue;
+      const std::string& crossing = east_crossing(shape.network).id;
+      traffic.people = {{.id = "p", .position = {7.0, -0.4}, .edge = crossing}};
     }
   }
   EXPECT_TRUE(stood);

@@ -5,15 +5,14 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <span>
 #include <string>
 #include <tuple>
-#include <utility>
 #include <vector>
 
 #include "coordinator/network/partition.hpp"
 #include "coordinator/signals/phase_choice.hpp"
 #include "tests/coordinator/mixed_loop.hpp"
+#include "tests/coordinator/placed_people.hpp"
 
 namespace mvtp {
 namespace {
@@ -29,7 +28,7 @@ bool goes_straight(const LaneGraph& graph, int link) {
 }
 
 /// Crossroads whose signal has two phases, in which people walk beside those who go straight on;
-/// whoever turns over their crossing gives way.
+/// vehicles that turn over their crossing give way.
 NetworkShape crossroads_with_people() {
   NetworkShape shape = with_crossings(crossroads_with_phases());
   FakeTraffic traffic(shape.network, std::vector<FakeTrip>{});
@@ -80,26 +79,12 @@ TEST(PeopleBesideTurns, DoNotBarThoseWhoGiveWayToThem) {
   EXPECT_EQ(give_way, 8) << "who turns right or left, from each arm";
 }
 
-/// Where somebody stands on a crossing for ever.
-class WithOneOnTheCrossing : public FakeTraffic {
- public:
-  WithOneOnTheCrossing(const NetworkShape& shape, std::vector<FakeTrip> trips, Pedestrian person)
-      : FakeTraffic(shape.network, std::move(trips), 0.1, shape.programs), person_({person}) {}
-  std::span<const Pedestrian> pedestrians() const override { return person_; }
-
- private:
-  std::vector<Pedestrian> person_;
-};
-
 /// Does a driver get over the crossing of the arm to the east, with somebody on its far half?
 bool gets_by(const NetworkShape& shape, const std::string& from) {
-  Pedestrian person{.id = "p"};
-  for (const PedestrianCrossing& c : shape.network.junctions.at("C").crossings) {
-    if (c.shape.front().x < 5.0) continue;
-    person.edge = c.id;
-    person.position = {c.shape.front().x, 2.4};  // the lane to the east is on the other side
-  }
-  WithOneOnTheCrossing traffic(shape, {{"a", 0.0, from, "C-E"}}, person);
+  const PedestrianCrossing& crossing = east_crossing(shape.network);
+  const Point far_half{crossing.shape.front().x, 2.4};  // the lane to the east is on the other
+  PlacedPeople traffic(shape.network, {{"a", 0.0, from, "C-E"}}, 0.1, shape.programs);
+  traffic.people = {{.id = "p", .position = far_half, .edge = crossing.id}};
   const DrivableArea area(traffic.network());
   Coordinator coordinator(traffic, area, share(0.0));
   Simulation simulation(traffic);

@@ -10,21 +10,13 @@
 #include "coordinator/network/partition.hpp"
 #include "coordinator/network/polyline.hpp"
 #include "coordinator/people/people.hpp"
-#include "tests/coordinator/fake_traffic.hpp"
+#include "tests/coordinator/placed_people.hpp"
 
 namespace mvtp {
 namespace {
 
 using testing::ElementsAre;
 using testing::IsEmpty;
-
-/// Stands still, with people where they are put.
-class PlacedPeople : public FakeTraffic {
- public:
-  using FakeTraffic::FakeTraffic;
-  std::span<const Pedestrian> pedestrians() const override { return people; }
-  std::vector<Pedestrian> people;
-};
 
 class PeopleAtLights : public testing::Test {
  protected:

@@ -93,7 +93,7 @@ TEST(TakeoverDistance, IsWhereVehiclesAreFound) {
   }
 }
 
-/// Whoever needs time to answer comes under control as much earlier.
+// A vehicle that needs time to answer comes under control as much earlier.
 TEST(TakeoverDistance, GrowsWithTheTimeUntilAVehicleAnswers) {
   const Limits fast{.other = 30.0};
   Walk at_once(seam_before_a_line(fast));
